@@ -136,17 +136,17 @@ def sizes(tables: Tables) -> list[Figure]:
     """How much is explained, and how near the parameters are."""
     good = [row for row in at_least(tables["effects"]) if held(row)]
     every = [one for row in good for one in json.loads(row["numbers"] or "[]")]
-    off = [abs(float(one["estimate"]) / float(one["truth"]) - 1.0) for one in every if one["truth"]]
-    known = [one for one in every if one["holds"] is not None and np.isfinite(one["half_width"])]
+    known = [one for one in every if one["identifiable"]]
+    off = [abs(float(one["estimate"]) / float(one["truth"]) - 1.0) for one in known if one["truth"]]
     explained = [float(row["shrink"]) for row in good if row["shrink"] not in {"", "nan"}]
     over = [float(row["over_floor"]) for row in good if row["over_floor"]]
     return [
         middle("held-out share explained, median [%]", "met", "95", [100 * v for v in explained], "{:.0f}"),
         middle("residual over the noise floor, median", "met", "1.05", over, "{:.3f}"),
         middle("parameters off, median [%]", "met", "10", [100 * v for v in off], "{:.1f}"),
-        figure("95 % intervals hold the truth [%]", "met", "90 to 98", (bool(one["holds"]) for one in known)),
-        figure("parameters that the log cannot identify [%]", "", "",
-               (one["holds"] is not None and not np.isfinite(one["half_width"]) for one in every)),
+        figure("95 % intervals hold the truth [%]", "met", "90 to 98",
+               (bool(one["holds"]) for one in known if one["holds"] is not None)),
+        figure("parameters that the log does not identify [%]", "", "", (not one["identifiable"] for one in every)),
     ]  # fmt: skip
 
 
@@ -192,6 +192,33 @@ def measured(tables: Tables) -> list[Figure]:
     ]  # fmt: skip
 
 
+def joints(tables: Tables) -> str:
+    """What is said of each joint of the measured logs, and how many of its names either half gives."""
+    rows = {(r["log"], r["part"], r["joint"]): r for r in tables["real"] if r["seed"] == "0" and not r["truth"]}
+    lines = []
+    for (log, part, joint), row in sorted(rows.items()):
+        if part != "whole" or row["verdict"] in UNANSWERED or log == NO_INERTIA:
+            continue
+        halves = [rows.get((log, half, joint)) for half in ("first", "second")]
+        shown = [
+            f"{sum(in_the_other(row, h))} of {len(sets_of(row))}"
+            if h and h["verdict"] not in UNANSWERED
+            else "not testable"
+            for h in halves
+        ]
+        names = "; ".join(" or ".join(one.split("|")) for one in row["sets"].split(";"))
+        lines.append((f"{log} {joint}", row["verdict"], names or "-", f"{100 * float(row['remainder']):.0f}", *shown))
+    head = (
+        "log, joint",
+        "verdict",
+        "names, the largest first",
+        "without a name [%]",
+        "in the first half",
+        "second half",
+    )
+    return table(head, lines)
+
+
 def mistakes(tables: Tables) -> str:
     """Rows whose answer is wrong, or misses what has to be found, by kind."""
     visible, lines = limits.visible(tables["limits"], 2.0), []
@@ -227,6 +254,26 @@ def mistake(kind: str, row: Row, visible: set[tuple[str, str]]) -> str:
     return next((what for what, true in found.items() if true), "")
 
 
+HEAD = ("figure", "before", "goal", "measured (95 % interval)", "number")
+
+
+def simulated(tables: Tables) -> str:
+    """All figures of logs with a known truth."""
+    return table(HEAD, [one for make in (clean, one_effect, pairs_and_outside, sizes) for one in make(tables)])
+
+
+def real(tables: Tables) -> str:
+    """All figures of measured logs, and what is said of each joint."""
+    return f"{table(HEAD, measured(tables))}\n\n{joints(tables)}"
+
+
+def separated(tables: Tables) -> str:
+    """The only name, effect by effect, where the log separates it and elsewhere."""
+    known = {(row["truth"], row["seed"]): row for row in tables["separations"]}
+    rows = [row for row in separable.judged(at_least(tables["effects"])) if (row["truth"], row["seed"]) in known]
+    return separable.by_effect(rows, known)
+
+
 def page(tables: Tables) -> str:
     """The whole page."""
     parts = {
@@ -236,10 +283,9 @@ def page(tables: Tables) -> str:
         "Size": sizes,
         "Measured logs": measured,
     }
-    head = ("figure", "before", "goal", "measured (95 % interval)", "number")
     text = ["# Figures of the diagnosis", "",
             "Made by `python -m benchmarks.diagnosis_figures`; *before* is the engine that was replaced."]  # fmt: skip
     for title, make in parts.items():
-        text += ["", f"## {title}", "", table(head, make(tables))]
-    text += ["", "## Time", "", *(one["text"] for one in tables["time"])]
+        text += ["", f"## {title}", "", table(HEAD, make(tables))]
+    text += ["", joints(tables), "", "## Time", "", *(one["text"] for one in tables["time"])]
     return "\n".join([*text, "", "## Answers that are wrong or miss an effect", "", mistakes(tables), ""])

@@ -4,6 +4,7 @@ import csv
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
+from typing import NamedTuple
 
 Row = dict[str, str]
 
@@ -16,34 +17,25 @@ def read(path: Path) -> list[Row]:
         return list(csv.DictReader(file))
 
 
-def resume(
-    path: Path,
-    fields: Sequence[str],
-    tasks: Sequence[Mapping[str, object]],
-    work: Callable[..., Sequence[Mapping[str, object]]],
-    workers: int | None = None,
-    keys: Sequence[str] = ("truth", "seed"),
-) -> list[Row]:
-    """Append the rows of all tasks that the file does not hold, in the order in which they are done; read all.
+class Job(NamedTuple):
+    """A table: its columns, what is to be done, what makes the rows of a task, columns that name the task of a row."""
 
-    Args:
-        path: The table.
-        fields: Its columns.
-        tasks: What each of them is about.
-        work: What makes the rows of a task.
-        workers: Processes, as many as cores if None.
-        keys: Columns that name the task that a row belongs to.
-    """
-    done = {tuple(row[key] for key in keys) for row in read(path)}
-    started = path.exists()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with path.open("a", newline="") as file, ProcessPoolExecutor(workers) as pool:
-        writer = csv.DictWriter(file, fields)
-        if not started:
-            writer.writeheader()
-        for future in as_completed(
-            [pool.submit(work, task) for task in tasks if tuple(str(task[key]) for key in keys) not in done]
-        ):
-            writer.writerows(future.result())
-            file.flush()
-    return read(path)
+    fields: Sequence[str]
+    tasks: Sequence[Row]
+    work: Callable[[Row], Sequence[Mapping[str, object]]]
+    keys: Sequence[str] = ("truth", "seed")
+
+    def run(self, path: Path, workers: int | None = None) -> list[Row]:
+        """Append the rows of all tasks that a file does not hold, in the order in which they are done; read all."""
+        started = path.exists()
+        done = {tuple(row[key] for key in self.keys) for row in read(path)}
+        missing = [task for task in self.tasks if tuple(task[key] for key in self.keys) not in done]
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with path.open("a", newline="") as file, ProcessPoolExecutor(workers) as pool:
+            writer = csv.DictWriter(file, self.fields)
+            if not started:
+                writer.writeheader()
+            for future in as_completed([pool.submit(self.work, task) for task in missing]):
+                writer.writerows(future.result())
+                file.flush()
+        return read(path)

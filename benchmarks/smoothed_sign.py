@@ -18,7 +18,7 @@ from numba import njit
 from scipy.signal import lfilter
 
 from benchmarks.answers import ANSWER, answer_of
-from benchmarks.resume import Row, resume
+from benchmarks.resume import Job, Row
 from friction_audit.api import read_log
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import JointLog
@@ -101,9 +101,9 @@ def run_one(task: Row) -> list[dict[str, object]]:
     return [{"truth": "none", "seed": task["seed"], "scenario": scenario, "joint": 1, **answer_of(joint)}]
 
 
-def run(seeds: Sequence[int], output: Path, workers: int | None = None) -> list[Row]:
-    """Diagnose all joints that the output does not hold."""
-    return resume(output, FIELDS, [{"truth": "none", "seed": str(seed)} for seed in seeds], run_one, workers)
+def job(seeds: Sequence[int]) -> Job:
+    """Diagnose joints of some seeds."""
+    return Job(FIELDS, [{"truth": "none", "seed": str(seed)} for seed in seeds], run_one)
 
 
 def main() -> None:
@@ -114,7 +114,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int)
     parser.add_argument("--output", type=Path, default=Path("smoothed_sign.csv"))
     asked = parser.parse_args()
-    run(range(asked.first, asked.first + asked.seeds), asked.output, asked.workers)
+    job(range(asked.first, asked.first + asked.seeds)).run(asked.output, asked.workers)
 
 
 if __name__ == "__main__":

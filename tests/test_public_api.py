@@ -98,7 +98,7 @@ def test_a_replay_counts_the_cycles_that_the_hand_ended(log: JointLog) -> None:
     [
         ("estimate_log", {"dirve": "hand"}, "estimate_log: no option dirve; .* did you mean drive"),
         ("replay_log", {"asume": "same-motion"}, "did you mean assume"),
-        ("diagnose_log", {"alpa": 0.1}, "did you mean alpha"),
+        ("diagnose_log", {"sed": 1}, "did you mean seed"),
         ("estimate_log", {"drive": "hnad"}, "--drive hnad: expected one of"),
     ],
 )

@@ -17,7 +17,7 @@ import numpy as np
 from friction_audit.diagnosis.conclusion import conclude
 from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.procedure import select
-from friction_audit.diagnosis.rows import make_rows
+from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effects
 
@@ -30,7 +30,7 @@ def answer(subject: Subject, engine: str) -> dict[str, Any]:
     if engine == "old":
         found = diagnose_joint(subject, effects(), DiagnosisSettings())
         return {"verdict": found.verdict, "sets": ";".join("|".join((e.name, *e.alternatives)) for e in found.effects)}
-    if len(np.unique(make_rows(subject.data).cycle)) < FEWEST_CYCLES:
+    if len(np.unique(make_samples(subject.data).cycle)) < FEWEST_CYCLES:
         return {"verdict": "not_testable"}
     state = select(subject.data, subject.model, effects())
     said = conclude(state)

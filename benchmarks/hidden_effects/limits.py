@@ -1,17 +1,13 @@
 """How much a log holds of one effect, or of each of two: what a test would see that knew their torques.
 
-python -m benchmarks.hidden_effects.limits ROWS.csv... [--output LIMITS.csv]
-
-The files are those of ``run`` (or of ``strengths``). The torque of an effect is what it alone adds on ideal sensors. It
-is visible where n_eff ln(RSS without it / RSS with it), given the nominal model and the other effect's torque, is above
-what the best of all names of the catalogue reaches by chance in one log of a hundred. Where an effect changes how the
-joint moves, its torque is that of another motion, and the number is too small. No choice of the engine enters.
+The torque of an effect is what it alone adds on ideal sensors. It is visible where n_eff ln(RSS without it / RSS with
+it), given the nominal model and the other torque, is above what the best of all names of the catalogue reaches by
+chance in one log of a hundred. Where an effect changes how the joint moves, its torque is that of another motion, and
+the number is too small. No choice of the engine enters.
 """
 
-import argparse
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +17,10 @@ from scipy.stats import chi2
 from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_of
 from benchmarks.hidden_effects.run import NOT_REACHED, SIZES, scaled
 from benchmarks.hidden_effects.strength import prepared
-from benchmarks.resume import Row, read, resume
+from benchmarks.resume import Row
 from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.rows import Rows, make_rows
+from friction_audit.diagnosis.samples import Samples, make_samples
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.effects.registry import effects
@@ -38,11 +34,11 @@ FIELDS = ("truth", "seed", "effect", "partial", "holds", "testable")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Samples:
+class SampledJoint:
     """A joint at the rows of a filter, with its nominal model."""
 
     data: JointData
-    rows: Rows
+    rows: Samples
     nominal: NominalModel
 
     def residual(self, *torques: Float) -> Float:
@@ -51,19 +47,17 @@ class Samples:
         return np.asarray(self.nominal.y - columns @ least_squares(columns, self.nominal.y))
 
 
-def samples_of(data: JointData, model: JointModel | None, corner_hz: float | None = None) -> Samples:
+def samples_of(data: JointData, model: JointModel | None, corner_hz: float | None = None) -> SampledJoint:
     """Filter a joint; below the corner that its own noise allows unless another is given. [Hz]"""
     corner = RegressionProblem.build(data, model).samples.corner_hz if corner_hz is None else corner_hz
-    rows = make_rows(data, corner)
-    return Samples(data=data, rows=rows, nominal=nominal_model(data, rows, model))
+    rows = make_samples(data, corner)
+    return SampledJoint(data=data, rows=rows, nominal=nominal_model(data, rows, model))
 
 
-def integral_time(residual: Float, rows: Rows) -> float:
+def integral_time(residual: Float, rows: Samples) -> float:
     """Samples that hold as much as one independent one: initial positive sequence, C. J. Geyer, Stat. Sci. 7 (1992)."""
-    place = np.flatnonzero(rows.used)
-    whole = np.zeros(len(rows.used))
-    whole[place] = residual
-    there = rows.used.astype(float)
+    whole, there = np.zeros((2, rows.place[-1] + 1))
+    whole[rows.place], there[rows.place] = residual, 1.0
     power, total = float(np.mean(residual**2)), 0.0
     for lag in range(0, LONGEST_TIME, 2):
         pair = 0.0
@@ -76,7 +70,7 @@ def integral_time(residual: Float, rows: Rows) -> float:
     return max(2.0 * total - 1.0, 1.0)
 
 
-def held_by(samples: Samples, torques: Sequence[Float], which: int) -> float:
+def held_by(samples: SampledJoint, torques: Sequence[Float], which: int) -> float:
     """n_eff ln(RSS without one torque / RSS with it), given the nominal model and the other torques."""
     whole = samples.residual(*torques)
     without = samples.residual(*torques[:which], *torques[which + 1 :])
@@ -84,7 +78,7 @@ def held_by(samples: Samples, torques: Sequence[Float], which: int) -> float:
     return n_eff * float(np.log(np.sum(without**2) / np.sum(whole**2)))
 
 
-def torque_alone(case: Case, which: int, samples: Samples) -> Float:
+def torque_alone(case: Case, which: int, samples: SampledJoint) -> Float:
     """What one effect alone adds on ideal sensors, free of the nominal model, at the rows of some samples, (m,)."""
     scales = tuple(1.0 if k == which else 0.0 for k in range(len(case.effects)))
     data = prepared(simulate(settings_of(case, scales, ideal=True), case.seed).log)[case.number - 1]
@@ -95,20 +89,16 @@ def torque_alone(case: Case, which: int, samples: Samples) -> Float:
     return torque
 
 
-def same_moments(rows: Rows, others: Rows) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def same_moments(rows: Samples, others: Samples) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Which rows of two logs are the same moment, or the same start from a standstill: places in both, shape (k,)."""
     here, there = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
     for starts, apart in ((False, rows.step_s / 2.0), (True, SAME_START_S)):
-        one, other = (np.flatnonzero(_starts(r) == starts) for r in (rows, others))
+        one, other = (np.flatnonzero(r.breakaway == starts) for r in (rows, others))
         if len(one) and len(other):
             distance, nearest = cKDTree(others.t[other, None]).query(rows.t[one, None])
             here.append(one[distance < apart])
             there.append(other[nearest[distance < apart]])
     return np.concatenate(here), np.concatenate(there)
-
-
-def _starts(rows: Rows) -> NDArray[np.bool_]:
-    return np.asarray(np.isin(np.flatnonzero(rows.used), rows.breakaway_row))
 
 
 def limits_of(row: Row) -> list[Row]:
@@ -149,19 +139,3 @@ def visible(limits: Iterable[Row], times: float = 1.0) -> set[tuple[str, str]]:
         enough = one["testable"] == "True" and float(one["holds"]) >= times * PRICE
         by_log.setdefault((one["truth"], one["seed"]), []).append(enough)
     return {log for log, enough in by_log.items() if all(enough)}
-
-
-def main() -> None:
-    """Measure the logs that the output does not hold."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", type=Path, nargs="+")
-    parser.add_argument("--output", type=Path, default=Path("limits.csv"))
-    parser.add_argument("--workers", type=int)
-    asked = parser.parse_args()
-    rows = judged(row for path in asked.files for row in read(path))
-    resume(asked.output, FIELDS, rows, limits_of, asked.workers)
-
-
-if __name__ == "__main__":
-    np.seterr(all="ignore")
-    main()

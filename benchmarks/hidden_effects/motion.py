@@ -18,7 +18,7 @@ from benchmarks.answers import Row, sets_of, share, table
 from benchmarks.hidden_effects.draw import model_of, settings_of
 from benchmarks.hidden_effects.run import case_of, scaled
 from benchmarks.marked_page import write_between
-from benchmarks.resume import read, resume
+from benchmarks.resume import Job, read
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnose_log
@@ -101,7 +101,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int)
     asked = parser.parse_args()
     rows = judged(row for path in asked.files for row in read(path))
-    text = summary(resume(asked.output, FIELDS, rows, motion_of, asked.workers))
+    text = summary(Job(FIELDS, rows, motion_of).run(asked.output, asked.workers))
     if asked.page is None:
         print(text)
         return

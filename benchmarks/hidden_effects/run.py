@@ -22,7 +22,7 @@ from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
-from benchmarks.resume import Row, read, resume
+from benchmarks.resume import Job, Row, read
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
@@ -106,7 +106,7 @@ def _numbers(case: Case, found: Iterable[NamedEffect]) -> list[dict[str, object]
     """Numbers of the hidden effects that were named, beside the truth."""
     hidden = dict(zip(case.effects, case.groups, strict=True))
     return [
-        {"effect": e.name, **row}
+        {"effect": e.name, "identifiable": row["parameter"] not in e.not_identifiable, **row}
         for e in found
         if e.name in hidden
         for row in compared(
@@ -124,28 +124,20 @@ def tasks(effects: str, first: int, seeds: int) -> list[tuple[str, int]]:
     ]
 
 
-def run(
-    wanted: Sequence[tuple[str, int]],
-    output: Path,
-    strengths: Sequence[Path] = (),
-    workers: int | None = None,
-    **more: str,
-) -> list[Row]:
-    """Diagnose all logs that the output does not hold; strengths that no file holds are searched.
+def job(wanted: Sequence[tuple[str, int]], strengths: Sequence[Path] = (), scenario: str | None = None) -> Job:
+    """Diagnose logs; strengths that no file holds are searched.
 
     Args:
         wanted: Truth and seed of each log.
-        output: The table.
         strengths: Tables with the columns ``truth``, ``seed``, ``scales``.
-        workers: Processes, as many as cores if None.
-        more: Of each task: ``scenario``.
+        scenario: Of all logs; drawn if None.
     """
-    known = strengths_of(strengths)
-    tasks_ = []
+    known, tasks_ = strengths_of(strengths), []
     for truth, seed in wanted:
-        scales = known.get((truth, str(seed)))
-        tasks_.append({"truth": truth, "seed": str(seed), **more, **({} if scales is None else {"scales": scales})})
-    return resume(output, FIELDS, tasks_, run_case, workers)
+        task = {"truth": truth, "seed": str(seed)}
+        task |= {"scales": known[truth, str(seed)]} if (truth, str(seed)) in known else {}
+        tasks_.append(task | ({"scenario": scenario} if scenario else {}))
+    return Job(FIELDS, tasks_, run_case)
 
 
 def main() -> None:
@@ -165,8 +157,7 @@ def main() -> None:
         for one in tasks(asked.effects, asked.first, asked.seeds)
         if asked.noise in {None, case_of(one[1], one[0]).noise}
     ]
-    more = {"scenario": asked.scenario} if asked.scenario else {}
-    run(wanted, asked.output, asked.strengths, asked.workers, **more)
+    job(wanted, asked.strengths, asked.scenario).run(asked.output, asked.workers)
 
 
 if __name__ == "__main__":

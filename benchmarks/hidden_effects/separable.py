@@ -20,7 +20,7 @@ from benchmarks.hidden_effects.run import NOT_REACHED, SIZES, parsed, scaled
 from benchmarks.hidden_effects.separation import separate
 from benchmarks.hidden_effects.table import hidden_here
 from benchmarks.marked_page import write_between
-from benchmarks.resume import read, resume
+from benchmarks.resume import Job, read
 
 EFFECTS = (
     "stribeck", "presliding", "load_dependent_friction", "torque_ripple", "gravity_error", "torque_drift", "time_delay",
@@ -55,11 +55,15 @@ def separation_of(row: Row) -> list[dict[str, object]]:
     }]  # fmt: skip
 
 
+def job(rows: Iterable[Row]) -> Job:
+    """Measure the logs of all rows whose strength is known, each once."""
+    wanted = {(row["truth"], row["seed"]): dict(row) for row in rows if row["scales"] != NOT_REACHED}
+    return Job(FIELDS, list(wanted.values()), separation_of)
+
+
 def separations(rows: Iterable[Row], path: Path, workers: int | None = None) -> dict[Key, Row]:
-    """Those of all rows whose strength is known; what the file holds is not computed again."""
-    wanted = {(row["truth"], row["seed"]): row for row in rows if row["scales"] != NOT_REACHED}
-    found = resume(path, FIELDS, list(wanted.values()), separation_of, workers)
-    return {(row["truth"], row["seed"]): row for row in found}
+    """Those of all rows; what the file holds is not computed again."""
+    return {(row["truth"], row["seed"]): row for row in job(rows).run(path, workers)}
 
 
 def by_effect(rows: Sequence[Row], known: Mapping[Key, Row]) -> str:

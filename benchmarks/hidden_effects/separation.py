@@ -8,15 +8,16 @@ best form of another effect, is what separates the two. Over the noise it is the
 Columns are those of the catalogue; the price of the test and the rest of the measure are its own.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from heapq import nsmallest
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq, least_squares
 from scipy.stats import chi2, ncx2
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
-from benchmarks.hidden_effects.limits import Samples, integral_time, same_moments, samples_of
+from benchmarks.hidden_effects.limits import SampledJoint, integral_time, same_moments, samples_of
 from benchmarks.hidden_effects.strength import prepared
 from friction_audit.diagnosis import nominal_model
 from friction_audit.diagnosis.dictionary import Block, Dictionary
@@ -33,8 +34,7 @@ STARTS = 3  # the misfit over the gap of a backlash has many valleys
 EVALUATIONS = 12
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Competing:
+class Competing(NamedTuple):
     """Another effect in the place of the truth: correlation of the torques (0..1), noncentrality of the test."""
 
     name: str
@@ -42,14 +42,8 @@ class Competing:
     noncentrality: float
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Separation:
-    """How well a log separates the truth.
-
-    Attributes:
-        competing: All other effects that the log can show, without those that no motion of this kind separates.
-        numbers: Numbers of the truth's effect, degrees of freedom of the test; 0 where the log cannot show it.
-    """
+class Separation(NamedTuple):
+    """All other effects that a log can show; how many numbers the truth takes, 0 where the log cannot show it."""
 
     competing: tuple[Competing, ...]
     numbers: int
@@ -101,7 +95,7 @@ def _square(signal: Float) -> float:
     return float(np.mean(signal**2))
 
 
-def _both(case: Case, scale: float) -> tuple[Samples, Samples]:
+def _both(case: Case, scale: float) -> tuple[SampledJoint, SampledJoint]:
     """The joint on ideal sensors below the corner that noisy ones allow, and on those.
 
     Where an encoder's noise hides the direction, as next to a reversal, no test sees anything.
@@ -120,15 +114,13 @@ def _both(case: Case, scale: float) -> tuple[Samples, Samples]:
 class _Free:
     """Least squares of effects free of the nominal model."""
 
-    def __init__(self, samples: Samples, truth: str) -> None:
+    def __init__(self, samples: SampledJoint, truth: str) -> None:
         same = next(one.indistinguishable for one in effects() if one.name == truth)
         asked = [one for one in effects() if one.name not in {CONTACT.name, *same}]
-        m = len(samples.rows.t)
+        nominal, zeros = samples.nominal, np.zeros(len(samples.rows.t), np.int64)
         problem = RegressionProblem(
-            data=samples.data, samples=samples.rows, nominal=samples.nominal, age=np.zeros(m, np.int64),
-            fold=np.zeros(m, np.int64), curves=(),
-        )  # fmt: skip
-        nominal = samples.nominal
+            data=samples.data, samples=samples.rows, nominal=nominal, age=zeros, fold=zeros, curves=()
+        )
         self.y, self.basis = samples.residual(), np.linalg.qr(nominal.columns)[0]
         self.baseline = nominal.baseline(nominal_model.least_squares(nominal.columns, nominal.y))
         self.dictionary = Dictionary.build(problem, asked, self.baseline)
@@ -139,11 +131,11 @@ class _Free:
     def residual(self, block: Block, columns: Float) -> Float:
         """What columns (p, m) of an effect leave; all of it where their coefficients are impossible."""
         free = columns - (columns @ self.basis) @ self.basis.T
-        size = np.sqrt(np.mean(free**2, axis=1, keepdims=True))
-        free = free / np.where(size > 0, size, 1.0)
+        size = np.sqrt(np.mean(free**2, axis=1))
+        scale = np.where(size > 0, 1.0 / np.where(size > 0, size, 1.0), 0.0)
+        free *= scale[:, None]
         found = np.linalg.lstsq(free @ free.T, free @ self.y, rcond=1e-10)[0]
-        coefficients = found / np.where(size > 0, size, np.inf)[:, 0]
-        return self.y - found @ free if block.possible(coefficients) else self.y
+        return self.y - found @ free if block.possible(found * scale) else self.y
 
     def left(self, block: Block) -> float:
         """Mean square that a point of the grid leaves."""
@@ -169,7 +161,6 @@ class _Free:
 
         low, high = np.array(list(bounds.values())).T
         start = np.clip([block.shape[name] for name in bounds], low, high)
-        steps = np.array([self.dictionary.spacing(block, name) for name in bounds])
-        scale = np.maximum(steps, 1e-9)
+        scale = np.maximum([self.dictionary.spacing(block, name) for name in bounds], 1e-9)
         found = least_squares(residual, start, bounds=(low, high), x_scale=scale, max_nfev=EVALUATIONS, diff_step=1e-3)
         return _square(found.fun)

@@ -6,13 +6,14 @@ A file that is there is gone on with. Rows of ``run`` hold the strengths too, an
 """
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.hidden_effects.run import NOT_REACHED, case_of, tasks
 from benchmarks.hidden_effects.strength import scales_for
-from benchmarks.resume import Row, resume
+from benchmarks.resume import Job, Row
 from friction_audit.errors import FrictionAuditError
 
 FIELDS = ("truth", "seed", "scales")
@@ -27,6 +28,11 @@ def searched(task: Row) -> list[Row]:
     return [{**task, "scales": NOT_REACHED if scales is None else "/".join(map(repr, scales))}]
 
 
+def job(wanted: Sequence[tuple[str, int]]) -> Job:
+    """Search strengths of logs, each by truth and seed."""
+    return Job(FIELDS, [{"truth": truth, "seed": str(seed)} for truth, seed in wanted], searched)
+
+
 def main() -> None:
     """Search all strengths that the file does not hold."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -36,8 +42,7 @@ def main() -> None:
     parser.add_argument("--workers", type=int)
     parser.add_argument("--output", type=Path, default=Path("strengths.csv"))
     asked = parser.parse_args()
-    wanted = [{"truth": truth, "seed": str(seed)} for truth, seed in tasks(asked.effects, asked.first, asked.seeds)]
-    resume(asked.output, FIELDS, wanted, searched, asked.workers)
+    job(tasks(asked.effects, asked.first, asked.seeds)).run(asked.output, asked.workers)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Rows of ``run`` -> the tables in the documentation.
 
-python -m benchmarks.hidden_effects.table FILE.csv... [--output docs/diagnosis.md]
+python -m benchmarks.hidden_effects.table FILE.csv... [--output docs/benchmarks.md]
 """
 
 import argparse
@@ -16,7 +16,7 @@ from benchmarks.marked_page import write_between
 from benchmarks.resume import read
 from friction_audit.effects.registry import effects
 
-BEGIN, END = "<!-- hidden effects -->", "<!-- end of hidden effects -->"
+BEGIN, END = "<!-- effect by effect -->", "<!-- end of effect by effect -->"
 
 
 def hidden_here(row: Row) -> bool:
@@ -78,13 +78,10 @@ def numbers(rows: Sequence[Row]) -> str:
             found.setdefault((one["effect"], one["parameter"]), []).append(one)
     lines = []
     for (effect, parameter), ones in sorted(found.items()):
-        off = [abs(float(one["estimate"] or 0) / float(one["truth"] or 0) - 1) for one in ones if one["truth"]]
-        held_by = [bool(one["holds"]) for one in ones if one["holds"] is not None]
-        half = [
-            float(one["half_width"] or 0) / float(one["truth"])
-            for one in ones
-            if one.get("half_width") and one["truth"]
-        ]
+        known = [one for one in ones if one["truth"] and one.get("identifiable", True)]
+        off = [abs(float(one["estimate"] or 0) / float(one["truth"] or 0) - 1) for one in known]
+        held_by = [bool(one["holds"]) for one in known if one["holds"] is not None]
+        half = [float(one["half_width"] or 0) / float(one["truth"] or 0) for one in known if one.get("half_width")]
         shares = [f"{100 * float(np.median(one)):.1f}" if one else "-" for one in (off, half)]
         lines.append((effect, parameter, str(len(off)), *shares, share(held_by)))
     head = (
@@ -127,25 +124,31 @@ def gaps(rows: Sequence[Row]) -> str:
         "partial strength", "logs", "gap closed, median [%]", "left over the floor, median", "95 % of logs below",
         "error of the simulated motion, after over before, median",
     )  # fmt: skip
-    lines = []
-    for size in sorted({float(row["partial"]) for row in rows}):
-        own = [row for row in rows if float(row["partial"]) == size and row["truth"] != "none" and held(row)]
-        if own:
-            closed = sorted(float(row["shrink"]) for row in own if row["shrink"] not in {"", "nan"})
-            left = sorted(float(row["over_floor"]) for row in own)
-            moved = [row for row in own if row["motion_before"]]
-            motion = [float(row["motion_after"]) / float(row["motion_before"]) for row in moved]
-            lines.append(
-                (
-                    f"{size:g}",
-                    str(len(own)),
-                    f"{100 * closed[len(closed) // 2]:.0f}",
-                    f"{left[len(own) // 2]:.3f}",
-                    f"{left[int(0.95 * (len(own) - 1))]:.3f}",
-                    f"{float(np.median(motion)):.2f}" if motion else "-",
-                )
-            )
-    return table(head, lines)
+    good = [row for row in rows if row["truth"] != "none" and held(row) and row["over_floor"]]
+    sizes = sorted({float(row["partial"]) for row in good})
+    return table(head, [_gap_line(size, [row for row in good if float(row["partial"]) == size]) for size in sizes])
+
+
+def _gap_line(size: float, rows: Sequence[Row]) -> tuple[str, ...]:
+    closed = [100.0 * float(row["shrink"]) for row in rows if row["shrink"] not in {"", "nan"}]
+    left = [float(row["over_floor"]) for row in rows]
+    motion = [float(row["motion_after"]) / float(row["motion_before"]) for row in rows if row["motion_before"]]
+    middle, over, worst = (
+        _quantile(closed, 0.5, "{:.0f}"),
+        _quantile(left, 0.5, "{:.3f}"),
+        _quantile(left, 0.95, "{:.3f}"),
+    )
+    return f"{size:g}", str(len(rows)), middle, over, worst, _quantile(motion, 0.5, "{:.2f}")
+
+
+def _quantile(values: Sequence[float], q: float, form: str) -> str:
+    return form.format(float(np.quantile(values, q))) if values else "-"
+
+
+def everything(rows: Sequence[Row]) -> str:
+    """All tables."""
+    here = [row for row in rows if hidden_here(row)]
+    return "\n\n".join((by_strength(here), by_effect(here), without_effect(rows), gaps(here), numbers(here)))
 
 
 def main() -> None:
@@ -155,8 +158,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path)
     asked = parser.parse_args()
     rows = [row for path in asked.files for row in read(path) if row["verdict"] not in {"", "error"}]
-    here = [row for row in rows if hidden_here(row)]
-    text = "\n\n".join((by_strength(here), by_effect(here), without_effect(rows), gaps(here), numbers(here)))
+    text = everything(rows)
     if asked.output is None:
         print(text)
         return

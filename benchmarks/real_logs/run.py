@@ -17,7 +17,7 @@ import numpy as np
 
 from benchmarks.answers import ANSWER, answer_of
 from benchmarks.real_logs.injections import DELAY, SIZES, injected
-from benchmarks.resume import Row, resume
+from benchmarks.resume import Job, Row
 from friction_audit.api import audit_settings, read_log
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
@@ -92,9 +92,9 @@ def run_part(root: Path, task: Row) -> list[dict[str, object]]:
     return [row | {"joint": one.joint, "untestable": ";".join(one.untestable)} | answer_of(one) for one in found]
 
 
-def run(root: Path, output: Path, injection_seed: int = 30000, workers: int | None = None) -> list[Row]:
-    """Diagnose all parts that the output does not hold."""
-    return resume(output, FIELDS, list(tasks(injection_seed)), partial(run_part, root), workers, keys=KEYS)
+def job(root: Path, injection_seed: int = 30000) -> Job:
+    """Diagnose all parts of the logs in a folder; the seed draws the numbers of injected effects."""
+    return Job(FIELDS, list(tasks(injection_seed)), partial(run_part, root), KEYS)
 
 
 def main() -> None:
@@ -104,7 +104,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path, default=Path("real_logs.csv"))
     parser.add_argument("--workers", type=int)
     asked = parser.parse_args()
-    run(asked.folder, asked.output, workers=asked.workers)
+    job(asked.folder).run(asked.output, asked.workers)
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.answers import ANSWER, answer_of
-from benchmarks.resume import Row, resume
+from benchmarks.resume import Job, Row
 from benchmarks.stranger.draw import SIZES, Case, draw_case
 from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED
 from benchmarks.stranger.logs import write_log
@@ -67,10 +67,10 @@ def _row(case: Case, truth: str) -> dict[str, object]:
     }  # fmt: skip
 
 
-def run(effects: str, seeds: Sequence[int], output: Path, joints: int = 1, workers: int | None = None) -> list[Row]:
-    """Diagnose all logs that the output does not hold."""
+def job(effects: str, seeds: Sequence[int], joints: int = 1) -> Job:
+    """Diagnose logs of some seeds."""
     wanted = [{"truth": t, "seed": str(seed), "joints": str(joints)} for seed in seeds for t in truths(effects, seed)]
-    return resume(output, FIELDS, wanted, run_one, workers)
+    return Job(FIELDS, wanted, run_one)
 
 
 def truths(asked: str, seed: int) -> list[str]:
@@ -93,7 +93,8 @@ def main() -> None:
     parser.add_argument("--workers", type=int)
     parser.add_argument("--output", type=Path, required=True)
     asked = parser.parse_args()
-    run(asked.effects, range(asked.first, asked.first + asked.seeds), asked.output, asked.joints, asked.workers)
+    seeds = range(asked.first, asked.first + asked.seeds)
+    job(asked.effects, seeds, asked.joints).run(asked.output, asked.workers)
 
 
 if __name__ == "__main__":

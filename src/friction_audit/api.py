@@ -96,7 +96,7 @@ class DiagnosisOptions(TypedDict, total=False):
     """What is asked of a diagnosis: the fields of ``discrepancy.settings.DiagnosisSettings``."""
 
     candidates: tuple[str, ...] | None
-    alpha: float
+    min_effect_nm: float
     seed: int
     model: ArmModel | None
 
@@ -248,7 +248,7 @@ def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) 
 
     Args:
         log: A log, or what ``estimate_log`` made of it.
-        options: ``candidates``, ``alpha``, ``seed``, ``model``.
+        options: ``candidates``, ``min_effect_nm``, ``seed``, ``model``.
 
     Raises:
         UsageError: If an option is unknown or cannot be used.

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from benchmarks.answers import exact, first, held, held_or_negligible, misnamed, named, share, wrong
 from benchmarks.diagnosis_summary import in_the_other, load, mistake, page, same
-from benchmarks.resume import read, resume
+from benchmarks.resume import Job, read
 
 
 def answer(truth: str, sets: str, verdict: str = "named", **more: str) -> dict[str, str]:
@@ -59,7 +59,7 @@ def doubled(task: dict[str, str]) -> list[dict[str, str]]:
 def test_a_table_is_gone_on_with(tmp_path: Path) -> None:
     path, fields = tmp_path / "rows.csv", ("truth", "seed", "twice")
     for last in (2, 4):
-        resume(path, fields, [{"truth": "none", "seed": str(seed)} for seed in range(last)], doubled, 1)
+        Job(fields, [{"truth": "none", "seed": str(seed)} for seed in range(last)], doubled).run(path, 1)
     assert sorted(row["twice"] for row in read(path)) == ["0", "2", "4", "6"]
 
 

@@ -47,7 +47,9 @@ def test_a_guard_takes_back_what_over_compensation_put_in(right: Any) -> None:
         guided(replace(over, guard=Guard(passivity=passivity)), duration_s=12.0) for passivity in (False, True)
     )
     assert work_j(wild) < -0.1
-    assert work_j(guarded) > -2e-3
+    # What is compensated too much, over the time in which it is paid back.
+    fastest = float(np.abs(guarded.dq).max())
+    assert work_j(guarded) > -0.6 * (COULOMB + VISCOUS * fastest) * fastest * Guard().payback_s
 
 
 def test_who_shapes_inertia_lowers_the_peak() -> None:

@@ -105,7 +105,8 @@ def test_sums_by_hand() -> None:
     work, rms, peak = sum_up(t, dq, torque)
     assert (work, peak) == (-1.0, 4.0)
     assert rms == pytest.approx(np.sqrt((2.0 + 20.0) / 3.0))
-    signals = Signals(t=t, dq=dq, interaction_nm=torque, compensation_nm=0.0 * t, passivity_nm=0.0 * t)
+    idle = dict.fromkeys(("compensation_nm", "passivity_nm", "limited_nm"), 0.0 * t)
+    signals = Signals(t=t, dq=dq, interaction_nm=torque, **idle)
     np.testing.assert_array_equal(signals.net_energy_j, [0.0, 1.0, -1.0])
 
 
@@ -117,6 +118,7 @@ def test_damping_is_torque_against_velocity() -> None:
         interaction_nm=nothing,
         compensation_nm=nothing,
         passivity_nm=np.array([0.0, -1.0, 3.0]),
+        limited_nm=np.zeros(3),
     )
     np.testing.assert_array_equal(signals.damping_nms_per_rad, [0.0, 0.5, 3.0])
 

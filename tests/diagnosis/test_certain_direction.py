@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.certain_direction import certain_direction
+from friction_audit.diagnosis.prepare import certain_direction
 from friction_audit.joint_log import Float
 
 STEP_S = 0.0025

@@ -17,12 +17,6 @@ def test_an_effect_that_is_not_known_is_refused_with_those_that_are() -> None:
         DiagnosisSettings(candidates=("stribeck", "friktion"))
 
 
-@pytest.mark.parametrize("alpha", [0.0, -0.1, 0.5, 1.0, float("nan")])
-def test_alpha_is_a_small_probability(alpha: float) -> None:
-    with pytest.raises(UsageError, match=r"expected a probability above 0 and below 0\.5"):
-        DiagnosisSettings(alpha=alpha)
-
-
 @pytest.mark.parametrize("torque", [-0.1, float("inf"), float("nan")])
 def test_least_effect_is_a_torque(torque: float) -> None:
     with pytest.raises(UsageError, match="expected a torque of zero or more"):

@@ -1,32 +1,56 @@
-"""The engine on one likelihood: verdicts, names, intervals, stability, and its numerics against closed forms."""
+"""The answer of the engine on joints whose motion and torque are formulas: verdicts, names, numbers, invariances."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.noise_model import levinson_durbin
-from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
-from friction_audit.diagnosis.residual_checks import spectral_line
+from friction_audit.diagnosis.data_audit import DataFinding
+from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.result import JointDiagnosis
-from friction_audit.diagnosis.selection import occam
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects import stribeck, time_delay, unlogged_compensation
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import effects
 from friction_audit.joint_log import Float
-from tests.diagnosis.moved_joint import TRUTH, moved_joint
+from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
+from tests.diagnosis.toy_effects import BUMP, LOCKED_OUT, SQUARE, TOYS, altered
+
+NOISE_NM = 0.02
+STATED = simple_model(inertia_kg_m2=INERTIA_KG_M2, coulomb_nm=COULOMB_NM, viscous_nms_per_rad=VISCOUS_NMS_PER_RAD)
+HELD = replace(STATED, held=("coulomb",))
 
 
-def diagnosed(data: JointData, seed: int = 0, min_effect_nm: float = 0.0) -> JointDiagnosis:
-    subject = Subject(data=data, number=1, name="joint1", findings=(), from_energy={})
-    return diagnose_joint(subject, effects(), DiagnosisSettings(seed=seed, min_effect_nm=min_effect_nm))
+def diagnosed(
+    data: JointData, candidates: Sequence[Effect] | None = None, *, model: JointModel | None = None, **asked: float
+) -> JointDiagnosis:
+    subject = Subject(data=data, number=3, name="elbow", findings=(), from_energy={}, model=model)
+    settings = DiagnosisSettings(**asked)  # type: ignore[arg-type]
+    return diagnose_joint(subject, effects() if candidates is None else candidates, settings)
 
 
-def stribeck(data: JointData) -> Float:
-    return 0.1 * data.way * np.exp(-((np.abs(data.dq) / 0.1) ** 2))
+def names(found: JointDiagnosis) -> list[str]:
+    return [effect.name for effect in found.effects]
 
 
-def bias(data: JointData) -> Float:
+def rising(data: JointData) -> Float:
+    return 0.1 * data.way * np.exp(-((data.dq / 0.1) ** 2))
+
+
+def offset(data: JointData) -> Float:
     return np.full(len(data.t), 0.03)
+
+
+def bump(data: JointData) -> Float:
+    return 0.1 * np.exp(-(((data.q - 0.2) / 0.2) ** 2))
+
+
+def smoothed(data: JointData) -> Float:
+    return 0.3 * (np.tanh(data.dq / 0.004) - data.way)
 
 
 def scattered(data: JointData) -> Float:
@@ -35,100 +59,224 @@ def scattered(data: JointData) -> Float:
     return np.asarray(size[data.cycle] * data.way)
 
 
-def test_adequate_model_has_no_name_and_the_right_numbers() -> None:
-    found = diagnosed(moved_joint(noise_nm=0.02))
-    assert (found.verdict, found.effects, found.negligible) == ("adequate", (), ())
+@cache
+def with_stribeck() -> JointDiagnosis:
+    return diagnosed(moved_joint(rising, noise_nm=NOISE_NM))
+
+
+def test_an_adequate_model_has_no_name_and_the_right_numbers() -> None:
+    found = diagnosed(moved_joint(noise_nm=NOISE_NM))
+    assert (found.joint, found.name, found.verdict) == (3, "elbow", "adequate")
+    assert (found.effects, found.negligible, found.checks) == ((), (), ())
     for name, truth in TRUTH.items():
         assert found.nominal[name].low <= truth <= found.nominal[name].high
     assert found.gap is not None
-    assert found.gap.before == pytest.approx(0.02, rel=0.1)
+    assert found.gap.before == pytest.approx(NOISE_NM, rel=0.1)
+    assert found.omnibus_p == found.remaining_p > 0.05
+    assert 0.05 * NOISE_NM < found.detection_limit_nm < 0.5 * NOISE_NM
 
 
-def test_smoothed_sign_is_no_effect() -> None:
-    def smoothed(data: JointData) -> Float:
-        return np.asarray(0.3 * (np.tanh(data.dq / 0.004) - data.way))
-
+def test_a_smoothed_sign_is_no_effect() -> None:
     assert diagnosed(moved_joint(smoothed, noise_nm=0.01)).verdict == "adequate"
 
 
-def test_stribeck_is_named_with_its_numbers_for_every_seed() -> None:
-    found, again = (diagnosed(moved_joint(stribeck, noise_nm=0.02), seed) for seed in (0, 1))
-    assert [e.name for e in found.effects] == ["stribeck"] == [e.name for e in again.effects]
-    assert found.verdict == again.verdict == "named"
+def test_an_effect_is_named_with_its_numbers_and_the_gap_closes() -> None:
+    found = with_stribeck()
+    assert (found.verdict, names(found), found.checks) == ("named", ["stribeck"], ())
     (effect,) = found.effects
-    for name, truth in (("stribeck_excess_nm", 0.1), ("stribeck_speed_rad_s", 0.1)):
+    for name in ("stribeck_excess_nm", "stribeck_speed_rad_s"):
         number = effect.parameters[name]
-        assert number.low <= truth <= number.high
-    assert effect.gap_after_nm < effect.gap_before_nm
+        assert number.low <= 0.1 <= number.high
+        assert number.high - number.low < 0.1
+    assert (effect.chosen_in, effect.folds, effect.grade) == (5, 5, "minor")
+    torque = rising(moved_joint())
+    assert 0.3 * np.sqrt(np.mean(torque**2)) < effect.size_nm < np.sqrt(np.mean(torque**2))
     assert effect.p_value < 0.01
+    assert found.gap is not None
+    assert found.gap.shrink > 0.95
+    assert found.omnibus_p < 0.01 < found.remaining_p
+    assert found.share_explained == pytest.approx(found.gap.shrink)
 
 
-def test_effects_below_the_least_that_counts_are_negligible() -> None:
-    found = diagnosed(moved_joint(stribeck, noise_nm=0.02), min_effect_nm=0.5)
+def test_ladder_traces_and_gap_are_one_account() -> None:
+    found = with_stribeck()
+    assert found.gap is not None
+    assert found.traces is not None
+    assert [label for label, _ in found.ladder] == ["nominal model", "+ stribeck", "floor of the noise"]
+    assert [size for _, size in found.ladder] == pytest.approx([found.gap.before, found.gap.after, found.gap.floor])
+    for simulated, gap in ((found.traces.before, found.gap.before), (found.traces.after, found.gap.after)):
+        assert np.sqrt(np.mean((found.traces.measured - simulated) ** 2)) == pytest.approx(gap)
+    assert found.effects[0].gap_before_nm == pytest.approx(found.gap.before)
+    assert found.traces.along["time"] == pytest.approx(found.traces.t)
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_another_seed_changes_no_answer(seed: int) -> None:
+    first, other = with_stribeck(), diagnosed(moved_joint(rising, noise_nm=NOISE_NM), seed=seed)
+    assert (other.verdict, names(other), other.ladder) == (first.verdict, names(first), first.ladder)
+    assert other.effects[0].parameters == first.effects[0].parameters
+    assert other.effects[0].chosen_in == first.effects[0].chosen_in
+
+
+def scaled(data: JointData, factor: float) -> JointData:
+    return replace(data, torque=factor * data.torque, others_torque=factor * data.others_torque)
+
+
+def turned(data: JointData) -> JointData:
+    channels = ("q", "dq", "ddq", "torque", "others_dq", "others_ddq", "others_torque")
+    return replace(data, **{name: -getattr(data, name) for name in channels})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("change", "factor"), [(lambda data: scaled(data, 2.0**10), 2.0**10), (turned, 1.0)], ids=["units", "sign"]
+)
+def test_another_unit_of_torque_or_sign_of_the_joint_changes_no_answer(
+    change: Callable[[JointData], JointData], factor: float
+) -> None:
+    first, other = with_stribeck(), diagnosed(change(moved_joint(rising, noise_nm=NOISE_NM)))
+    assert (other.verdict, names(other)) == (first.verdict, names(first))
+    for name, one in first.effects[0].parameters.items():
+        scale = factor if name.endswith("_nm") else 1.0
+        assert other.effects[0].parameters[name].value == pytest.approx(scale * one.value, rel=1e-3)
+    assert other.effects[0].size_nm == pytest.approx(factor * first.effects[0].size_nm, rel=1e-3)
+
+
+def test_an_effect_below_the_least_that_is_asked_for_is_negligible() -> None:
+    found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), min_effect_nm=0.1)
     assert (found.verdict, found.effects) == ("adequate", ())
-    assert [e.name for e in found.negligible] == ["stribeck"]
+    assert [(effect.name, effect.grade) for effect in found.negligible] == [("stribeck", "negligible")]
 
 
-def test_offset_is_named_with_what_cannot_be_separated_from_it() -> None:
-    found = diagnosed(moved_joint(bias, noise_nm=0.02))
+def test_an_offset_is_named_with_what_cannot_be_separated_from_it() -> None:
+    found = diagnosed(moved_joint(offset, noise_nm=NOISE_NM))
     (effect,) = found.effects
     assert {"torque_bias", "asymmetric_coulomb"} <= {effect.name, *effect.alternatives}
     assert found.verdict == "ambiguous"
-    assert effect.decide
+
+
+def test_an_effect_with_a_twin_is_ambiguous() -> None:
+    twins = [
+        altered(BUMP, name="torque_bias", indistinguishable=("gravity_error",)),
+        altered(SQUARE, name="gravity_error"),
+    ]
+    found = diagnosed(moved_joint(bump, noise_nm=NOISE_NM), twins)
+    assert found.verdict == "ambiguous"
+    assert found.effects[0].alternatives == ("gravity_error",)
 
 
 def test_friction_that_scatters_is_unexplained() -> None:
-    found = diagnosed(moved_joint(scattered, noise_nm=0.02))
+    found = diagnosed(moved_joint(scattered, noise_nm=NOISE_NM))
     assert found.verdict == "unexplained"
     assert "scatter" in {check.code for check in found.checks}
 
 
-def test_too_few_cycles_are_not_testable() -> None:
-    found = diagnosed(moved_joint(noise_nm=0.02, duration_s=3.0))
+def test_what_no_effect_explains_is_unexplained_with_its_place() -> None:
+    found = diagnosed(moved_joint(bump, noise_nm=NOISE_NM), [SQUARE])
+    assert (found.verdict, found.profiles[0].axis) == ("unexplained", "position")
+    assert {(check.code, check.along) for check in found.checks} >= {("curve", "position")}
+
+
+def test_an_effect_that_holds_in_one_direction_only_changes_between_them() -> None:
+    found = diagnosed(moved_joint(lambda data: bump(data) * (1.0 + 0.9 * np.sign(data.dq)), noise_nm=NOISE_NM), [BUMP])
+    assert names(found) == ["bump"]
+    assert ("change", "bump") in {(check.code, check.along) for check in found.checks}
+
+
+def waves(data: JointData) -> Float:
+    return np.column_stack([np.sin((k // 2 + 1) * data.q * 2.0 + np.pi / 2 * (k % 2)) for k in range(16)])
+
+
+@pytest.mark.parametrize(("duration_s", "named"), [(16.0, []), (60.0, ["waves"])])
+def test_as_many_numbers_as_cycles_are_no_explanation(duration_s: float, named: list[str]) -> None:
+    many = altered(SQUARE, name="waves", regressor=lambda data, _nominal, _at: waves(data), units=("nm",) * 16)
+    hidden = np.resize([0.1, -0.07, 0.05], 16)
+    data = moved_joint(lambda one: np.asarray(waves(one) @ hidden), noise_nm=NOISE_NM, duration_s=duration_s)
+    assert names(diagnosed(data, [many])) == named
+
+
+def test_a_log_that_shows_none_of_the_effects_asked_for_is_not_testable() -> None:
+    found = diagnosed(moved_joint(bump, noise_nm=NOISE_NM), [LOCKED_OUT])
+    assert (found.verdict, found.reason) == ("not_testable", "move the moon")
+    assert diagnosed(moved_joint(noise_nm=NOISE_NM), TOYS).untestable == {"locked_out": "move the moon"}
+
+
+@pytest.mark.parametrize("lacking", ["", "moved too slowly; move it faster"])
+def test_few_cycles_are_not_testable(lacking: str) -> None:
+    subject = Subject(
+        data=moved_joint(duration_s=4.0), number=1, name="joint1", findings=(), from_energy={}, lacking=lacking
+    )
+    found = diagnose_joint(subject, TOYS, DiagnosisSettings())
     assert found.verdict == "not_testable"
-    assert "cycles" in found.message
+    assert f"at least {FEWEST_CYCLES} are needed: {lacking or 'move the joint back and forth'}" in found.reason
+    assert (found.nominal, found.traces, found.gap) == ({}, None, None)
 
 
-def test_folds_hold_whole_cycles_spread_over_the_log() -> None:
-    cycle = np.repeat(np.arange(23), 7)
-    fold = folds_of(cycle)
-    assert all(len(set(fold[cycle == c])) == 1 for c in range(23))
-    assert np.array_equal(fold, folds_of(cycle))
-    for first in range(0, 20, FOLDS):
-        assert set(fold[(cycle >= first) & (cycle < first + FOLDS)]) == set(range(FOLDS))
+def test_a_fault_of_the_data_comes_before_every_name() -> None:
+    fault = DataFinding(code="dq_scale", value=0.2, unit="", bound=0.05, verdict="fault", message="dq is 20% too large")
+    limit = DataFinding(code="holes", value=1, unit="", bound=0, verdict="limit", message="a hole")
+    subject = Subject(data=moved_joint(bump), number=1, name="joint1", findings=(limit, fault), from_energy={})
+    found = diagnose_joint(subject, TOYS, DiagnosisSettings())
+    assert (found.verdict, found.reason, found.effects) == ("data_fault", "dq is 20% too large", ())
+    assert found.findings == (limit, fault)
 
 
-def test_a_dropped_sample_ends_a_stretch() -> None:
-    problem = RegressionProblem.build(moved_joint(), None)
-    dropped = np.zeros(len(problem.y), bool)
-    dropped[100] = True
-    assert problem.without(dropped).age[100] == 0
-    assert problem.age[100] > 0
+def late(late_s: float, sample_s: float) -> JointDiagnosis:
+    """A joint whose torque comes late by so much, in a log of samples of so long."""
+    exact, noisy = moved_joint(), moved_joint(noise_nm=0.002)
+    shift = np.interp(exact.t - late_s, exact.t, exact.torque) - exact.torque
+    return diagnosed(replace(noisy, torque=noisy.torque + shift, sample_s=sample_s), [time_delay.EFFECT])
 
 
-def test_levinson_durbin_finds_an_autoregression() -> None:
-    # Autocovariance of x_t = 0.6 x_(t-1) - 0.2 x_(t-2) + e_t with unit e_t, from the Yule-Walker equations.
-    first, second = 0.6, -0.2
-    ratio = first / (1.0 - second)
-    variance = 1.0 / (1.0 - first * ratio - second * (first * ratio + second))
-    covariance = [variance, variance * ratio]
-    for _ in range(3):
-        covariance.append(first * covariance[-1] + second * covariance[-2])
-    predictors, errors = levinson_durbin(np.array(covariance))
-    assert predictors[2, :2] == pytest.approx([first, second])
-    assert errors[2:] == pytest.approx(1.0)
+@pytest.mark.parametrize("late_s", [4e-4, -4e-4])
+def test_a_recorder_that_is_late_by_less_than_half_a_sample_is_no_effect(late_s: float) -> None:
+    found = late(late_s, 1e-3)
+    assert (found.verdict, found.effects, found.negligible) == ("adequate", (), ())
+    assert [effect.name for effect in late(abs(late_s), 0.0).negligible] == ["time_delay"]
 
 
-def test_evidence_of_no_gain_is_nothing_and_grows_with_the_gain() -> None:
-    assert occam(1.0, 2.0) == 0.0
-    assert np.all(np.diff(occam(np.array([5.0, 10.0, 50.0]), 2.0)) > 0)
+def test_a_delay_of_two_samples_is_named_without_the_shape_that_the_log_cannot_show() -> None:
+    (effect,) = late(2e-3, 1e-3).effects
+    delay = effect.parameters["delay_s"]
+    assert delay.low < 2e-3 < delay.high < delay.low + 1e-3
+    assert (effect.name, effect.not_identifiable) == ("time_delay", ("delay_step_s",))
 
 
-def test_a_line_stands_out_at_its_frequency() -> None:
-    t = np.arange(0.0, 60.0, 0.02)
-    noise = np.random.default_rng(0).standard_normal(len(t))
-    line = spectral_line(noise + 2.0 * np.sin(2 * np.pi * 7.3 * t), t, 0.6, 20.0, np.ones(len(t)))
-    assert line is not None
-    assert line[0] == pytest.approx(7.3, abs=0.05)
-    assert line[1] == pytest.approx(2.0 / 3.0, rel=0.3)
-    assert spectral_line(noise, t, 0.6, 20.0, np.ones(len(t))) is None
+def test_a_model_file_that_holds_the_effect_leaves_nothing() -> None:
+    model = replace(STATED, terms=(*STATED.terms, FittedTerm("stribeck", (0.3, 0.1, 2.0))))
+    found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), model=model)
+    assert (found.verdict, found.effects) == ("adequate", ())
+    assert found.nominal["stribeck_excess_nm"].value == pytest.approx(0.1, abs=0.01)
+    assert "inertia_kg_m2" not in found.nominal
+
+
+def test_an_inertia_that_a_model_file_states_wrongly_is_an_effect() -> None:
+    found = diagnosed(moved_joint(noise_nm=NOISE_NM), model=replace(STATED, inertia_kg_m2=0.25))
+    assert names(found) == ["inertia_error"]
+    assert found.effects[0].parameters["extra_inertia_kg_m2"].value == pytest.approx(-0.05, rel=0.05)
+
+
+SHARE, WIDTH_RAD_S = 0.6, 0.2
+
+
+def helped(data: JointData) -> Float:
+    """What a compensator of a share of both frictions takes off, smooth below a speed."""
+    return -SHARE * (COULOMB_NM * np.tanh(data.dq / WIDTH_RAD_S) + VISCOUS_NMS_PER_RAD * data.dq)
+
+
+COMPENSATED = (stribeck.EFFECT, unlogged_compensation.EFFECT)
+
+
+def test_a_compensator_that_the_log_lacks_is_named_where_coulomb_friction_is_held() -> None:
+    found = diagnosed(moved_joint(helped, noise_nm=NOISE_NM), COMPENSATED, model=HELD)
+    assert (found.verdict, names(found)) == ("named", ["unlogged_compensation"])
+    numbers = found.effects[0].parameters
+    assert numbers["unlogged_nm"].value == pytest.approx(SHARE * COULOMB_NM, rel=0.05)
+    assert numbers["unlogged_width_rad_s"].value == pytest.approx(WIDTH_RAD_S, rel=0.1)
+    assert found.augmented["viscous_nms_per_rad"].value == pytest.approx((1.0 - SHARE) * VISCOUS_NMS_PER_RAD, abs=0.005)
+    assert diagnosed(moved_joint(noise_nm=NOISE_NM), COMPENSATED, model=HELD).verdict == "adequate"
+
+
+def test_a_compensator_cannot_be_shown_where_friction_is_fitted() -> None:
+    found = diagnosed(moved_joint(helped, noise_nm=NOISE_NM), COMPENSATED)
+    assert "unlogged_compensation" not in names(found)
+    assert "log the commanded torque" in found.untestable["unlogged_compensation"]

@@ -9,7 +9,7 @@ from scipy.signal import butter, sosfiltfilt
 
 from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
 from friction_audit.diagnosis.prepare import prepare
-from friction_audit.diagnosis.rows import make_rows
+from friction_audit.diagnosis.samples import make_samples
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.io.readers.read import read_log
@@ -19,18 +19,18 @@ from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOU
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
 EXACT = moved_joint(duration_s=30.0)
-ROWS = make_rows(EXACT)
+SAMPLES = make_samples(EXACT)
 SIMPLE = (FittedTerm("coulomb", (9.0,)), FittedTerm("viscous", (9.0,)))
 
 
 def test_exact_data_give_the_exact_coefficients() -> None:
-    nominal = nominal_model(EXACT, ROWS, None)
+    nominal = nominal_model(EXACT, SAMPLES, None)
     values = least_squares(nominal.columns, nominal.y)
     assert dict(zip(nominal.names, values, strict=True)) == pytest.approx(TRUTH, rel=1e-9)
 
 
 def test_the_baseline_of_effects_is_the_fit() -> None:
-    nominal = nominal_model(EXACT, ROWS, None)
+    nominal = nominal_model(EXACT, SAMPLES, None)
     baseline = nominal.baseline(np.array([COULOMB_NM, VISCOUS_NMS_PER_RAD, INERTIA_KG_M2]))
     assert baseline.torque == pytest.approx(EXACT.torque)
     assert (baseline.coulomb_nm, baseline.viscous_nms_per_rad, baseline.inertia_kg_m2) == (0.3, 0.07, 0.2)
@@ -39,10 +39,10 @@ def test_the_baseline_of_effects_is_the_fit() -> None:
 
 def test_a_stated_inertia_is_taken_and_friction_is_fitted_all_the_same() -> None:
     model = JointModel(inertia_kg_m2=0.5 * INERTIA_KG_M2, terms=SIMPLE)
-    nominal = nominal_model(EXACT, ROWS, model)
+    nominal = nominal_model(EXACT, SAMPLES, model)
     assert nominal.names == ("coulomb_nm", "viscous_nms_per_rad")
     assert nominal.stated == pytest.approx(0.1 * EXACT.ddq)
-    assert nominal.y == pytest.approx(ROWS.y - ROWS.of(0.1 * EXACT.ddq))
+    assert nominal.y == pytest.approx(SAMPLES.y - SAMPLES.of(0.1 * EXACT.ddq))
     baseline = nominal.baseline(np.array([0.3, 0.07]))
     assert baseline.inertia_kg_m2 == 0.1
     assert baseline.declared == {"inertia_kg_m2"}
@@ -50,7 +50,7 @@ def test_a_stated_inertia_is_taken_and_friction_is_fitted_all_the_same() -> None
 
 def test_a_term_that_is_held_is_stated_and_no_column() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(FittedTerm("coulomb", (0.4,)), SIMPLE[1]), held=("coulomb",))
-    nominal = nominal_model(EXACT, ROWS, held)
+    nominal = nominal_model(EXACT, SAMPLES, held)
     assert nominal.names == ("viscous_nms_per_rad",)
     assert nominal.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * EXACT.motion().direction)
     baseline = nominal.baseline(np.array([0.07]))
@@ -62,14 +62,14 @@ def test_a_term_that_is_held_is_stated_and_no_column() -> None:
 def test_a_model_that_holds_everything_leaves_nothing_to_fit() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=SIMPLE, held=("coulomb", "viscous"))
     with pytest.raises(AnalysisError, match="both held"):
-        nominal_model(EXACT, ROWS, held)
+        nominal_model(EXACT, SAMPLES, held)
 
 
 def test_terms_of_a_model_file_are_columns_with_their_stated_shape() -> None:
     stribeck = FittedTerm("stribeck", (0.2, 0.15, 1.0))
     model = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(*SIMPLE, stribeck))
     data = moved_joint(lambda d: stribeck.torque(d.motion()), duration_s=30.0)
-    nominal = nominal_model(data, make_rows(data), model)
+    nominal = nominal_model(data, make_samples(data), model)
     values = dict(zip(nominal.names, least_squares(nominal.columns, nominal.y), strict=True))
     assert values["stribeck_excess_nm"] == pytest.approx(0.2, rel=1e-6)
     assert values["coulomb_nm"] == pytest.approx(0.3, rel=1e-6)
@@ -93,9 +93,9 @@ def test_residual_of_a_real_arm_below_4_hz() -> None:
     estimate = estimate_log(read_log(path), AuditSettings(torque=TorqueSettings(drive="robot", robot="panda")))
     left = []
     for data in prepare(estimate.interaction, estimate.cycles, estimate.log):
-        rows = make_rows(data)
-        nominal = nominal_model(data, rows, None)
-        offset = np.column_stack([nominal.columns, rows.of(np.ones((len(data.t), 1)))])
+        samples = make_samples(data)
+        nominal = nominal_model(data, samples, None)
+        offset = np.column_stack([nominal.columns, samples.of(np.ones((len(data.t), 1)))])
         fine = data.torque - np.column_stack([nominal.fine, np.ones(len(data.t))]) @ least_squares(offset, nominal.y)
         low = sosfiltfilt(butter(4, 4.0, fs=1.0 / data.step_s, output="sos"), fine)
         left.append(float(np.sqrt(np.mean(low[data.used] ** 2))))
@@ -105,10 +105,10 @@ def test_residual_of_a_real_arm_below_4_hz() -> None:
 
 def test_numbers_that_a_model_file_lacks_are_no_columns() -> None:
     of_angle = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
-    nominal = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
+    nominal = nominal_model(EXACT, SAMPLES, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
     assert "gravity_cos_nm" in nominal.names
     assert "gravity_across_2_m_s2" in nominal.names
     assert not [name for name in nominal.names if name.startswith(("next", "last"))]
     several = FittedTerm("gravity_error", (0.0,) * 9 + (0.1,) + (0.0,) * 6 + (-2.0,))
-    nominal = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
+    nominal = nominal_model(EXACT, SAMPLES, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
     assert [name for name in nominal.names if name.startswith(("next", "last"))] == ["next_link_moment_y_kg_m"]

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from friction_audit.diagnosis.prepare import fresh_samples, holes, low_pass_for, prepare
+from friction_audit.diagnosis.prepare import prepare
 from friction_audit.effects.joint_data import JointData
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
+from friction_audit.preprocessing.even_grid import LowPass
 from friction_audit.preprocessing.velocity import lag_of
 from friction_audit.simulation import BenchSettings, simulate
 
@@ -25,75 +26,12 @@ def prepared(estimate: Estimate) -> JointData:
     return data
 
 
-def test_a_slow_sine_passes_with_its_derivative() -> None:
-    t = np.arange(0, 5, 1e-3)
-    low_pass = low_pass_for(t)
-    slow, slope = low_pass.with_slope(t, np.sin(4 * np.pi * t))
-    inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
-    assert np.abs(slow - np.sin(4 * np.pi * low_pass.t))[inside].max() < 1e-3
-    assert np.abs(slope - 4 * np.pi * np.cos(4 * np.pi * low_pass.t))[inside].max() < 2e-2
-
-
-def test_a_position_bends_over_lost_samples() -> None:
-    t = np.delete(np.arange(0, 5, 1e-3), np.arange(2000, 2009))
-    low_pass = low_pass_for(t)
-    _, slope = low_pass.with_slope(t, 5.0 * t**2)
-    inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
-    # A straight line over 10 ms would be off by 0.125 mrad, and its slope by 14 mrad/s.
-    assert np.abs(slope - 10.0 * low_pass.t)[inside].max() < 1e-3
-
-
-@pytest.mark.parametrize(("frequency", "gain"), [(40.0, 1.0), (80.0, 0.5), (130.0, 0.0)])
-def test_corner(frequency: float, gain: float) -> None:
-    t = np.arange(0, 5, 2.5e-4)
-    low_pass = low_pass_for(t)
-    inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
-    passed = low_pass.of(t, np.sin(2 * np.pi * frequency * t + 0.7))[inside]
-    assert np.sqrt(2 * np.mean(passed**2)) == pytest.approx(gain, abs=0.01)
-
-
-@pytest.mark.parametrize(
-    ("rate", "grid", "corner"), [(50.0, 50.0, 12.5), (300.0, 300.0, 75.0), (500.0, 400.0, 80.0), (1000.0, 400.0, 80.0)]
-)
-def test_grid_is_not_faster_than_the_log(rate: float, grid: float, corner: float) -> None:
-    t = np.arange(0, 5, 1 / rate)
-    low_pass = low_pass_for(t)
-    assert 1 / (low_pass.t[1] - low_pass.t[0]) == pytest.approx(grid)
-    assert low_pass.corner_hz == pytest.approx(corner)
-    assert (low_pass.t[0], low_pass.t[-1]) == pytest.approx((0.0, t[-1]), abs=1 / grid)
-    assert low_pass.of(t, np.ones(len(t))) == pytest.approx(1.0)
-
-
-def test_an_impulse_comes_out_where_it_went_in() -> None:
-    t = np.arange(0, 2, 1e-3)
-    low_pass = low_pass_for(t)
-    passed = low_pass.of(t, (t == 1.0).astype(float))
-    assert passed @ low_pass.t / passed.sum() == pytest.approx(1.0, abs=1e-6)
-    assert np.argmax(passed) == 400
-
-
-def test_holes_are_those_that_motion_bends_in() -> None:
-    t = np.delete(np.arange(2000) * 1e-3, [*range(500, 515), *range(900, 925)])
-    (hole,) = holes(t)
-    assert t[hole] == pytest.approx(0.899)
-
-
-def test_a_stale_sample_of_a_moving_joint_is_no_news_and_that_of_a_resting_one_is() -> None:
-    log = bench().log
-    moving = int(np.argmax(np.abs(log.dq[:, 0])))
-    still = replace(log, q=np.full_like(log.q, 0.3), dq=np.zeros_like(log.dq))
-    q, dq = log.q.copy(), log.dq.copy()
-    q[moving + 1], dq[moving + 1] = q[moving], dq[moving]
-    assert not fresh_samples(replace(log, q=q, dq=dq))[moving + 1]
-    assert fresh_samples(still).all()
-
-
 def test_a_hole_and_the_ends_are_not_valid() -> None:
     log = bench().log
     kept = (log.t < 10.0) | (log.t > 10.3)
     channels: dict[str, Any] = {name: channel[kept] for name, channel in log.channels().items()}
     data = prepared(estimate_log(replace(log, t=log.t[kept], **channels), AuditSettings()))
-    reach = low_pass_for(log.t).reach_s
+    reach = LowPass.for_stamps(log.t).reach_s
     invalid = data.t[~data.valid & (data.t > 9.0) & (data.t < 11.0)]
     assert (invalid[0], invalid[-1]) == pytest.approx((10.0 - reach, 10.3 + reach), abs=0.006)
     assert not data.valid[0]

@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from friction_audit.diagnosis.profiles import own_axis
 from friction_audit.diagnosis.result import NamedEffect
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.diagnosis.shown_along import own_axis
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate
 from tests.reporting.diagnosis_by_hand import STRIBECK, coefficient, traces

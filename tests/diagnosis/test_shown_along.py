@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.shown_along import shows_along
+from friction_audit.diagnosis.profiles import shows_along
 from friction_audit.joint_log import Float
 
 PLACE: Float = np.tile(np.linspace(0.0, 1.0, 600), 8)

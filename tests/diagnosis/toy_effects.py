@@ -16,10 +16,6 @@ class Bump(Effect):
         return bool(coefficients[0] > 0)
 
 
-class Step(Effect):
-    moment = "moment_s"
-
-
 class Impossible(Effect):
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:  # noqa: ARG002
         return "move the moon"
@@ -65,7 +61,7 @@ BUMP = toy(
 WAVE = toy(Effect, "wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate": 0.5})
 SQUARE = toy(Effect, "square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
 STEP = toy(
-    Step, "step", "friction changes at one moment", "time", ["nm"],
+    Effect, "step", "friction changes at one moment", "time", ["nm"],
     *({"moment_s": moment} for moment in (10.0, 20.0, 30.0, 40.0, 50.0)),
 )  # fmt: skip
 LOCKED_OUT = toy(Impossible, "locked_out", "what no log shows", "speed", ["nm"])

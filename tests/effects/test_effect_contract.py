@@ -60,8 +60,6 @@ def test_words_and_relations(effect: Effect) -> None:
         assert other in effect.separate or effect.name in effect_of(other).separate
     assert set(effect.separate) <= set(NAMES) - {effect.name}
     assert not any(effect.name in effect_of(other).separate for other in effect.separate)  # each pair stands once
-    special = {effect.multimodal, effect.moment, effect.time_constant, *effect.noise_biased, *effect.assumed} - {""}
-    assert special <= {parameter.name for parameter in effect.nonlinear}
 
 
 def test_any_two_effects_have_a_motion_that_separates_them_in_either_order() -> None:
@@ -90,13 +88,9 @@ def test_the_grid_is_small_distinct_and_holds_the_identifiable_part(effect: Effe
 @with_formula
 def test_the_grid_is_within_bounds_and_complete(effect: Effect) -> None:
     needed = {parameter.name for parameter in effect.nonlinear if not parameter.optional}
-    names = {parameter.name for parameter in effect.parameters}
     for at in effect.grid(MOVING):
         assert not at or needed <= set(at)  # an empty point has columns of its own
         assert all(one.allows(at.get(one.name, 0.0)) for one in effect.nonlinear if at)
-        for name, (least, most) in effect.factor_ranges(at).items():
-            assert name in names
-            assert 0.0 < least <= 1.0 <= most
 
 
 @each

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from friction_audit.effects import backlash, presliding, time_delay
-from friction_audit.effects.joint_data import strokes
 from friction_audit.joint_log import Float
 from tests.effects.explained import share_explained
 from tests.effects.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
@@ -56,11 +55,3 @@ def test_friction_only_and_after_enough_reversals() -> None:
     assert not presliding.EFFECT.admissible(np.array([-0.1]), shape)
     once = joint_data(DATA.q[:400], DATA.dq[:400], DATA.ddq[:400])
     assert "reversals" in str(presliding.EFFECT.not_identifiable(once, baseline(once)))
-
-
-def test_friction_that_builds_up_over_more_than_the_joint_travels_stands_in_for_something_else() -> None:
-    travelled = float(np.median(np.abs(strokes(DATA).displacement[DATA.used])))
-    shape = {"yielding_exponent": 1.0, "bristle_damping_s": 1e-4}
-    assert presliding.EFFECT.stands_in(DATA, {**shape, "reach_rad": 0.9 * travelled}) == ""
-    told = presliding.EFFECT.stands_in(DATA, {**shape, "reach_rad": 1.1 * travelled})
-    assert f"presliding over {1.1 * travelled:.2g} rad" in told

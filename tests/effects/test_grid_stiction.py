@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.rows import make_rows
+from friction_audit.diagnosis.samples import make_samples
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.stiction import AGEINGS_S, AT_ONCE_RAD, FEWEST_BREAKAWAYS
 from friction_audit.effects.stiction import EFFECT as CANDIDATE
@@ -56,7 +56,7 @@ def test_without_starts_nothing_of_it_is_looked_for() -> None:
 
 def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:
     data = started_and_stopped(noise_nm=0.005, starts=40)
-    rows = make_rows(data)
+    rows = make_samples(data)
     column = rows.of(CANDIDATE.regressor(data, baseline(data), AT_ONCE))
     base = rows.of(np.column_stack([data.ddq, np.sign(data.dq)]))
     factors = np.linalg.lstsq(np.hstack([base, column]), rows.y, rcond=None)[0]
@@ -67,7 +67,7 @@ def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_millisecon
 
 def test_the_rest_must_be_long_to_be_worth_much() -> None:
     data = started_and_stopped()
-    rows = make_rows(data)
+    rows = make_samples(data)
     broke = rows.weight < 1.0
     half_aged = rows.of(CANDIDATE.regressor(data, baseline(data), {**AT_ONCE, "ageing_s": 0.5 / np.log(2.0)}))[broke, 0]
     assert np.abs(half_aged / rows.weight[broke]) == pytest.approx(0.5, abs=0.04)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
-from friction_audit.diagnosis.rows import make_rows
+from friction_audit.diagnosis.samples import make_samples
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.torque_drift import EFFECT as CANDIDATE
 from friction_audit.effects.torque_drift import SHORTEST_S
@@ -17,7 +17,7 @@ SHARE = np.linspace(0.0, 1.0, len(moved_joint(duration_s=60.0).t))
 
 
 def lacking(data: JointData) -> str | None:
-    nominal = nominal_model(data, make_rows(data), None)
+    nominal = nominal_model(data, make_samples(data), None)
     return CANDIDATE.not_identifiable(data, nominal.baseline(least_squares(nominal.columns, nominal.y)))
 
 

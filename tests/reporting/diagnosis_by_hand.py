@@ -15,7 +15,6 @@ from friction_audit.diagnosis.result import (
     Traces,
 )
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.effects.registry import motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.pipeline import Diagnosis
 from tests.reporting.conftest import build_estimate
@@ -56,7 +55,6 @@ def profile(axis: str, share: float) -> Profile:
         backwards_se=np.array([0.01, 0.01, 0.01]),
         share=share,
         p_value=0.001,
-        where="below 0.15 unit, in both directions",
     )
 
 
@@ -67,10 +65,8 @@ def effect(
         name=name,
         label=f"what {name} does",
         alternatives=alternatives,
-        decide=motion_to_decide(name, alternatives),
         parameters=parameters,
         p_value=0.0004,
-        where=f"where {name} is",
         axis="speed",
         gap_before_nm=before,
         gap_after_nm=after,
@@ -140,7 +136,6 @@ NAMED = JointDiagnosis(
     joint=1,
     name="panda_joint1",
     verdict="named",
-    message="stribeck (what stribeck does): where stribeck is",
     effects=(STRIBECK,),
     nominal=DECLARED,
     augmented=GROWN,
@@ -169,7 +164,6 @@ AMBIGUOUS = JointDiagnosis(
     joint=2,
     name="panda_joint2",
     verdict="ambiguous",
-    message="torque_bias (what torque_bias does): torque_bias cannot be separated from asymmetric_coulomb in this log",
     effects=(BIAS,),
     nominal=DECLARED,
     augmented=GROWN,
@@ -183,7 +177,6 @@ NONE = JointDiagnosis(
     joint=3,
     name="panda_joint3",
     verdict="adequate",
-    message="nothing is missing: an effect of 0.0048 N m rms is detectable",
     nominal=DECLARED,
     augmented=DECLARED,
     gap=gap(0.02, 0.02, 0.02),
@@ -195,7 +188,6 @@ UNEXPLAINED = JointDiagnosis(
     joint=4,
     name="panda_joint4",
     verdict="unexplained",
-    message="something is missing that nothing in the catalogue explains: below 0.15 unit, in both directions",
     nominal=DECLARED,
     augmented=DECLARED,
     gap=gap(0.08, 0.08, 0.02),
@@ -209,20 +201,20 @@ NOT_TESTABLE = JointDiagnosis(
     joint=5,
     name="panda_joint5",
     verdict="not_testable",
-    message="0 energy cycles with motion; at least 10 are needed: move the joint back and forth",
+    reason="0 energy cycles with motion; at least 10 are needed: move the joint back and forth",
 )
 DATA_FAULT = JointDiagnosis(
     joint=6,
     name="panda_joint6",
     verdict="data_fault",
-    message=FAULT,
+    reason=FAULT,
     findings=(finding("dq_scale", "fault", FAULT),),
 )
 FAILED = JointDiagnosis(
     joint=6,
     name="panda_joint6",
     verdict="failed",
-    message="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
+    reason="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
     traceback="ZeroDivisionError: float division by zero\n",
 )
 VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT)

@@ -26,7 +26,7 @@ def report() -> LogReport:
 def hostile() -> LogReport:
     log = _with_finding(build_estimate(3, rate=200.0).log.take_joints((0, 2)), HOSTILE)
     source = replace(log.source, path=f"{HOSTILE}.csv", robot=HOSTILE, topic=HOSTILE, channels={HOSTILE: HOSTILE})
-    joints = tuple(replace(one, name=HOSTILE, message=HOSTILE) for one in ALL.discrepancy.joints[:2])
+    joints = tuple(replace(one, name=HOSTILE, reason=HOSTILE) for one in ALL.discrepancy.joints[:2])
     missing = replace(ALL, discrepancy=Discrepancy(joints=joints))
     found = _report(replace(log, joint_names=(HOSTILE,) * 2, source=source), missing, HOSTILE)
     return replace(found, reading={HOSTILE: [HOSTILE]})

@@ -14,9 +14,11 @@ from friction_audit import __version__
 from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
+from friction_audit.friction.history import Coefficient
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.compare import compare_document, reproduce_document
 from friction_audit.reporting.diagnosis import diagnose_document
+from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.documents import (
     SimulatedLog,
     convert_document,
@@ -33,7 +35,7 @@ from friction_audit.reporting.report import LogReport, Unanswered, report_docume
 from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import COULOMB, EstimateFactory
-from tests.reporting.diagnosis_by_hand import FAILED, LOCKED, NAMED, VERDICTS_BY_HAND, diagnosis
+from tests.reporting.diagnosis_by_hand import FAILED, LOCKED, NAMED, STRIBECK, VERDICTS_BY_HAND, diagnosis
 
 ARM = batch_by_hand.arm()
 BATCHES = (
@@ -155,7 +157,7 @@ def test_every_verdict_has_a_joint_by_hand() -> None:
 def test_each_verdict_keeps_to_the_schema(joint: JointDiagnosis) -> None:
     (found,) = checked(diagnose_document(diagnosis((joint,))))["joints"]
     assert found["verdict"] == joint.verdict
-    assert found["message"] == joint.message
+    assert found["message"] == joint_message(joint)
     assert (found["gap"] is None) == (joint.gap is None)
 
 
@@ -167,6 +169,8 @@ def test_a_joint_with_an_effect() -> None:
     assert effect["parameters"] == {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}
     assert effect["parameters_ci95"]["stribeck_excess_nm"] == pytest.approx([0.14, 0.16])
     assert effect["parameters_ci95"]["stribeck_exponent"] == [None, None]
+    assert (effect["size_nm"], effect["friction_share"], effect["grade"]) == (0.031, 0.09, "minor")
+    assert (effect["residual_share"], effect["folds"], effect["chosen_in"]) == (0.9, 5, 5)
     assert (effect["gap_before_nm"], effect["gap_after_nm"], effect["decide"]) == (0.061, 0.021, None)
     assert effect["curve"]["backwards_nm"] == [-0.05, 0.0, 0.01]
     assert effect["evidence"][1] == {"name": "warm_up", "delta_bic": 41.3, "correlation": 0.31}
@@ -183,20 +187,34 @@ def test_a_joint_with_an_effect() -> None:
     assert other["detection_limit_nm"] is None
 
 
+def test_a_parameter_that_is_not_identifiable_is_null() -> None:
+    parameters = STRIBECK.parameters | {"stribeck_exponent": Coefficient(value=4.3, low=-math.inf, high=math.inf)}
+    lost = replace(STRIBECK, parameters=parameters, not_identifiable=("stribeck_exponent",))
+    joint = replace(NAMED, effects=(lost,), negligible=(replace(lost, name="warm_up", grade="negligible"),))
+    (found,) = checked(diagnose_document(diagnosis((joint,))))["joints"]
+    for (effect,) in (found["effects"], found["negligible"]):
+        assert effect["not_identifiable"] == ["stribeck_exponent"]
+        assert effect["parameters"]["stribeck_exponent"] is None
+        assert effect["parameters_ci95"]["stribeck_exponent"] == [None, None]
+        assert effect["parameters"]["stribeck_excess_nm"] == 0.15
+
+
 def test_joints_without_some_numbers() -> None:
     joints = checked(diagnose_document(diagnosis()))["joints"]
     assert joints[2]["gap"]["shrink"] is joints[0]["from_energy"]["viscous_nms_per_rad"] is None
     assert joints[4]["detection_limit_nm"] is joints[4]["omnibus_p_value"] is joints[4]["simulation_gap"] is None
     (effect,) = joints[1]["effects"]
     assert effect["alternatives"] == ["asymmetric_coulomb"]
+    assert joints[3]["checks"] == [{"code": "line", "along": "time", "share": 0.3, "frequency": 13.0}]
+    assert joints[3]["remainder_share"] == 0.3
     assert "rest" in effect["decide"]
 
 
 def test_settings_repeat_what_was_asked_the_nominal_model_too() -> None:
     model = ArmModel(names=("a",), joints=(simple_model(inertia_kg_m2=1, coulomb_nm=2, viscous_nms_per_rad=3),))
-    asked = DiagnosisSettings(candidates=("stribeck",), alpha=0.01, seed=4, model=model)
+    asked = DiagnosisSettings(candidates=("stribeck",), min_effect_nm=0.01, seed=4, model=model)
     settings = checked(diagnose_document(diagnosis((NAMED,), asked), {"topic": None}))["settings"]["diagnosis"]
-    assert (settings["candidates"], settings["alpha"], settings["seed"]) == (["stribeck"], 0.01, 4)
+    assert (settings["candidates"], settings["min_effect_nm"], settings["seed"]) == (["stribeck"], 0.01, 4)
     assert settings["model"]["joints"][0]["terms"][0] == {"name": "coulomb", "values": [2]}
 
 

@@ -29,7 +29,8 @@ UNITLESS = {
     "cycles_to_converge", "violations", "active_fraction", "acted", "status", "verdict", "message", "shrink",
     "held_out_cycles", "omnibus_p_value", "remaining_p_value", "rank", "effect", "label", "alternatives", "p_value",
     "where", "decide", "parameter", "value", "ci95_low", "ci95_high", "step", "of", "axis", "axis_label", "centre",
-    "held_out", "method",
+    "held_out", "method", "grade", "friction_share", "residual_share", "folds", "chosen_in",
+    "share_explained_without_gravity", "remainder_share", "code", "along", "share", "frequency",
 }  # fmt: skip
 """Columns of words, counts, flags and shares; of an effect's numbers the name of the number tells the unit."""
 UNIT = re.compile(r"_(s|rad|rad_s|nm|nm_s|nms_per_rad|j)$")

@@ -58,7 +58,7 @@ def test_everything_that_must_be_on_a_page_is() -> None:
     for words in (
         log.source.sha256, choice.formula, log_report_by_hand.LOST, diagnosis_by_hand.LIMIT, diagnosis_by_hand.FAULT,
         "adequate", "named", "data fault", "move it back and forth", "what stribeck does", "same-motion",
-        "cycles.initiation_rad_s", "diagnosis.alpha", "replay.assume", "10.1109/TMECH.2024.3410330",
+        "cycles.initiation_rad_s", "diagnosis.min_effect_nm", "replay.assume", "10.1109/TMECH.2024.3410330",
         "friction-audit report &#39;run 1.csv&#39; -o out",
     ):  # fmt: skip
         assert words in page("plain"), words
@@ -135,7 +135,7 @@ def test_a_verdict_has_friction_missing_effects_and_what_would_be_saved() -> Non
     first = report().joints[0]
     assert first.replay is not None
     assert first.replay.numbers is not None
-    pattern = r"Coulomb 0\.24\d* ± [\d.]+ N m, viscous 0\.[34]\d* ± [\d.]+ N m s/rad\. stribeck \(what"
+    pattern = r"Coulomb 0\.24\d* ± [\d.]+ N m, viscous 0\.[34]\d* ± [\d.]+ N m s/rad\. The model misses stribeck \(what"
     assert re.match(pattern, verdict_sentence(first))
     assert f"removed {100 * first.replay.numbers.dissipation_removed:.0f} %" in verdict_sentence(first)
     worse = replace(first.replay, numbers=replace(first.replay.numbers, dissipation_removed=-0.5))

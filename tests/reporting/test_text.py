@@ -4,14 +4,17 @@ import math
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from friction_audit.diagnosis.result import ContactTrace, ResidualCheck
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.compare import claim_lines, compare_lines
 from friction_audit.reporting.diagnosis import diagnose_lines
+from friction_audit.reporting.diagnosis_words import joint_message, remainder_words
 from friction_audit.reporting.drift import batch_lines
 from friction_audit.reporting.drift_words import change_text, span_of, total_text, trend_text
 from friction_audit.reporting.estimate import estimate_lines
@@ -31,7 +34,19 @@ from friction_audit.reporting.words import (
     joint_label,
 )
 from tests.reporting import batch_by_hand, log_report_by_hand
-from tests.reporting.diagnosis_by_hand import ALONE, BIAS, LIMIT, NAMED, NOT_TESTABLE, STRIBECK, coefficient, diagnosis
+from tests.reporting.diagnosis_by_hand import (
+    ALONE,
+    AMBIGUOUS,
+    BIAS,
+    LIMIT,
+    NAMED,
+    NONE,
+    NOT_TESTABLE,
+    STRIBECK,
+    UNEXPLAINED,
+    coefficient,
+    diagnosis,
+)
 
 ARM = batch_by_hand.arm()
 STEP, RISE = ARM.joints[1].coefficients[0], ARM.joints[4].coefficients[0]
@@ -97,19 +112,82 @@ def test_info(seven: Estimate) -> None:
     assert "not read: choose one with --topic" in text
 
 
-def test_a_diagnosis_has_a_row_per_joint() -> None:
+def test_a_diagnosis_has_a_row_and_a_sentence_per_joint_then_its_effects() -> None:
     lines = diagnose_lines(diagnosis())
-    assert row(lines, "1 ") == ["1", "named", "stribeck", "0.061", "0.021", "0.02", "97.6"]
-    assert row(lines, "2 ") == ["2", "ambiguous", "torque_bias", "0.12", "0.03", "0.03", "100.0"]
-    assert row(lines, "3 ") == ["3", "adequate", "-", "0.02", "-", "0.02", "-"]
-    assert row(lines, "5 ") == ["5", "not", "testable", *"-----"]
-    stripped = [line.strip() for line in lines]
-    assert stripped[stripped.index("0.150 ± 0.010 N m") - 1].split()[2] == "stribeck"
-    assert stripped[stripped.index("0.031 N m rms") - 1] == "or asymmetric_coulomb"
-    assert f"    to decide: {BIAS.decide}" in lines
-    assert any(line.startswith("  stribeck: ") and "0.061 -> 0.021 N m; p < 0.001" in line for line in lines)
+    assert row(lines, "1 ") == ["1", "named", "0.061", "0.021", "0.02", "97.6", "0.052", "0.013"]
+    assert row(lines, "2 ") == ["2", "ambiguous", "0.12", "0.03", "0.03", "100", "-", "-"]
+    assert row(lines, "3 ") == ["3", "adequate", "0.02", "-", "0.02", "-", "-", "-"]
+    assert row(lines, "5 ") == ["5", "not", "testable", *"------"]
     for joint in diagnosis().discrepancy.joints:
-        assert f"joint {joint.joint}: {joint.message}" in lines
+        assert f"joint {joint.joint}: {joint_message(joint)}" in lines
+    effects = lines[lines.index("") :]
+    assert row(effects, "1 ") == ["1", "stribeck", "0.031", "9", "90", "minor", "5/5"]
+    assert effects[effects.index(next(line for line in effects if line.startswith("2 "))) + 1].split() == [
+        "or",
+        "asymmetric_coulomb",
+    ]
+    assert any(line.startswith("joint 1, stribeck: static minus Coulomb friction 0.150 ± 0.010 N m") for line in lines)
+
+
+def test_a_sentence_says_the_cause_its_size_and_what_to_do() -> None:
+    assert joint_message(NAMED) == (
+        "the model misses stribeck (what stribeck does), 0.031 N m rms, 9 % of the joint's friction, "
+        "below 0.15 rad/s, against the motion; add it to the model (model.toml)"
+    )
+    assert "this log cannot separate torque_bias from asymmetric_coulomb; to decide: let the" in joint_message(
+        AMBIGUOUS
+    )
+    assert joint_message(NONE) == "the model is adequate: no effect above the detection limit of 0.0048 N m rms"
+    assert joint_message(UNEXPLAINED) == (
+        "no effect of the catalogue explains the residual; 30 % of what is left has no name: "
+        "a spectral line at 13 Hz; the figure residual shows it"
+    )
+    named = replace(UNEXPLAINED, effects=NAMED.effects)
+    assert joint_message(named).startswith("most of the residual has no name; the model misses stribeck")
+
+
+@pytest.mark.parametrize(
+    ("checks", "text"),
+    [
+        ([("line", "path", 0.5), ("line", "path", 2.0)], "spectral lines at 0.5 and 2 waves per rad of path"),
+        ([("curve", "speed", 0.0)], "a curve below 0.15 rad/s, against the motion"),
+        ([("curve", "displacement", 0.0)], "a curve over displacement since a reversal"),
+        ([("scatter", "stroke", 0.0)], "friction that varies from stroke to stroke"),
+        ([("change", "stribeck", 0.0)], "stribeck that changes within the log"),
+    ],
+)
+def test_the_remainder_in_words(checks: list[tuple[str, str, float]], text: str) -> None:
+    found = [ResidualCheck(code=code, along=along, share=0.2, frequency=f) for code, along, f in checks]
+    joint = replace(NAMED, checks=tuple(found), remaining=NAMED.profiles, remainder_share=0.2)
+    assert remainder_words(joint) == text
+    assert f"20 % of what is left has no name: {text}; add it to the model" in joint_message(joint)
+
+
+def test_contacts_are_left_out_and_the_rest_is_judged() -> None:
+    spans = tuple((float(k), k + 0.5) for k in range(5))
+    trace = ContactTrace(t=np.zeros(2), residual_nm=np.zeros(2), spans_s=spans)
+    touched = replace(STRIBECK, name="contact_event", friction_share=math.nan, folds=0, chosen_in=0)
+    message = joint_message(replace(NAMED, effects=(touched,), contacts=trace))
+    assert message.startswith(
+        "contact_event at 0.0 s (0.5 s long), at 1.0 s (0.5 s long), at 2.0 s (0.5 s long) and 2 more"
+    )
+    assert message.endswith("0.031 N m rms; nothing else is missing; record again without contact")
+    both = joint_message(replace(NAMED, effects=(touched, STRIBECK), contacts=trace))
+    assert "; the model misses stribeck" in both
+
+
+def test_a_parameter_that_is_not_identifiable_is_no_number() -> None:
+    parameters = STRIBECK.parameters | {"stribeck_exponent": Coefficient(value=4.321, low=-math.inf, high=math.inf)}
+    effect = replace(STRIBECK, parameters=parameters, not_identifiable=("stribeck_exponent",))
+    text = "\n".join(diagnose_lines(diagnosis((replace(NAMED, effects=(effect,)),))))
+    assert "not identifiable from this log: Stribeck exponent" in text
+    assert "4.32" not in text
+
+
+def test_negligible_effects_share_a_line() -> None:
+    small = replace(STRIBECK, grade="negligible", size_nm=0.0004)
+    joint = replace(NONE, negligible=(small, replace(small, name="warm_up")))
+    assert "joint 3, negligible: stribeck 0.0004 N m rms, warm_up 0.0004 N m rms" in diagnose_lines(diagnosis((joint,)))
 
 
 def test_a_diagnosis_fits_eighty_columns_even_with_the_longest_names() -> None:
@@ -121,8 +199,8 @@ def test_a_diagnosis_fits_eighty_columns_even_with_the_longest_names() -> None:
 def test_details_of_a_diagnosis_are_for_those_who_ask() -> None:
     brief, full = diagnose_lines(diagnosis()), diagnose_lines(diagnosis(), verbose=True)
     more = [line for line in full if line not in brief]
-    assert f"  this log cannot show torque_crosstalk, inertial_coupling: {ALONE}" in more
-    assert "  warm_up in place of stribeck: BIC +41, correlation 0.31" in more
+    assert f"joint 1, this log cannot show torque_crosstalk, inertial_coupling: {ALONE}" in more
+    assert "joint 1, warm_up in place of stribeck: BIC +41, correlation 0.31" in more
     model = ArmModel(names=("a",), joints=(simple_model(inertia_kg_m2=1, coulomb_nm=1, viscous_nms_per_rad=1),))
     assert "nominal model: as given, its friction fitted again" in diagnose_lines(
         diagnosis(settings=DiagnosisSettings(model=model))
@@ -131,32 +209,29 @@ def test_details_of_a_diagnosis_are_for_those_who_ask() -> None:
 
 def test_joints_with_the_same_answer_share_a_line() -> None:
     still = [replace(NOT_TESTABLE, joint=number) for number in (5, 6)]
-    assert f"joints 5, 6: {NOT_TESTABLE.message}" in diagnose_lines(diagnosis((NAMED, *still)))
-    assert f"joint 6: {NOT_TESTABLE.message}" in diagnose_lines(diagnosis(tuple(still)), verbose=True)
+    assert f"joints 5, 6: {NOT_TESTABLE.reason}" in diagnose_lines(diagnosis((NAMED, *still)))
+    assert f"joint 6: {NOT_TESTABLE.reason}" in diagnose_lines(diagnosis(tuple(still)), verbose=True)
 
 
 @pytest.mark.parametrize(
     ("parameters", "text"),
     [
-        ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 numbers, see the JSON document"),
+        ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 numbers, in the document"),
         ({"unlogged_form": coefficient(1.0, 1e-4)}, "dead band"),
         ({"gravity_error_source": coefficient(-1.0, 1e-4)}, "base"),
         ({"gravity_error_source": coefficient(5.0, 1e-4)}, "number of the link 5"),
         ({"coupling_source": coefficient(4.0, 1e-4)}, "model of the arm"),
-        ({"torque_bias_nm": coefficient(0.1, 0.02), "load_directed": coefficient(0.0, 1e-4)}, "0.100 ± 0.020 N m; "),
+        (
+            {"torque_bias_nm": coefficient(0.1, 0.02), "load_directed": coefficient(0.0, 1e-4)},
+            "0.100 ± 0.020 N m",
+        ),
         ({"motion_below_hz": coefficient(18.0, 0.1)}, "motion below 18 Hz"),
-        ({"other_ratio": coefficient(0.5, 0.1), "warm_up_per_k": coefficient(1e-6, 0.0)}, "other ratio 0.5; "),
+        ({"other_ratio": coefficient(0.5, 0.1), "warm_up_per_k": coefficient(1e-6, 0.0)}, "other ratio 0.5"),
     ],
 )
 def test_parameters_of_an_effect(parameters: dict[str, Coefficient], text: str) -> None:
     lines = diagnose_lines(diagnosis((replace(NAMED, effects=(replace(BIAS, parameters=parameters),)),)))
-    assert any(line.startswith("  torque_bias: ") and text in line for line in lines)
-
-
-def test_the_size_of_a_backlash_is_its_width() -> None:
-    parameters = {"backlash_share": coefficient(1.2, 0.1), "gap_rad": coefficient(0.002, 0.0001)}
-    play = replace(BIAS, name="backlash", parameters=parameters)
-    assert any("  2.00 ± 0.10 mrad" in line for line in diagnose_lines(diagnosis((replace(NAMED, effects=(play,)),))))
+    assert any(line.startswith("joint 1, torque_bias: ") and text in line for line in lines)
 
 
 def test_drift_has_a_table_per_arm() -> None:

@@ -17,7 +17,7 @@ from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, remark, say
-from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFormats
+from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFormats, MinEffect
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -71,6 +71,7 @@ class SessionOptions:
         bool,
         option(SESSIONS, "Also name what the model misses in each session (slow).", "--diagnose"),
     ] = False
+    min_effect: MinEffect = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -172,7 +173,7 @@ def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings"
     if sessions.diagnose:
         from friction_audit.diagnosis.settings import DiagnosisSettings
 
-        diagnosis = DiagnosisSettings()
+        diagnosis = DiagnosisSettings(min_effect_nm=sessions.min_effect)
     reading = read_options(shared.reading, shared.selection)
     return BatchSettings(audit=audit_settings(shared), reading=reading, diagnosis=diagnosis)
 

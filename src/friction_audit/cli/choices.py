@@ -37,7 +37,9 @@ REPLAY_TABLES = ("replay_joints", "replay_cycles", "replay_signals")
 DIAGNOSE_TABLES = (
     "verdicts",
     "effects",
+    "negligible_effects",
     "effect_parameters",
+    "residual_checks",
     "gap_ladder",
     "residual_profiles",
     "residual",

@@ -10,6 +10,7 @@ from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
+    DIAGNOSIS,
     NO_EXPORT,
     OUTPUT,
     PNG,
@@ -17,6 +18,7 @@ from friction_audit.cli.options import (
     FigureFormats,
     LogOptions,
     LogPath,
+    MinEffect,
     figures_option,
 )
 from friction_audit.cli.outputs import ResultFolder, show
@@ -26,8 +28,6 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Diagnosis
-
-DIAGNOSIS = "Diagnosis"
 
 EXAMPLES = """Examples:
   friction-audit diagnose run.mcap
@@ -52,15 +52,12 @@ class DiagnosisOptions:
             metavar="NAME",
         ),
     ] = ()  # type: ignore[assignment] # a dataclass takes no list
-    alpha: Annotated[
-        float,
-        option(DIAGNOSIS, "Probability of saying of a joint that something is missing where nothing is.", metavar="P"),
-    ] = 0.05
+    min_effect: MinEffect = 0.0
     seed: Annotated[
         int,
         option(
             DIAGNOSIS,
-            "Of the choice of held-out cycles and of the tests; same seed, same answer.",
+            "Of the screening test; no name and no verdict depends on it.",
             metavar="INT",
             min=0,
         ),
@@ -96,7 +93,7 @@ def command(
     formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
-    """Find what the model of each joint misses, name it, and show how far the gap closes."""
+    """Find what the model of each joint misses, name it, and show how much of the residual it explains."""
     voice = shared.general.voice
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     settings = _settings(options)
@@ -131,7 +128,7 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
 
     return DiagnosisSettings(
         candidates=tuple(options.candidates) or None,
-        alpha=options.alpha,
+        min_effect_nm=options.min_effect,
         seed=options.seed,
         model=None if options.joint_model is None else load_model(options.joint_model),
     )
@@ -149,13 +146,13 @@ def _require_an_answer(found: "Diagnosis") -> None:
 
     joints = found.discrepancy.joints
     if all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints):
-        lines = "".join(f"\n  joint {joint.joint}: {joint.message}" for joint in joints)
+        lines = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints)
         raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be diagnosed:{lines}")
 
 
 def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
     """Return a sentence and the traceback for each joint whose diagnosis ended in a bug."""
-    return [(f"joint {one.joint}: {one.message}", one.traceback) for one in found.discrepancy.joints if one.traceback]
+    return [(f"joint {one.joint}: {one.reason}", one.traceback) for one in found.discrepancy.joints if one.traceback]
 
 
 def _write(

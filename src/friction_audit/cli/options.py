@@ -14,7 +14,7 @@ from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import GENERAL
 
 READING, SELECTION, TORQUE = "Reading the log", "Part of the log", "Interaction torque"
-CYCLES, ESTIMATE, OUTPUT = "Energy cycles", "Estimate", "Output"
+CYCLES, ESTIMATE, DIAGNOSIS, OUTPUT = "Energy cycles", "Estimate", "Diagnosis", "Output"
 
 # Defaults of options that are lists; Typer copies them.
 PNG = ["png"]
@@ -38,6 +38,17 @@ Exports = Annotated[
         "PlotJuggler; csv and parquet a file each. Repeatable, or separated by commas.",
         "--export",
         some_of=choices.EXPORTS,
+    ),
+]
+
+MinEffect = Annotated[
+    float,
+    option(
+        DIAGNOSIS,
+        "Effects of a smaller rms torque are negligible: they are listed apart and change no verdict [N m].",
+        "--min-effect",
+        metavar="NM",
+        min=0.0,
     ),
 ]
 

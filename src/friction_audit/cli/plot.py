@@ -8,7 +8,15 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
-from friction_audit.cli.options import PNG, AuditOptions, FigureFolder, FigureFormats, LogPath, figures_option
+from friction_audit.cli.options import (
+    PNG,
+    AuditOptions,
+    FigureFolder,
+    FigureFormats,
+    LogPath,
+    MinEffect,
+    figures_option,
+)
 
 if TYPE_CHECKING:
     from friction_audit.pipeline import Estimate
@@ -25,6 +33,7 @@ def command(
     figures: Annotated[list[str], figures_option(choices.PLOTTED)] = ["velocity-torque"],  # noqa: B006 - Typer copies it
     formats: FigureFormats = PNG,
     folder: FigureFolder = Path("figures"),
+    min_effect: MinEffect = 0.0,
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
     voice = shared.general.voice
@@ -35,7 +44,7 @@ def command(
     if not output.json:
         chain.warn_about(result, voice)
     files = write_figures(
-        _results(result, kinds, voice),
+        _results(result, kinds, min_effect, voice),
         kinds,
         result.interaction.joint_numbers,
         folder,
@@ -53,8 +62,8 @@ def command(
     chain.exit_if_damaged(result.log)
 
 
-def _results(result: "Estimate", kinds: Sequence[str], voice: Voice) -> dict[str, object]:
-    """Return the results that the figures draw; replay and diagnosis, where needed, with the default settings."""
+def _results(result: "Estimate", kinds: Sequence[str], min_effect: float, voice: Voice) -> dict[str, object]:
+    """Return the results that the figures draw; replay and diagnosis, where needed, with default settings otherwise."""
     found: dict[str, object] = {"estimate": result}
     if set(kinds) & set(choices.REPLAY_FIGURES):
         from friction_audit.compensation.settings import ReplaySettings
@@ -67,7 +76,7 @@ def _results(result: "Estimate", kinds: Sequence[str], voice: Voice) -> dict[str
         from friction_audit.pipeline import diagnose_estimate
 
         with voice.step("diagnose"):
-            found["diagnosis"] = diagnose_estimate(result, DiagnosisSettings())
+            found["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
     return found
 
 

@@ -68,7 +68,7 @@ class ReplayOptions:
     no_passivity: Annotated[bool, option(REPLAY, "Without the passivity controller.", "--no-passivity")] = False
     max_damping: Annotated[
         float | None,
-        option(REPLAY, "Largest damping it injects [N m s/rad]. Default: 50.", metavar="NMS"),
+        option(REPLAY, "Largest damping it injects [N m s/rad]. Default: 5.", metavar="NMS"),
     ] = None
     max_torque: Annotated[
         float | None,

@@ -12,7 +12,7 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.diagnose import joint_bugs
-from friction_audit.cli.options import NO_EXPORT, OUTPUT, AuditOptions, CycleOptions, Exports, LogPath
+from friction_audit.cli.options import NO_EXPORT, OUTPUT, AuditOptions, CycleOptions, Exports, LogPath, MinEffect
 from friction_audit.cli.outputs import ResultFolder
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 
@@ -58,6 +58,7 @@ def command(
             metavar="DIR",
         ),
     ] = None,
+    min_effect: MinEffect = 0.0,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Write all that a log says on one HTML page: friction, compensator, what the model misses, how sure we are."""
@@ -77,7 +78,7 @@ def command(
         if not output.json:
             chain.warn_about(estimate, stages)
         again = command_line(context, leave_out=NOT_PART_OF_IT)
-        report = _report(estimate, shared.cycles, chain.reading_settings(options), again, stages)
+        report = _report(estimate, shared.cycles, min_effect, chain.reading_settings(options), again, stages)
         _write(report, files, stages, overwrite=output.overwrite)
         exported = _export(report, out, recorded, stages)
     _print(report, (*files.values(), *exported), json=output.json)
@@ -88,13 +89,18 @@ def command(
 
 
 def _report(
-    estimate: "Estimate", cycles: CycleOptions, reading: dict[str, object], command: str, voice: Voice
+    estimate: "Estimate",
+    cycles: CycleOptions,
+    min_effect: float,
+    reading: dict[str, object],
+    command: str,
+    voice: Voice,
 ) -> "LogReport":
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.reporting.report import report_estimate
 
-    settings = replay_settings(ReplayOptions(), cycles)
-    return report_estimate(estimate, settings, DiagnosisSettings(), reading=reading, command=command, step=voice.step)
+    replay, diagnosis = replay_settings(ReplayOptions(), cycles), DiagnosisSettings(min_effect_nm=min_effect)
+    return report_estimate(estimate, replay, diagnosis, reading=reading, command=command, step=voice.step)
 
 
 def _export(report: "LogReport", out: ResultFolder, recorded: "JointLog", voice: Voice) -> list[Path]:

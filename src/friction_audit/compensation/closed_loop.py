@@ -47,13 +47,15 @@ class Torques(NamedTuple):
 
     Attributes:
         interaction: Torque of the person. [N m]
-        compensation: Torque of the compensator's law. [N m]
-        passivity: Torque of its passivity controller. [N m]
+        compensation: Torque that the compensator's law asks for. [N m]
+        passivity: Torque that its passivity controller adds. [N m]
+        limited: What the limits of torque and rate change of their sum. [N m]
     """
 
     interaction: Float
     compensation: Float
     passivity: Float
+    limited: Float
 
 
 class Control(NamedTuple):
@@ -147,6 +149,7 @@ def write_torques(control: Control, i: int, interaction: float) -> None:
     torques, memory = control.torques, control.memory
     torques.interaction[i] = interaction
     torques.compensation[i], torques.passivity[i] = memory.compensation_nm, memory.passivity_nm
+    torques.limited[i] = memory.limited_nm
 
 
 @compiled()

@@ -83,11 +83,7 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
     if (found if cut == FIND else cut == 1) and memory.ticks > 1:
         close_cycle(settings, memory)
     choose(settings, memory)
-    # The ledger of (21). A sensor in a closed loop has already felt what the passivity controller dissipated; to add it
-    # once more would let the energy fall as far below zero as the controller has brought it up.
-    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j
-    if settings.controller_in_interaction == 0:
-        memory.observed_energy_j += memory.dissipated_j
+    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j  # (21)
     u = command(settings, memory, dq)
     if beyond(u, TORQUE_BOUND_NM) or memory.reversals >= REVERSALS:
         memory.ticks -= 1
@@ -107,7 +103,7 @@ def give_up(memory: Record) -> float:
     if memory.unstable == 0:
         memory.unstable, memory.unstable_tick = 1, memory.ticks
     memory.ticks += 1
-    memory.u_nm = memory.compensation_nm = memory.passivity_nm = memory.damping_nms_per_rad = 0.0
+    memory.u_nm = memory.compensation_nm = memory.passivity_nm = memory.limited_nm = memory.damping_nms_per_rad = 0.0
     return 0.0
 
 
@@ -301,32 +297,31 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
 
 @compiled()
 def damping(settings: Record, memory: Record, dq: float) -> float:
-    """Return the damping alpha that pays the deficit of the ledger within the coming tick (22), capped."""
+    """Return the damping alpha of (22), which there pays the deficit within a tick and here over a horizon; capped."""
     deficit = -memory.observed_energy_j
     if settings.passivity == 0 or deficit <= 0.0 or abs(dq) < settings.minimum_speed_rad_s:
         return 0.0
-    return float(min(deficit / (dq * dq * settings.period_s), settings.max_damping_nms_per_rad))
+    horizon = max(settings.period_s, settings.payback_s)
+    return float(min(deficit / (dq * dq * horizon), settings.max_damping_nms_per_rad))
 
 
 @compiled()
 def command(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
-    change = settings.max_torque_rate_nm_s * settings.period_s
-    low = max(-settings.max_torque_nm, memory.u_nm - change)
-    high = min(settings.max_torque_nm, memory.u_nm + change)
-    wanted = compensation(settings, memory, dq)
-    aid = min(max(wanted, low), high)
+    law, alpha = compensation(settings, memory, dq), damping(settings, memory, dq)
+    wanted = law - alpha * dq
+    # Limits of the total only: a law limited around the last total would be dragged along with the braking (wind-up).
+    step_nm = settings.max_torque_rate_nm_s * settings.period_s
+    low, high = max(-settings.max_torque_nm, memory.u_nm - step_nm), min(settings.max_torque_nm, memory.u_nm + step_nm)
+    u = min(max(wanted, low), high)
     # Ticks in a row at which the torque, at a limit, has turned back.
-    change = aid - memory.compensation_nm
-    memory.reversals = memory.reversals + 1 if aid != wanted and change * memory.last_change_nm < 0.0 else 0
+    change = u - memory.u_nm
+    memory.reversals = memory.reversals + 1 if u != wanted and change * memory.last_change_nm < 0.0 else 0
     memory.last_change_nm = change
-    u = min(max(aid - damping(settings, memory, dq) * dq, low), high)
-    memory.u_nm, memory.compensation_nm, memory.passivity_nm = u, aid, u - aid
-    memory.damping_nms_per_rad = (aid - u) / dq if u != aid else 0.0
-    if memory.damping_nms_per_rad > 0.0:
+    memory.u_nm, memory.compensation_nm, memory.passivity_nm, memory.limited_nm = u, law, -alpha * dq, u - wanted
+    memory.damping_nms_per_rad = alpha
+    if alpha > 0.0:
         memory.acted = 1
-    served = (aid - u) * dq * settings.period_s
-    memory.unserved_j = max(0.0, -memory.observed_energy_j - served) if settings.passivity == 1 else 0.0
     return float(u)
 
 
@@ -345,7 +340,7 @@ def trace(memory: Record, row: Float) -> None:
     row[9] = memory.observed_energy_j
     row[10] = memory.active_energy_j
     row[11] = memory.dissipated_j
-    row[12] = memory.unserved_j
+    row[12] = memory.limited_nm
     row[13] = memory.cycle
     row[14] = memory.acted
     row[15] = memory.status

@@ -14,12 +14,12 @@ from friction_audit.compensation.closed_loop import (
     run_closed_loop,
     run_same_motion,
 )
-from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation
+from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
 from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, no_feed, past_refusal, refusal, straighten
 from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedJoint, FittedOperator, fit_joint
 from friction_audit.compensation.records import Record, fresh_memory, pack
 from friction_audit.compensation.result import Signals
-from friction_audit.compensation.tally import COLUMNS, fresh_tally
+from friction_audit.compensation.tally import COLUMNS, SAMPLES, fresh_tally
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.stick_slip import BODY, BODY_STEP_S, make_body
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
@@ -189,18 +189,20 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
     recorded, motion = scene.recorded, scene.motion
     t, dq = recorded.t, recorded.dq
     memory, tally = fresh_memory(1)[0], fresh_tally()[0]
-    tally["sample_j"] = np.max(np.abs(recorded.total * dq)[1:] * np.diff(t), initial=0.0)
+    guard, step_s = guard_of(compensator), median_step(t)
+    late_s = SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0)
+    tally["tolerance_j"] = late_s * np.max(np.abs(recorded.total * dq), initial=0.0)
     feed = no_feed()
     if isinstance(compensator, JointModelCompensation):
         assert motion is not None
         feed = feed_of(compensator.terms, motion)
     control = Control(
-        settings=pack([compensator], 1.0 / median_step(t))[0],
+        settings=pack([compensator], 1.0 / step_s)[0],
         memory=memory,
         tally=tally,
         feed=feed,
         cuts=scene.cuts,
-        torques=Torques(np.empty(len(t)), np.empty(len(t)), np.empty(len(t))),
+        torques=Torques(*np.empty((4, len(t)))),
         rows=np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS)),
     )
     if scene.joint is None:
@@ -210,7 +212,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
         dq = np.empty(len(t))
         samples = run_closed_loop(control, *_joint_and_drive(scene, scene.joint, motion), dq)
     tally["diverged"] = samples < len(t)
-    interaction, compensation, passivity = (signal[:samples] for signal in control.torques)
+    interaction, compensation, passivity, limited = (signal[:samples] for signal in control.torques)
     return Run(
         signals=Signals(
             t=t[:samples],
@@ -218,6 +220,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
             interaction_nm=interaction,
             compensation_nm=compensation,
             passivity_nm=passivity,
+            limited_nm=limited,
         ),
         rows=control.rows[: int(tally["cycles"])].copy(),
         tally=tally,

@@ -110,7 +110,9 @@ def measure(recorded: Recorded, without: Signals, replayed: Signals, history: Re
         peak_torque_with_nm=after[2],
         rms_torque_without_nm=before[1],
         rms_torque_with_nm=after[1],
-        peak_compensation_nm=float(np.max(np.abs(replayed.compensation_nm + replayed.passivity_nm))),
+        peak_compensation_nm=float(
+            np.max(np.abs(replayed.compensation_nm + replayed.passivity_nm + replayed.limited_nm))
+        ),
         peak_rate_nm_s=float(tally["fastest_nm_s"]),
         limited_fraction=float(tally["limited"]) / samples,
         cycles_to_converge=first_right(history),
@@ -131,7 +133,6 @@ def measure_passivity(history: ReplayHistory, tally: Record, t: Float) -> Passiv
         reserve_j=float(tally["reserve_j"]),
         activation_s=float(t[activation]) if activation >= 0 else float("nan"),
         injected_j=float(tally["injected_j"]),
-        unserved_j=float(tally["unserved_j"]),
         active_fraction=float(tally["acting_s"]) / float(t[-1] - t[0]),
         hidden=bool(tally["hidden"]),
     )

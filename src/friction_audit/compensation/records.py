@@ -40,7 +40,6 @@ SETTINGS = np.dtype(
         ("forced_from_cycle", "i8"),
         ("forced_until_acted", "i8"),
         ("passivity", "i8"),
-        ("controller_in_interaction", "i8"),
         ("period_s", "f8"),
         ("coulomb_nm", "f8"),
         ("viscous_nms_per_rad", "f8"),
@@ -58,6 +57,7 @@ SETTINGS = np.dtype(
         ("maximum_gap_s", "f8"),
         ("initial_energy_j", "f8"),
         ("minimum_speed_rad_s", "f8"),
+        ("payback_s", "f8"),
         ("max_damping_nms_per_rad", "f8"),
         ("max_torque_nm", "f8"),
         ("max_torque_rate_nm_s", "f8"),
@@ -79,7 +79,7 @@ TRACE = (
     "observed_energy_j",
     "active_energy_j",
     "dissipated_j",
-    "unserved_j",
+    "limited_nm",
     "cycle",
     "acted",
     "status",
@@ -109,6 +109,7 @@ MEMORY = np.dtype(
         ("u_nm", "f8"),
         ("compensation_nm", "f8"),
         ("passivity_nm", "f8"),
+        ("limited_nm", "f8"),
         ("damping_nms_per_rad", "f8"),
         ("coulomb_nm", "f8"),
         ("viscous_nms_per_rad", "f8"),
@@ -120,7 +121,6 @@ MEMORY = np.dtype(
         ("observed_energy_j", "f8"),  # the ledger of (21)
         ("active_energy_j", "f8"),  # E_m since the compensator first acted
         ("dissipated_j", "f8"),  # by the passivity controller
-        ("unserved_j", "f8"),  # deficit that the command of this tick leaves to the next
         ("bristle_rad", "f8"),
         ("observed_friction_nm", "f8"),
         ("filtered_interaction_nm", "f8"),

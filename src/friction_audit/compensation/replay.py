@@ -100,7 +100,12 @@ def _replay_joint(
     nothing = np.broadcast_to(0.0, len(recorded.t))
     # Without a compensator and moving the same, the person gives all of the total torque.
     without = Signals(
-        t=recorded.t, dq=recorded.dq, interaction_nm=recorded.total, compensation_nm=nothing, passivity_nm=nothing
+        t=recorded.t,
+        dq=recorded.dq,
+        interaction_nm=recorded.total,
+        compensation_nm=nothing,
+        passivity_nm=nothing,
+        limited_nm=nothing,
     )
     joint = JointReplay(
         joint=found.joint,

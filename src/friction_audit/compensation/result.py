@@ -26,8 +26,9 @@ class Signals:
         t: Time. [s]
         dq: Velocity. [rad/s]
         interaction_nm: Torque of the person, the interaction torque. [N m]
-        compensation_nm: Torque of the compensator's law. [N m]
-        passivity_nm: Torque of its passivity controller. [N m]
+        compensation_nm: Torque that the compensator's law asks for. [N m]
+        passivity_nm: Torque that its passivity controller adds. [N m]
+        limited_nm: What the limits of torque and rate change of their sum. [N m]
     """
 
     t: Float
@@ -35,6 +36,7 @@ class Signals:
     interaction_nm: Float
     compensation_nm: Float
     passivity_nm: Float
+    limited_nm: Float
 
     @property
     def damping_nms_per_rad(self) -> Float:
@@ -88,7 +90,7 @@ class ReplayHistory:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Passivity:
-    """How passive the compensated joint stayed; a violation is beyond the energy of two samples.
+    """How passive the compensated joint stayed; a violation is beyond what two samples and the payback exchange.
 
     Attributes:
         violations: Samples at which the ledger from the start was below zero.
@@ -99,7 +101,6 @@ class Passivity:
         reserve_j: What the ledger held when the compensator first acted. [J]
         activation_s: When that was, NaN if never. [s]
         injected_j: What the passivity controller dissipated. [J]
-        unserved_j: Largest deficit that a tick had to leave to the next. [J]
         active_fraction: Share of the time for which the passivity controller acted.
         hidden: True where the reserve of the first cycles hides over-compensation from the ledger.
     """
@@ -112,7 +113,6 @@ class Passivity:
     reserve_j: float
     activation_s: float
     injected_j: float
-    unserved_j: float
     active_fraction: float
     hidden: bool
 

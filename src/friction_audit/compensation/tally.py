@@ -32,7 +32,7 @@ TALLY = np.dtype(
         ("cycle_net_j", "f8"),
         ("cycle_path_rad", "f8"),
         ("cycle_square_rad2_s", "f8"),
-        ("sample_j", "f8"),  # largest energy exchanged in a sample of the recording
+        ("tolerance_j", "f8"),  # largest energy exchanged while a deficit is measured and paid
         ("lowest_j", "f8"),  # of the ledger from the start
         ("lowest_active_j", "f8"),  # of the ledger since the compensator became active
         ("violations", "i8"),
@@ -43,7 +43,6 @@ TALLY = np.dtype(
         ("acting_s", "f8"),
         ("limited", "i8"),  # samples at a limit of torque or rate
         ("fastest_nm_s", "f8"),
-        ("unserved_j", "f8"),
         ("injected_j", "f8"),
         ("hidden", "i8"),  # 1 once the reserve from before hides over-compensation from the ledger
         ("diverged", "i8"),
@@ -51,8 +50,8 @@ TALLY = np.dtype(
 )
 
 GIVEN_OUT = 0.05  # share of the dissipation that a joint gives out before it counts as over-compensated
-# Energies of a sample that the ledger may be below zero: one goes by until the deficit is measured, and one until the
-# damping is felt.
+# Samples, besides the time in which a deficit is paid, whose energy the ledger may be below zero: one goes by until the
+# deficit is measured, and one until the damping is felt.
 SAMPLES = 2.0
 BEYOND_NOISE = 0.01  # share of the reserve that it must have given out as well: just after activation all is noise
 NEARLY = 1.0 - 1e-9
@@ -91,13 +90,13 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
     """Look at ledger, controller and limits after the compensator's tick i."""
     ledger = memory.observed_energy_j
     tally.lowest_j = min(tally.lowest_j, ledger)
-    if ledger < -SAMPLES * tally.sample_j:
+    if ledger < -tally.tolerance_j:
         tally.violations += 1
     if memory.active == 1:
         if tally.activation < 0:
             tally.activation, tally.reserve_j = i, ledger
         tally.lowest_active_j = min(tally.lowest_active_j, memory.active_energy_j)
-        if memory.active_energy_j < -SAMPLES * tally.sample_j:
+        if memory.active_energy_j < -tally.tolerance_j:
             tally.active_violations += 1
         out = max(GIVEN_OUT * tally.active_friction_j, BEYOND_NOISE * tally.reserve_j)
         if ledger >= 0.0 and out > 0.0 and memory.active_energy_j < -out:
@@ -105,7 +104,6 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
     if memory.damping_nms_per_rad > 0.0:
         tally.acting_s += settings.period_s
     tally.injected_j = memory.dissipated_j
-    tally.unserved_j = max(tally.unserved_j, memory.unserved_j)
     change = abs(memory.u_nm - u_before)
     tally.fastest_nm_s = max(tally.fastest_nm_s, change / settings.period_s)
     at_rate = change >= settings.max_torque_rate_nm_s * settings.period_s * NEARLY

@@ -1,4 +1,4 @@
-"""Discrepancy -> the augmented models of an arm: the nominal ones with what was missing."""
+"""Discrepancy -> the augmented models of an arm: the nominal ones with the effects that were found."""
 
 from typing import NamedTuple
 
@@ -18,14 +18,14 @@ FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
 
 
 class AugmentedModels(NamedTuple):
-    """Models of the joints of a log, and what they lack: number of the joint and a sentence."""
+    """Models of the joints of a log, and effects that they lack: number of the joint and a sentence."""
 
     model: ArmModel
     lacking: tuple[tuple[int, str], ...]
 
 
 def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) -> AugmentedModels:
-    """Add to the model of each joint what was found missing.
+    """Add the effects that were found to the model of each joint.
 
     Args:
         found: The diagnosis.
@@ -45,7 +45,8 @@ def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) 
         except AnalysisError as error:
             lacking.append((joint.joint, f"no augmented model: {error}"))
         lacking += [
-            (joint.joint, f"{name} is no term of a model, so the augmented one lacks it") for name in _strangers(joint)
+            (joint.joint, f"{name} is no term of a model, so the augmented one lacks it")
+            for name in _without_term(joint)
         ]
     return AugmentedModels(model=ArmModel(names=log.joint_names, joints=tuple(joints)), lacking=tuple(lacking))
 
@@ -54,16 +55,16 @@ def augment_model(joint: JointDiagnosis, nominal: JointModel | None, origin: Pro
     """Return the augmented model of one joint that was fitted.
 
     Args:
-        joint: What a diagnosis says of it.
+        joint: Its diagnosis.
         nominal: Its nominal model; None for inertia, Coulomb and viscous friction.
         origin: Where the model comes from.
 
     Raises:
-        AnalysisError: If a number is beyond what its term allows, e.g. friction below zero, or a term stands twice.
+        AnalysisError: If a parameter is outside of its bounds, e.g. friction below zero, or a term is there twice.
     """
     fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.augmented.items()}
     augmented = [
-        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.coefficients), *_shape(term, nominal)))
+        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.coefficients), *_nonlinear(term, nominal)))
         for term in terms()
         if term.name != "inertia" and all(p.name in fitted for p in term.coefficients if not p.optional)
     ]
@@ -85,22 +86,19 @@ def _allowed(number: Coefficient) -> float:
 
 
 def _bounded(number: Coefficient | None, parameter: Parameter) -> float:
-    """A number of an effect; its lower bound where it comes out below and its interval holds that bound.
-
-    The default of one that the form of the term at hand does not have.
-    """
+    """A parameter, not below its lower bound if its interval holds that; the default of one that is not used."""
     if number is None:
         return parameter.default
     return max(number.value, parameter.lower) if number.high >= parameter.lower else number.value
 
 
-def _shape(term: Effect, nominal: JointModel | None) -> tuple[float, ...]:
-    """Return the shape of a nominal term; its linear factors are fitted."""
+def _nonlinear(term: Effect, nominal: JointModel | None) -> tuple[float, ...]:
+    """Return the nonlinear parameters of a nominal term; its coefficients are fitted."""
     values = None if nominal is None else nominal.values(term.name)
     return () if values is None else values[len(term.coefficients) :]
 
 
-def _strangers(joint: JointDiagnosis) -> list[str]:
+def _without_term(joint: JointDiagnosis) -> list[str]:
     known = {term.name for term in terms()}
     return [effect.name for effect in joint.effects if effect.name not in known]
 

@@ -1,54 +1,242 @@
-"""Contacts: events that no motion tells. Their samples are left out of everything else.
+"""Contacts: stretches in which innovations of the augmented model stand out, and which the motion does not repeat.
 
-The detector is a bank of matched filters on the residual (G. L. Turin, IRE Trans. Inf. Theory 6 (1960) 311).
+A bank of matched filters (G. L. Turin, IRE Trans. Inf. Theory 6 (1960) 311) looks for pushes of several lengths in the
+whitened residual. Each output is compared with outputs at similar states of motion in other cycles: their spread is
+the local scale (ordered-statistic CFAR: H. Rohling, IEEE Trans. Aerosp. Electron. Syst. 19 (1983) 608), and what they
+repeat is model error, not a contact. The threshold is Bonferroni's over all moments and filters, from Student's t since
+the scale is estimated. Innovations of a contact are left out before the next one is looked for.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.find_contacts import find_contacts
+from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.effects.contact_event import Contact, overlap
+from friction_audit.effects.contact_event import Contact
 from friction_audit.joint_log import Float
 
-SHIFTED = 2.0  # times a torque what is left where it is modelled at one moment and comes at another, at most
-SHAKEN = ("backlash", "joint_elasticity")  # noise of the motion shifts when their torque comes
+Index = NDArray[np.int64]
+Marks = NDArray[np.bool_]
+LENGTHS_S = (0.1, 0.2, 0.4, 0.8)  # twice as long each: half a sine between two of them loses 5 % of its size
+BY_CHANCE = 3e-4  # probability that normal noise holds a contact: model error has longer tails (flips, seed 16004)
+CELLS = 60  # reference cells, each as long as the push; with fewer, the quantile of Student's t grows
+ALIKE = 0.3  # distance of similar states of motion, in standard deviations of each quantity
+FEWEST_AGAIN = 2  # similar states in other cycles from which it can be said what the motion repeats
+NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
+APART_S = 0.2  # pushes between which less time passes are one contact
+END_S = 1.0  # next to an end of a log a drive settles, which no cycle repeats (measured Panda, joints 4 and 5)
+LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
+LEAST_OF_MODEL = 0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seed 5)
+MOST_CYCLES = 0.6  # share of the cycles with a contact: what is more frequent is no event, and little is left to fit
+MOST = 100  # moments that are looked at: what stands out more often is no event
+TINY = float(np.finfo(float).tiny)
+SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
 
 
-def detect(problem: RegressionProblem, explained: Float | None = None) -> tuple[Contact, ...]:
-    """Contacts beside a torque that is explained, shape (n,). [N m]"""
-    return find_contacts(problem.data, explained)
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class MatchedFilters:
+    """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples.
+
+    Attributes:
+        pushes: Each push as the samples see it, shape (k,) each.
+        slot: Slot of each sample, shape (m,).
+        slot_s: Time from slot to slot. [s]
+        innovations: Whitened residual, and whitened torque of the model, shape (2, m).
+        operator: Weights of each sample and of the p before it in its innovation, shape (m, p + 1).
+    """
+
+    pushes: tuple[Float, ...]
+    slot: Index
+    slot_s: float
+    innovations: Float
+    operator: Float
+
+    @classmethod
+    def of(cls, problem: RegressionProblem, residual: Float, noise: NoiseModel) -> "MatchedFilters":
+        """Build the filters for what a model leaves of all samples, shape (m,). [N m]"""
+        samples, step_s, row = problem.samples, problem.data.step_s, problem.samples.place
+        every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
+        operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
+        operator[:, 0] = noise.weight
+        for lag in range(1, operator.shape[1]):
+            operator[lag:, lag] = -noise.predictors[noise.age[lag:], lag - 1] * noise.weight[:-lag]
+        # At a break-away the torque is that of the standstill before it, where friction holds a push.
+        operator *= np.where(samples.breakaway, 0.0, noise.scales[noise.age])[:, None]
+        forms = []
+        for length_s in LENGTHS_S:
+            n = max(round(length_s / step_s), 1)
+            forms += [np.sin(np.pi * (np.arange(n) + 0.5) / n), np.ones(n)]
+        return cls(
+            pushes=tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms),
+            slot=(row - row[0]) // every,
+            slot_s=step_s * samples.every * every,
+            innovations=np.where(samples.breakaway, 0.0, noise.whiten(np.stack([residual, problem.y - residual]))),
+            operator=operator,
+        )
+
+    def sums(self, kept: Marks, which: int, first: int, last: int) -> tuple[Float, Float]:
+        """Products with innovations, and energies, of pushes that begin at slots first to last, shape (f, k) each."""
+        lags, reach = self.operator.shape[1], self.reach
+        known = np.flatnonzero(kept & (self.slot >= first) & (self.slot < last + reach))
+        operator, innovations, slot = self.operator[known], self.innovations[which, known], self.slot[known] - first
+        products, energies = [], []
+        for push in self.pushes:
+            wide = len(push) + lags - 1
+            white = operator @ np.stack([np.pad(push, (lag, lags - 1 - lag)) for lag in range(lags)])
+            begin = (slot[:, None] + wide - np.arange(wide)).ravel()
+            inside = slice(wide, wide + last - first)
+            n = inside.stop + reach
+            products.append(np.bincount(begin, (white * innovations[:, None]).ravel(), n)[inside])
+            energies.append(np.bincount(begin, (white**2).ravel(), n)[inside])
+        return np.stack(products), np.stack(energies)
+
+    @property
+    def reach(self) -> int:
+        """Slots from the beginning of the longest push to the last innovation that holds it."""
+        return max(len(push) for push in self.pushes) + int(self.operator.shape[1])
 
 
-def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> NDArray[np.bool_]:
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Reference:
+    """Where else in a log of m samples the joint moves as at one moment.
+
+    Attributes:
+        states: Position and velocity, velocity and acceleration, in standard deviations, shape (m, 2) each.
+        way: Sign of the velocity, shape (m,).
+        cycle: Number of the cycle, shape (m,).
+        slot: Slot of each sample, shape (m,).
+    """
+
+    states: tuple[Float, ...]
+    way: Float
+    cycle: Index
+    slot: Index
+
+    @classmethod
+    def of(cls, problem: RegressionProblem, slot: Index) -> "Reference":
+        """The motion of a joint."""
+        q, dq, ddq = (one / max(float(np.std(one)), 1e-12) for one in problem.kinematics)
+        states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
+        return cls(states=states, way=np.sign(dq), cycle=problem.samples.cycle, slot=slot)
+
+    def compare(self, output: Float, at: int, wide: int, near: int) -> tuple[float, int, float, bool]:
+        """Local scale of a filter's outputs, shape (s,), at a push, its degrees of freedom, what the motion repeats.
+
+        Last, whether other cycles hold a similar velocity and acceleration at all.
+        """
+        from scipy.ndimage import maximum_filter1d
+
+        i = min(int(np.searchsorted(self.slot, at + wide // 2)), len(self.slot) - 1)
+        others = (self.cycle != self.cycle[i]) & (self.way == self.way[i]) & (self.slot >= wide // 2)
+        place = np.flatnonzero(others)
+        scale, cells, cycles, again = 1.0, 1, 0, []
+        for state in self.states:
+            distance = np.hypot(*(state[place] - state[i]).T)
+            order = np.argsort(distance, kind="stable")
+            begin, cycle = self.slot[place[order]] - wide // 2, self.cycle[place[order]]
+            reference = output[begin[: CELLS * wide]]
+            scale = max(scale, robust_scale(reference))
+            cells = max(cells, int(np.count_nonzero(reference)) // wide)
+            alike = distance[order] < ALIKE
+            first = np.unique(cycle[alike], return_index=True)[1]
+            again += begin[alike][first].tolist()
+            cycles = len(first)
+        if len(again) < FEWEST_AGAIN:
+            return scale, cells, 0.0, cycles >= FEWEST_AGAIN
+        largest = maximum_filter1d(output, 2 * near + 1, mode="constant")
+        # Noise alone has a largest value within a short time too: that of the whole log is its share.
+        known = max(float(np.median(largest[again]) - np.median(largest[self.slot])), 0.0)
+        return scale, cells, known, cycles >= FEWEST_AGAIN
+
+
+def robust_scale(outputs: Float) -> float:
+    """Standard deviation of the outputs that are not 0, no smaller than their tails say."""
+    size = np.abs(outputs[outputs != 0.0])
+    median, decile = np.quantile(size, (0.5, 0.9)) if len(size) else (0.0, 0.0)
+    return float(max(SIGMA_PER_MEDIAN * median, SIGMA_PER_NINTH_DECILE * decile))
+
+
+def detect(problem: RegressionProblem, residual: Float, noise: NoiseModel) -> tuple[Contact, ...]:
+    """Find the contacts of a joint in the order of time; none where they are no rare events.
+
+    Args:
+        problem: The joint with all its samples.
+        residual: What a model leaves of them, shape (m,). [N m]
+        noise: Noise model of the same samples.
+    """
+    filters = MatchedFilters.of(problem, residual, noise)
+    reach, start = _reach(problem), float(problem.samples.t[0])
+    spans = [
+        (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)
+        for k, at in _stand_out(filters, Reference.of(problem, filters.slot))
+    ]
+    first, last = problem.data.t[0] + END_S, problem.data.t[-1] - END_S
+    contacts = _merged(sorted(span for span in spans if first <= span[0] and span[1] <= last))
+    inside, cycle = touched(problem, contacts), problem.samples.cycle
+    often = len(np.unique(cycle[inside])) > MOST_CYCLES * len(np.unique(cycle))
+    return () if often else contacts
+
+
+def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:
     """Samples that the filter mixes with a contact, shape (m,)."""
-    reach = len(problem.samples.kernel) // 2 * problem.data.step_s
-    t, inside = problem.samples.t, np.zeros(len(problem.samples.t), bool)
+    reach, t = _reach(problem), problem.samples.t
+    inside = np.zeros(len(t), bool)
     for contact in contacts:
         inside |= (t >= contact.start_s - reach) & (t <= contact.stop_s + reach)
     return inside
 
 
-def confirmed(
-    problem: RegressionProblem, contacts: tuple[Contact, ...], torques: dict[str, Float], left: Float
-) -> tuple[Contact, ...]:
-    """The contacts that still stand out of what the named effects leave of all samples.
+def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int, int]]:
+    """Filter and slot of each push, the largest first; none where no other cycle moves as during any of them."""
+    from scipy.special import ndtri, stdtrit
 
-    Args:
-        problem: The joint with all samples.
-        contacts: Found before anything was named.
-        torques: Of each named effect, shape (n,). [N m]
-        left: What the augmented model leaves, shape (n,). [N m]
-    """
-    again = detect(problem, np.sum(list(torques.values()), axis=0) if torques else None)
-    shaken = [torque for name, torque in torques.items() if name in SHAKEN]
-    t = problem.data.t
-    kept = []
-    for contact in contacts:
-        inside = (t >= contact.start_s) & (t <= contact.stop_s)
-        power = float(np.sum(left[inside] ** 2))
-        if any(overlap(contact, other) for other in again) and not any(
-            power < SHIFTED**2 * float(np.sum(torque[inside] ** 2)) for torque in shaken
-        ):
-            kept.append(contact)
-    return tuple(kept)
+    kept, slots = np.ones(len(filters.slot), bool), int(filters.slot[-1]) + 1
+    products, energy = filters.sums(kept, 0, 0, slots)
+    least_seen = np.maximum(LEAST_SEEN * np.median(energy[:, filters.slot], axis=1, keepdims=True), TINY)
+
+    def outputs_of(products: Float, energy: Float) -> Float:
+        return np.asarray(np.where(energy > least_seen, products / np.sqrt(np.maximum(energy, least_seen)), 0.0))
+
+    whole = outputs_of(products, energy)
+    usual = np.array([[max(robust_scale(one), TINY)] for one in whole])
+    whole, modelled = whole / usual, np.abs(outputs_of(*filters.sums(kept, 1, 0, slots))) / usual
+    outputs, chance = whole.copy(), 0.5 * BY_CHANCE / max(int(np.count_nonzero(whole)), 1)
+    near, found, any_known = max(round(NEAR_S / filters.slot_s), 1), [], False
+    barred = np.zeros(outputs.shape[1], bool)
+    for _ in range(MOST):
+        size = np.where(barred, 0.0, np.abs(outputs))
+        k, at = (int(i) for i in np.unravel_index(np.argmax(size), size.shape))
+        if size[k, at] < -ndtri(chance):
+            break
+        scale, cells, repeated, known = reference.compare(
+            np.sign(outputs[k, at]) * whole[k], at, len(filters.pushes[k]), near
+        )
+        about = slice(max(at - near, 0), at + near + 1)
+        least = max(-stdtrit(cells, chance) * scale, LEAST_OF_MODEL * np.max(modelled[k, about]))
+        if size[k, at] - repeated < least:
+            barred[about] = True
+            continue
+        any_known |= known
+        found.append((k, at))
+        stop = at + len(filters.pushes[k]) + filters.operator.shape[1] - 1
+        kept &= (filters.slot < at) | (filters.slot >= stop)
+        first, last = max(at - filters.reach, 0), min(stop, slots)
+        outputs[:, first:last] = outputs_of(*filters.sums(kept, 0, first, last)) / usual
+    return found if any_known else []
+
+
+def _reach(problem: RegressionProblem) -> float:
+    """Half of the length of the filter of the samples. [s]"""
+    return len(problem.samples.kernel) // 2 * problem.data.step_s
+
+
+def _merged(spans: list[tuple[float, float]]) -> tuple[Contact, ...]:
+    found: list[Contact] = []
+    for start_s, stop_s in spans:
+        if found and start_s - found[-1].stop_s <= APART_S:
+            found[-1] = Contact(start_s=found[-1].start_s, stop_s=max(found[-1].stop_s, stop_s))
+        else:
+            found.append(Contact(start_s=start_s, stop_s=stop_s))
+    return tuple(found)

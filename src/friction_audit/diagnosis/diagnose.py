@@ -1,11 +1,13 @@
 """Where simulation and measurement disagree, joint by joint."""
 
+from collections.abc import Sequence
 from functools import partial
+
+import numpy as np
 
 from friction_audit.diagnosis.data_audit import audit_data
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
-from friction_audit.diagnosis.likely_work import longest_first
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
@@ -18,6 +20,8 @@ from friction_audit.parallel import in_processes, per_joint, workers_for
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.robot import Arm
+
+FEWEST_SAMPLES = 10  # below it nothing is said about the work of a joint
 
 
 def diagnose(
@@ -67,11 +71,11 @@ def diagnose(
         try:
             return diagnose_joint(subject(data), candidates, settings)
         except AnalysisError as error:
-            return unanswered(verdict="not_testable", message=str(error))
+            return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
-            return unanswered(verdict="failed", message=bug_sentence("the diagnosis", error), traceback=traced(error))
+            return unanswered(verdict="failed", reason=bug_sentence("the diagnosis", error), traceback=traced(error))
 
     workers = workers_for(len(prepared))
     # Half of the work is in the interpreter, for which threads would wait.
@@ -83,3 +87,19 @@ def diagnose(
 def _from_energy(friction: FrictionHistory, joint: int) -> dict[str, Coefficient]:
     found = friction.joints[joint]
     return {"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous}
+
+
+def longest_first(prepared: Sequence[JointData]) -> list[int]:
+    """Joints by what simple friction leaves of their torque over its noise: most to look for first."""
+    return sorted(range(len(prepared)), key=lambda joint: -_left_over(prepared[joint]))
+
+
+def _left_over(data: JointData) -> float:
+    """Rms of what inertia, Coulomb and viscous friction leave, over how it scatters from sample to sample."""
+    used, torque = data.used, data.torque
+    if np.count_nonzero(used) < FEWEST_SAMPLES:
+        return 0.0
+    simple = np.stack([data.ddq, data.dq, np.sign(data.dq), np.ones(len(data.t))], axis=1)[used]
+    left = torque[used] - simple @ np.linalg.lstsq(simple, torque[used], rcond=None)[0]
+    scatter = float(np.median(np.abs(np.diff(left, n=2))))
+    return float(np.std(left)) / scatter if scatter > 0 else 0.0

@@ -5,29 +5,29 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis import intervals, residual_curves, screening, wording
+from friction_audit.diagnosis import intervals, residual_curves, screening
 from friction_audit.diagnosis.conclusion import Conclusion, Named, conclude
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.forward_gap import gap_in_motion
 from friction_audit.diagnosis.gram import Training
 from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.procedure import State, nominal, select
+from friction_audit.diagnosis.profiles import with_own_axes
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, Traces, Verdict
-from friction_audit.diagnosis.rows import make_rows
+from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.selection import split
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.diagnosis.shown_along import with_own_axes
 from friction_audit.diagnosis.validation import gap, held_out
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, strokes
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.effects.registry import motion_to_decide
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 FEWEST_CYCLES = 6
+ALPHA = 0.05  # family-wise error of the detection limit
 POWER_Z = 1.28  # normal quantile of 90 % power
 COMPETING_SHOWN = 6
 
@@ -63,12 +63,12 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     Args:
         subject: The joint.
         effects: Effects that may be named.
-        settings: Error probability; its seed is that of the screening test alone.
+        settings: Smallest effect that counts; its seed is that of the screening test alone.
     """
     wrong = faults(subject.findings)
     if wrong:
         return _unanswered(subject, "data_fault", "; ".join(one.message for one in wrong))
-    cycles = len(np.unique(make_rows(subject.data).cycle))
+    cycles = len(np.unique(make_samples(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
         lacking = subject.lacking or "move the joint back and forth, or count slower strokes with --thresholds auto"
         return _unanswered(
@@ -93,12 +93,12 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     return with_own_axes(replace(found, contacts=residual_curves.contact_trace(state)))
 
 
-def _unanswered(subject: Subject, verdict: Verdict, message: str) -> JointDiagnosis:
+def _unanswered(subject: Subject, verdict: Verdict, reason: str) -> JointDiagnosis:
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
-        message=message,
+        reason=reason,
         from_energy=subject.from_energy,
         findings=subject.findings,
     )
@@ -126,12 +126,11 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         for group in (said.named, said.negligible)
     )
     events = residual_curves.contact_effects(problem, state.contacts, profiles)
-    limit = _detection_limit(state, after.rms, settings.alpha)
+    limit = _detection_limit(state, after.rms)
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
         verdict=said.verdict,
-        message=wording.message_of(said, (*named, *events), remaining, limit, bool(negligible)),
         effects=(*events, *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
@@ -162,7 +161,7 @@ def _effect(
     left = residual_of(gram, state.active)
     upto = [other.block for other in group[:k]]
     before, after = (held_out(gram, some, replaced=state.active).rms for some in (upto, [*upto, block]))
-    curve, where = residual_curves.along_effect(problem, left + torque, torque, block.effect.axis)
+    curve = residual_curves.along_effect(problem, left + torque, block.effect.axis)
     power = float(np.sum(residual_of(gram, ()) ** 2))
     rivals = (
         Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
@@ -171,11 +170,9 @@ def _effect(
         name=block.name,
         label=block.effect.label,
         alternatives=one.alternatives,
-        decide=motion_to_decide(block.name, one.alternatives),
         parameters=numbers[0],
         p_value=one.gain.p_value,
         evidence=(Evidence(name=block.name, delta_bic=0.0, correlation=1.0), *rivals),
-        where=where,
         axis=block.effect.axis,
         gap_before_nm=before,
         gap_after_nm=after,
@@ -206,11 +203,11 @@ def _without_gravity(state: State, floor: float) -> float:
     return float("nan") if before <= floor else (before - after) / (before - floor)
 
 
-def _detection_limit(state: State, left_nm: float, alpha: float) -> float:
+def _detection_limit(state: State, left_nm: float) -> float:
     """Rms of an effect, free of the nominal model, that would have been seen with 90 % power. [N m]"""
     from scipy.special import ndtri
 
-    needed = (float(ndtri(1.0 - alpha / (2 * max(len(state.gram.blocks), 1)))) + POWER_Z) ** 2
+    needed = (float(ndtri(1.0 - ALPHA / (2 * max(len(state.gram.blocks), 1)))) + POWER_Z) ** 2
     noise = state.gram.noise
     # The information of an effect as broad as the residual itself: its power per independent sample.
     time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0

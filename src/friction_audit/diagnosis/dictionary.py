@@ -1,12 +1,13 @@
 """Columns of every effect on the samples: the one place that knows how the catalogue of effects is written."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.problem import Index, RegressionProblem
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, speeds
 from friction_audit.effects.torque_ripple import order_range
@@ -18,6 +19,7 @@ LEAST_BEND = 0.05
 """Share of the log's high speed below which a curve in speed is Coulomb friction with a smoothed sign."""
 EVENT = "contact_event"  # found by its own detector
 ORDERS_SCANNED = 2
+STORED = np.float32  # of columns alone, a thousand of them; products add up in double precision
 
 
 @dataclass(eq=False, kw_only=True)
@@ -27,7 +29,8 @@ class Block:
     Attributes:
         effect: The effect.
         shape: The nonlinear parameters.
-        columns: On the samples, without columns of zeros, shape (p, m).
+        stored: Columns on the samples, in the order of the folds, without columns of zeros, shape (p, m).
+        back: Place of each sample in that order, shape (m,).
         there: Which of the effect's columns these are, shape (q,).
         log_prior: Logarithm of the share of the prior that this point has among those of its effect.
         numbers: Nonlinear parameters that vary over the grid.
@@ -38,7 +41,8 @@ class Block:
 
     effect: Effect
     shape: dict[str, float]
-    columns: Float
+    stored: NDArray[np.float32]
+    back: Index
     there: NDArray[np.bool_]
     log_prior: float
     numbers: int
@@ -54,7 +58,18 @@ class Block:
     @property
     def p(self) -> int:
         """Number of columns."""
-        return len(self.columns)
+        return len(self.stored)
+
+    @property
+    def columns(self) -> Float:
+        """Columns on the samples, in the order of time, shape (p, m)."""
+        return self.stored[:, self.back].astype(np.float64)
+
+    def moved(self, shape: dict[str, float], columns: Float) -> "Block":
+        """The block at another point, between those of the grid; columns in the order of time, shape (p, m)."""
+        stored = np.empty(columns.shape, STORED)
+        stored[:, self.back] = columns
+        return replace(self, shape=shape, stored=stored, refined=True, start=0)
 
     def whole(self, coefficients: Float) -> Float:
         """Coefficients of all the effect's columns, shape (q,), zero for columns of zeros."""
@@ -76,6 +91,16 @@ class Dictionary:
     baseline: Nominal
     blocks: list[Block] = field(default_factory=list)
     not_testable: dict[str, str] = field(default_factory=dict)
+
+    @cached_property
+    def order(self) -> Index:
+        """Samples in the order of their folds, shape (m,)."""
+        return fold_order(self.problem)
+
+    @cached_property
+    def back(self) -> Index:
+        """Place of each sample in that order, shape (m,)."""
+        return np.argsort(self.order)
 
     @classmethod
     def build(cls, problem: RegressionProblem, effects: Sequence[Effect], baseline: Nominal) -> "Dictionary":
@@ -102,7 +127,8 @@ class Dictionary:
                 out[place] = Block(
                     effect=effect,
                     shape=dict(shapes[place]),
-                    columns=columns[there],
+                    stored=columns[there][:, self.order].astype(STORED),
+                    back=self.back,
                     there=there,
                     log_prior=-float(np.log(len(shapes))),
                     numbers=sum(name in shapes[place] for name in varying),
@@ -116,7 +142,8 @@ class Dictionary:
             own = [block for block in self.blocks if block.effect is effect]
             if effect.needs_nominal and own:
                 for place, fine in effect.regressors(self.problem.data, baseline, [block.shape for block in own]):
-                    own[place].columns = self.problem.columns(fine)[own[place].there]
+                    columns = self.problem.columns(fine)[own[place].there]
+                    own[place].stored = columns[:, self.order].astype(STORED)
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""
@@ -125,12 +152,6 @@ class Dictionary:
     def fine_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """The same on the fine grid, shape (n, p)."""
         return np.asarray(block.effect.regressor(self.problem.data, baseline, shape)[:, block.there])
-
-    def drop(self, dropped: NDArray[np.bool_], problem: RegressionProblem) -> None:
-        """Leave samples out, shape (m,)."""
-        self.problem = problem
-        for block in self.blocks:
-            block.columns = block.columns[:, ~dropped]
 
     def scan_orders(self, residual: Float) -> list[Block]:
         """Ripples beyond the grid: the largest peaks of a Fourier transform of a residual over the position."""
@@ -185,6 +206,11 @@ class Dictionary:
 
     def _grid(self, effect: Effect) -> Sequence[Nonlinear]:
         return effect.grid(self.problem.data) or effect.identifiable_part(self.problem.data)
+
+
+def fold_order(problem: RegressionProblem) -> Index:
+    """Samples fold by fold, in the order of time within each, shape (m,)."""
+    return np.argsort(problem.fold, kind="stable")
 
 
 def grid_of(effect: Effect, data: JointData, testable: bool) -> Sequence[Nonlinear]:

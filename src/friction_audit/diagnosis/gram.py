@@ -1,43 +1,48 @@
 """One Gram matrix of whitened columns, by folds of whole cycles: every score of a selection is a small solve on it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.dictionary import Block
+from friction_audit.compiled import compiled
+from friction_audit.diagnosis.dictionary import Block, fold_order
 from friction_audit.diagnosis.noise_model import NoiseModel
-from friction_audit.diagnosis.problem import FOLDS, Nuisance, RegressionProblem
+from friction_audit.diagnosis.problem import FOLDS, Index, Nuisance, RegressionProblem
 from friction_audit.joint_log import Float
 
 COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
 RIDGE = 1e-10
-ROOM = 64
+AT_ONCE = 2**18  # numbers of a dictionary that are worked on at once: 2 MB stay in the cache of a core
 
 
 class Gram:
-    """Whitened columns of the nominal model, the nuisances and all blocks, and their products within each fold."""
+    """Products of the nominal model, the nuisances and all blocks within each fold, of whitened columns.
+
+    Whitening W acts within cycles, so that products of whitened columns are those of the columns with W'W x: no
+    whitened copy of the dictionary is kept.
+    """
 
     def __init__(
         self, problem: RegressionProblem, noise: NoiseModel, nuisances: Sequence[Nuisance], blocks: Sequence[Block]
     ) -> None:
-        """Whiten everything; samples are put in the order of their folds."""
+        """Whiten the nominal model; samples are put in the order of their folds."""
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
-        self.order = np.argsort(problem.fold, kind="stable")
+        self.order = fold_order(problem)
         self.ends = np.searchsorted(problem.fold[self.order], np.arange(FOLDS + 1))
+        self.sorted_noise = replace(noise, age=noise.age[self.order], weight=noise.weight[self.order])
         self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])
         self.precision = np.append(np.zeros(len(problem.X)), [1.0 / one.sd**2 for one in nuisances])
         self.y, self.base = self.whiten(problem.y)[0], self.whiten(self.base_raw)
         self.yy = np.array([self.y[f] @ self.y[f] for f in self.slices])
         self.by = np.stack([self.base[:, f] @ self.y[f] for f in self.slices])
         self.bb = np.stack([self.base[:, f] @ self.base[:, f].T for f in self.slices])
-        self.rows = np.empty((sum(b.p for b in blocks) + ROOM, len(self.y)))
         self.blocks: list[Block] = []
         self.used = 0
-        self.zy = np.empty((FOLDS, 0))
         self.own: list[Float] = []
-        self.cross: dict[object, Float] = {"base": np.empty((FOLDS, len(self.base), 0))}
+        self._left: dict[object, Float] = {"y": self.transposed(self.y), "base": self.transposed(self.base)}
+        self.cross: dict[object, Float] = {key: np.empty((FOLDS, len(one), 0)) for key, one in self._left.items()}
         self.version = 0
         self.add(blocks)
 
@@ -46,45 +51,91 @@ class Gram:
         """Columns of each fold."""
         return [slice(a, b) for a, b in zip(self.ends[:-1], self.ends[1:], strict=True)]
 
+    @property
+    def zy(self) -> Float:
+        """Products of all blocks with the response within each fold, shape (folds, columns)."""
+        return self.cross["y"][:, 0]
+
     def whiten(self, columns: Float) -> Float:
         """Innovations in the order of the folds, shape (k, m)."""
-        return np.asarray(self.noise.whiten(columns)[:, self.order])
+        return self.sorted_noise.whiten(np.atleast_2d(columns)[:, self.order])
+
+    def transposed(self, innovations: Float) -> Float:
+        """The transpose of whitening, on innovations in the order of the folds, shape (k, m)."""
+        noise = self.sorted_noise
+        rows = np.ascontiguousarray(np.atleast_2d(innovations))
+        return np.asarray(_transposed(rows, noise.predictors, noise.scales, noise.age) * noise.weight)
 
     def add(self, blocks: Sequence[Block]) -> None:
         """Append blocks."""
-        first, need = self.used, sum(b.p for b in blocks)
-        if first + need > len(self.rows):
-            self.rows = np.vstack([self.rows[:first], np.empty((need + ROOM, len(self.y)))])
         for block in blocks:
             block.start = self.used
             self.used += block.p
-        if blocks:
-            self.rows[first : self.used] = self.whiten(np.vstack([b.columns for b in blocks]))
-        new = self.rows[first : self.used]
-        self.zy = np.hstack([self.zy, np.stack([new[:, f] @ self.y[f] for f in self.slices])])
-        for block in blocks:
-            own = self.of(block)
-            self.own.append(np.stack([own[:, f] @ own[:, f].T for f in self.slices]))
-        for key, known in list(self.cross.items()):
-            left = self.base if key == "base" else self.of(self.blocks[key])  # type: ignore[call-overload]
-            self.cross[key] = np.concatenate([known, self._products(left, new)], axis=2)
+        for some, rows in self.chunks(blocks):
+            self.own += self._own(some, self.sorted_noise.whiten(rows))
+        for key, known in self.cross.items():
+            self.cross[key] = np.concatenate([known, self._products(self._left[key], blocks)], axis=2)
         self.blocks += blocks
         self.names = np.array([b.name for b in self.blocks])
         self.version += 1
 
     def of(self, block: Block) -> Float:
         """Whitened columns of a block, shape (p, m)."""
-        return self.rows[block.start : block.start + block.p]
+        return self.sorted_noise.whiten(block.stored.astype(np.float64))
 
     def products(self, block: Block) -> Float:
         """Products of a block with all others within each fold, shape (folds, p, columns)."""
-        key = next(k for k, one in enumerate(self.blocks) if one is block)
-        if key not in self.cross:
-            self.cross[key] = self._products(self.of(block), self.rows[: self.used])
-        return self.cross[key]
+        if id(block) not in self.cross:
+            self._left[id(block)] = self.transposed(self.of(block))
+            self.cross[id(block)] = self._products(self._left[id(block)], self.blocks)
+        return self.cross[id(block)]
 
-    def _products(self, left: Float, right: Float) -> Float:
-        return np.stack([left[:, f] @ right[:, f].T for f in self.slices])
+    def chunks(self, blocks: Sequence[Block]) -> Iterator[tuple[list[Block], Float]]:
+        """Some blocks at a time with their columns in the order of the folds, shape (k, m), valid until the next."""
+        m = len(self.y)
+        room = np.empty((max(AT_ONCE // max(m, 1), *(b.p for b in blocks), 1), m))
+        some: list[Block] = []
+        for block in (*blocks, None):
+            columns = sum(b.p for b in some)
+            if some and (block is None or columns + block.p > len(room)):
+                yield some, np.concatenate([b.stored for b in some], out=room[:columns])
+                some = []
+            if block is not None:
+                some.append(block)
+
+    def _products(self, left: Float, blocks: Sequence[Block]) -> Float:
+        out = np.empty((FOLDS, len(left), sum(b.p for b in blocks)))
+        first = 0
+        for _, rows in self.chunks(blocks):
+            for k, f in enumerate(self.slices):
+                out[k, :, first : first + len(rows)] = left[:, f] @ rows[:, f].T
+            first += len(rows)
+        return out
+
+    def _own(self, blocks: Sequence[Block], white: Float) -> list[Float]:
+        """Products of each block with itself within each fold, shape (folds, p, p)."""
+        squares = np.stack([np.einsum("km,km->k", white[:, f], white[:, f]) for f in self.slices])
+        found = []
+        for block in blocks:
+            at = block.start - blocks[0].start
+            own = white[at : at + block.p]
+            found.append(
+                squares[:, at, None, None] if block.p == 1 else np.stack([own[:, f] @ own[:, f].T for f in self.slices])
+            )
+        return found
+
+
+@compiled()
+def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Float:
+    out = np.zeros_like(rows)
+    for k in range(rows.shape[0]):
+        for i in range(rows.shape[1]):
+            order = age[i]
+            scaled = rows[k, i] * scales[order]
+            out[k, i] += scaled
+            for j in range(order):
+                out[k, i - 1 - j] -= predictors[order, j] * scaled
+    return out
 
 
 @dataclass(eq=False)
@@ -136,6 +187,10 @@ class Training:
         if block is None:
             return self._sum("base", self.gram.cross["base"])
         return self._sum(id(block), self.gram.products(block))
+
+    def cross(self, active: Sequence[Block], fit: Fit) -> Float:
+        """Products of the model with all columns of the blocks, scaled as its factor is, shape (b, columns)."""
+        return np.vstack([self._cross(None)[fit.kept], *(self._cross(b) for b in active)]) / fit.scale[:, None]
 
     def fit(self, active: Sequence[Block], unpinned: Sequence[str] = ()) -> Fit:
         """Fit the nominal model, nuisances and some blocks; nuisances of some names are left out."""
@@ -195,10 +250,10 @@ class Training:
     ) -> None:
         """Write gains and coefficients of some blocks."""
         fit = self.fit(active, (unpinned,) if unpinned else ())
-        cross = np.vstack([self._cross(None)[fit.kept], *(self._cross(b) for b in active)])
+        cross = self.cross(active, fit)
         zy_all = self.gram.zy[list(self.folds)].sum(axis=0)
         for members, cols, own in self._by_width(unpinned, which):
-            t = scipy_solve(fit.factor, cross[:, cols.ravel()] / fit.scale[:, None]).reshape(-1, *cols.shape)
+            t = scipy_solve(fit.factor, cross[:, cols.ravel()]).reshape(-1, *cols.shape)
             zy = zy_all[cols] - np.einsum("a,aup->up", fit.projected, t)
             size = np.sqrt(np.maximum(np.einsum("upp->up", own), 1e-300))
             if cols.shape[1] == 1:

@@ -23,6 +23,7 @@ CONFIDENCE = 0.95
 WIDEST = float(np.log(10.0)) / 2.0  # half of an interval in the logarithm of a parameter
 WIDEST_STEPS = 4.0  # half of an interval of one that may be zero, in steps of its grid
 PRIOR_STEPS = 10.0  # standard deviation of a parameter in steps of its grid, so that the solve has an answer
+REACHES = (4 * DIFFERENCE, 1.0)  # in steps of the grid; a moment within a rest shows in the longer difference alone
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -105,10 +106,12 @@ def _slopes(
 ) -> Float:
     """Whitened derivatives of an effect's torque with respect to its nonlinear parameters, shape (k, m)."""
     out = np.empty((len(scale.names), len(gram.y)))
-    for k in range(len(scale.names)):
-        ahead, behind = (np.eye(len(scale.names))[k] * sign * DIFFERENCE * 4 for sign in (1.0, -1.0))
-        columns = [dictionary.columns_at(block, scale.at(x), baseline) for x in (ahead, behind)]
-        out[k] = coefficients @ gram.whiten(columns[0] - columns[1]) / (8.0 * DIFFERENCE)
+    for k, unit in enumerate(np.eye(len(scale.names))):
+        for reach in REACHES:
+            columns = [dictionary.columns_at(block, scale.at(x * unit), baseline) for x in (reach, -reach)]
+            out[k] = coefficients @ gram.whiten(columns[0] - columns[1]) / (2.0 * reach)
+            if out[k] @ out[k] > PRIOR_STEPS**-2.0:
+                break
     return out
 
 

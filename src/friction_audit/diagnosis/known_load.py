@@ -1,4 +1,4 @@
-"""The load on every joint from other sources than its own sensor: logged gravity and the rigid-body model."""
+"""The load on every joint by the rigid-body model of the arm, and the torque per unit of that model's errors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,8 +12,8 @@ from friction_audit.robot import Arm
 from friction_audit.robot.regressor import Motion, random_motion, regressor_entries, significant, tilt_torque
 
 RATE_HZ = 200.0  # of evaluations of the model: above twice the bandwidth of the motion on the grid
-MOMENTS_AND_MASS = (1, 2, 3, 0)  # inertial parameters that have weight, in the order in which they are preferred
-ROUNDING = 1e-9  # a smaller torque per kg or kg m is no weight [N m]
+MOMENTS_AND_MASS = (1, 2, 3, 0)  # inertial parameters that gravity acts on, in the order in which they are kept
+ROUNDING = 1e-9  # a smaller torque per kg or kg m is none [N m]
 INERTIA_POSES = 50  # of a recording, evenly spread
 
 
@@ -22,9 +22,9 @@ class KnownLoad:
     """The load by a model of the arm, for j joints on a grid of n samples.
 
     Attributes:
-        gravity: Gravity torque, shape (n, j), or None where it is to be taken from the log or is not known. [N m]
+        gravity: Gravity torque, shape (n, j), or None where the log has it or it is not known. [N m]
         inertial: Inertial torque of the links where it was removed from the sensor's, shape (n, j), or None. [N m]
-        rigid: What the model says about each joint, or None without a model.
+        rigid: Torque of each joint per unit of what may be wrong with the model, or None without a model.
     """
 
     gravity: Float | None
@@ -32,13 +32,13 @@ class KnownLoad:
     rigid: tuple[RigidBody, ...] | None
 
     def load(self, choice: TorqueChoice, gravity: Float | None) -> Float | None:
-        """Load on the gears besides what the joints' own models take, counted as the torque counts, (n, j). [N m]"""
+        """Load on the gears in addition to the joints' own models, with the sign of the torque, (n, j). [N m]"""
         if gravity is None:
             return None
         return choice.sign * (gravity if self.inertial is None else gravity + self.inertial)
 
-    def taken(self, choice: TorqueChoice, load: Float | None) -> Float | None:
-        """What is to be taken from the sensors' readings where links' inertia is part of it, else None. [N m]"""
+    def removed(self, choice: TorqueChoice, load: Float | None) -> Float | None:
+        """Torque to subtract from the sensors' readings where links' inertia is part of it, else None. [N m]"""
         if self.inertial is None:
             return None
         return choice.sign * self.inertial if choice.gravity == "none" or load is None else load
@@ -48,7 +48,7 @@ def know_load(log: JointLog, choice: TorqueChoice, arm: Arm | None, t: Float, mo
     """Evaluate the model of an arm along a motion.
 
     Args:
-        log: The log; gravity that it holds is preferred, unless the interaction torque was made with the model's.
+        log: The log; its gravity is preferred, unless the interaction torque was made with that of the model.
         choice: How the interaction torque was made.
         arm: The model, or None.
         t: Times of the grid, shape (n,). [s]
@@ -80,7 +80,7 @@ def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float
     links = [_links(arm, joint) for joint in range(joints)]
     still = np.zeros_like(motion[0])
     tilt = sign * tilt_torque(arm, motion[0])
-    # Where the motors move the arm, what is heavier than in its model resists by its inertia too.
+    # Where the motors move the arm, a link that is heavier than in its model resists by its inertia too.
     weights = _weights(arm, (motion[0], still, still) if inertial is None else motion, links)
     tips = None if inertial is None else _tips(arm, motion)
     return tuple(
@@ -105,7 +105,7 @@ def _links(arm: Arm, joint: int) -> tuple[int, ...]:
 
 
 def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list[Float]:
-    """Of each joint torque per first moment and mass of its links, zero where it is not identifiable, (n, links, 4)."""
+    """Torque of each joint per first moment and mass of its links, zero where not identifiable, (n, links, 4)."""
     many = len(MOMENTS_AND_MASS)
     joints = np.repeat(np.arange(len(links)), [many * len(own) for own in links])
     carried = np.repeat(np.concatenate(links) - 1, many)

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis.rows import Rows
+from friction_audit.diagnosis.samples import Samples
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
@@ -13,23 +13,21 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
 INERTIA = "inertia_kg_m2"
-FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}
-"""Terms that candidates lean on, with the name of their one number."""
-RINGING = ("spring", "gap")
-"""What rings on noise of the position too."""
+FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}  # terms with their one coefficient
+RINGING = ("spring", "gap")  # forward models of terms that amplify noise of the position
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class NominalModel:
-    """The declared model, b columns.
+    """The nominal model, b columns.
 
     Attributes:
-        names: Names of the factors, unit behind: Coulomb and viscous friction, inertia unless it is stated, then the
-            linear parameters of other terms of a model file; without those of terms that the file holds.
+        names: Names of the coefficients with their unit: Coulomb and viscous friction, inertia unless a model file
+            states it, then the coefficients of other terms of the file; without those of terms that the file holds.
         fine: Their columns on the fine grid, shape (n, b).
-        columns: The same on the rows, shape (m, b).
-        stated: Torque of numbers that are stated and not fitted, on the fine grid, shape (n,). [N m]
-        y: Torque of the rows less what is stated, shape (m,). [N m]
+        columns: The same on the samples, shape (m, b).
+        stated: Torque of the numbers that are not fitted, on the fine grid, shape (n,). [N m]
+        y: Torque of the samples without it, shape (m,). [N m]
         model: The model file's model of the joint, None without one.
     """
 
@@ -40,23 +38,21 @@ class NominalModel:
     y: Float
     model: JointModel | None
 
-    def baseline(self, factors: Float) -> Nominal:
-        """What candidates lean on, for the factors of a fit, shape (b,)."""
+    def baseline(self, coefficients: Float) -> Nominal:
+        """The fitted model, from coefficients, shape (b,), as columns of effects need it."""
         stated = {} if self.model is None else _stated(self.model)
-        value = stated | dict(zip(self.names, factors.tolist(), strict=True))
+        value = stated | dict(zip(self.names, coefficients.tolist(), strict=True))
         return Nominal(
             inertia_kg_m2=value[INERTIA],
             coulomb_nm=value["coulomb_nm"],
             viscous_nms_per_rad=value["viscous_nms_per_rad"],
-            torque=self.fine @ factors + self.stated,
+            torque=self.fine @ coefficients + self.stated,
             declared=frozenset(stated),
         )
 
 
-def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> NominalModel:
-    """Build the columns of the declared model: friction is fitted, an inertia from a model file is taken as stated.
-
-    Terms that the file holds are stated as well.
+def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -> NominalModel:
+    """Build the columns of the nominal model; the inertia of a model file and the terms that it holds are not fitted.
 
     Raises:
         AnalysisError: If everything is stated, so that nothing is left to fit.
@@ -69,7 +65,7 @@ def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> Nomi
         rest = model.rest(data.motion())
         stated = model.inertia_kg_m2 * data.ddq
         for term in model.terms:
-            motion = _motion_of(term, model, data, rows) if term.effect.forward in RINGING else data.motion(rest)
+            motion = _motion_of(term, model, data, samples) if term.effect.forward in RINGING else data.motion(rest)
             columns = _columns(term, motion)
             if term.name in model.held:
                 stated = stated + term.torque(motion)
@@ -82,36 +78,33 @@ def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> Nomi
     return NominalModel(
         names=tuple(fine),
         fine=stacked,
-        columns=rows.of(stacked),
+        columns=samples.of(stacked),
         stated=stated,
-        y=rows.y - rows.of(stated),
+        y=samples.y - samples.of(stated),
         model=model,
     )
 
 
 def _stated(model: JointModel) -> dict[str, float]:
-    """What of inertia, Coulomb and viscous friction is stated, by name."""
+    """Inertia, Coulomb and viscous friction of a model file that are not fitted, by name."""
     held = {name: values[0] for name in model.held if (values := model.values(name)) is not None}
     return {INERTIA: model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
 
 
-def _motion_of(term: FittedTerm, model: JointModel, data: JointData, rows: Rows) -> Motion:
-    """The motion as measured, or without what is hardly more than noise: that along which a term explains more.
-
-    What rings amplifies the noise of the position, and its name was found along either motion.
-    """
+def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
+    """The motion as measured or low-passed: the one with which the term explains more."""
     every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
     motions = [replace(motion, rest=model.rest(motion)) for motion in every]
     simple = (data.way, data.dq, data.ddq)
     left = []
     for motion in motions:
-        columns = rows.of(np.column_stack([*simple, *_columns(term, motion).values()]))
-        left.append(np.linalg.norm(rows.y - columns @ least_squares(columns, rows.y)))
+        columns = samples.of(np.column_stack([*simple, *_columns(term, motion).values()]))
+        left.append(np.linalg.norm(samples.y - columns @ least_squares(columns, samples.y)))
     return motions[int(np.argmin(left))]
 
 
 def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
-    """The linear columns of a term by name of their factor, its shape as stated; none for what the file lacks."""
+    """Columns of a term by name of their coefficient; none for what the file lacks."""
     shape = term.values[len(term.effect.coefficients) :]
     regressor = term.effect.columns(motion, shape)
     return {
@@ -122,7 +115,7 @@ def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
 
 
 def least_squares(columns: Float, y: Float) -> Float:
-    """Factors, shape (p,); of columns that are copies of each other, the smallest; of zeros none, not even rounding."""
+    """Coefficients of least norm, shape (p,); exactly 0 for a column of zeros."""
     size = np.sqrt(np.mean(columns**2, axis=0))
     scale = np.where(size > 0, size, 1.0)
     return np.asarray(np.where(size > 0, np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale, 0.0))

@@ -4,7 +4,6 @@ G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; the Jacobian of L. 
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -144,7 +143,7 @@ def refine(
             break
     if first - point.cost < DONE:
         return None
-    return replace(block, shape=scale.at(point.x), columns=point.columns, refined=True, start=0)
+    return block.moved(scale.at(point.x), point.columns)
 
 
 def _line_search(problem: Projection, scale: Scale, point: Point) -> Point | None:

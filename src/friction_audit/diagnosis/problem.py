@@ -1,29 +1,68 @@
 """The regression problem of one joint: response, nominal columns, nuisance columns, folds of whole cycles."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
 from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
-from friction_audit.diagnosis.rows import ROW_HZ, Rows, corner_for, make_rows
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
+from friction_audit.diagnosis.samples import SAMPLE_HZ, Samples, corner_for, make_samples
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, strokes
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
 FOLDS = 5
+KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
 SIGN_WIDTHS_RAD_S = np.geomspace(
     5e-4, 1.2e-2, 9
 )  # a sign smoothed by up to 10 mrad/s is a regularised drive, no effect
-SLOW_RAD_S = 5e-3  # below it the law of friction at a reversal is as uncertain as right behind one
+SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Axis:
+    """A quantity of every sample.
+
+    Attributes:
+        name: One word.
+        label: For the axis of a figure, with the unit.
+        value: ``value(data)``: the quantity, shape (n,), or None where the log does not have it.
+    """
+
+    name: str
+    label: str
+    value: Callable[[JointData], Float | None]
+
+
+def _travelled(data: JointData) -> Float:
+    return np.abs(strokes(data).displacement)
+
+
+def _neighbour(data: JointData) -> Float | None:
+    """Acceleration of the other joint that moves most, in its own units."""
+    others: Float = np.delete(data.others_ddq, data.own_column, axis=1)
+    return others[:, int(np.argmax(others.std(axis=0)))] if others.shape[1] else None
+
+
+# In the order in which equal ones are reported.
+AXES: tuple[Axis, ...] = (
+    Axis(name="speed", label="speed [rad/s]", value=lambda data: np.abs(data.dq)),
+    Axis(name="position", label="position [rad]", value=lambda data: data.q),
+    Axis(name="displacement", label="displacement since reversal [rad]", value=_travelled),
+    Axis(name="acceleration", label="acceleration [rad/s²]", value=lambda data: data.ddq),
+    Axis(name="time", label="time [s]", value=lambda data: data.t),
+    Axis(name="load", label="predicted load [N m]", value=lambda data: data.load),
+    Axis(name="temperature", label="temperature [°C]", value=lambda data: data.temperature),
+    Axis(name="neighbour", label="acceleration of a neighbour [rad/s²]", value=_neighbour),
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -70,7 +109,7 @@ class RegressionProblem:
     """
 
     data: JointData
-    samples: Rows
+    samples: Samples
     nominal: NominalModel
     age: Index
     fold: Index
@@ -83,22 +122,20 @@ class RegressionProblem:
         Raises:
             AnalysisError: If the model leaves nothing to fit.
         """
-        rows = make_rows(data)
-        nominal = nominal_model(data, rows, model)
+        samples = make_samples(data)
+        nominal = nominal_model(data, samples, model)
         inertia = nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2
         if (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
-            rows = make_rows(data, corner)
-            nominal = nominal_model(data, rows, model)
-        place = np.flatnonzero(rows.used)
-        alone = np.isin(place, rows.breakaway_row)
-        # Samples of a signal without content above the corner are worth no more than two per period of the corner.
-        step = max(1, int(np.ceil(ROW_HZ / (2.0 * rows.corner_hz) - 0.25)))
-        kept = (place % step == 0) | alone
-        samples = rows.keep(kept)
+            samples = make_samples(data, corner)
+            nominal = nominal_model(data, samples, model)
+        # A signal without content above the corner needs two samples per period of the corner.
+        step = max(1, int(np.ceil(SAMPLE_HZ / (2.0 * samples.corner_hz) - 0.25)))
+        kept = (samples.place % step == 0) | samples.breakaway
+        samples = samples.keep(kept)
         nominal = replace(nominal, columns=nominal.columns[kept], y=nominal.y[kept])
-        follows = np.diff(place[kept], prepend=-(10**6)) == step
+        follows = np.diff(samples.place, prepend=-(10**6)) == step
         follows &= samples.cycle == np.roll(samples.cycle, 1)
-        follows &= ~alone[kept] & ~np.roll(alone[kept], 1)
+        follows &= ~samples.breakaway & ~np.roll(samples.breakaway, 1)
         return cls(
             data=data,
             samples=samples,
@@ -125,7 +162,7 @@ class RegressionProblem:
 
     def at_samples(self, fine: Float) -> Float:
         """A quantity of the fine grid at the samples, not filtered."""
-        return fine[:: self.samples.every][self.samples.used]
+        return fine[self.samples.place * self.samples.every]
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
@@ -201,7 +238,7 @@ def _age(follows: NDArray[np.bool_]) -> Index:
     return (place - np.maximum.accumulate(np.where(follows, 0, place))).astype(np.int64)
 
 
-def _curves(data: JointData, samples: Rows) -> tuple[Curve, ...]:
+def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
     most = int(np.clip(len(np.unique(samples.cycle)) // MOST_CYCLES_PER_KNOT, 2, KNOTS))
     found = []
     for axis in AXES:
@@ -210,5 +247,21 @@ def _curves(data: JointData, samples: Rows) -> tuple[Curve, ...]:
         if values is None or len(knots) < 2:  # noqa: PLR2004 - a constant
             continue
         columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
-        found.append(Curve(axis=axis, columns=columns, values=values[:: samples.every][samples.used]))
+        found.append(Curve(axis=axis, columns=columns, values=values[samples.place * samples.every]))
     return tuple(found)
+
+
+def knots_of(values: Float, counted: NDArray[np.bool_], most: int = KNOTS) -> Float:
+    """Quantiles of a quantity over the samples that count, without repetition, shape (k,); k below 2 if constant."""
+    if not counted.any():
+        return np.zeros(0)
+    knots = np.unique(np.quantile(values[counted], np.linspace(0.0, 1.0, most)))
+    apart = np.diff(knots) > 1e-9 * max(float(np.ptp(knots)), 1e-12)
+    return np.asarray(knots[np.append(True, apart)], np.float64)
+
+
+def curve(values: Float, knots: Float, dq: Float) -> Float:
+    """A piecewise linear curve over a quantity for each direction of motion, shape (n, 2 k)."""
+    hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
+    up = (dq > 0)[:, None]
+    return np.hstack([hats * up, hats * ~up])

@@ -24,7 +24,6 @@ REPEATS = 2
 ALTERNATIONS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
-CONTACT_GAIN, LARGEST_CONTACT_GAIN = 30.0, 50.0  # 2 ln of the likelihood: of each, of the largest (smoothed, seed 122)
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that lean on it are built again
 
@@ -46,32 +45,13 @@ class State:
 def select(data: JointData, model: JointModel | None, effects: Sequence[Effect]) -> State:
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
-    contacts = contact_events.detect(problem)
     state = _selected(problem, effects)
+    left = residual_checks.residual_of(state.gram, state.active)
+    contacts = contact_events.detect(problem, left, state.gram.noise)
     if contacts:
-        torques, _ = fine_torques(state)
-        contacts = contact_events.detect(problem, np.sum(list(torques.values()), axis=0)) if torques else contacts
-    gains_of = {one: _contact_gain(state, one) for one in contacts}
-    largest = max(gains_of.values(), default=0.0)
-    contacts = tuple(one for one in contacts if gains_of[one] > CONTACT_GAIN and largest > LARGEST_CONTACT_GAIN)
-    if contacts:
-        whole = state
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
-        torques, left = fine_torques(state)
-        contacts = contact_events.confirmed(problem, contacts, torques, left)
-        state = state if contacts else whole
-    state.contacts = contacts
+        state.contacts = contacts
     return state
-
-
-def _contact_gain(state: State, contact: Contact) -> float:
-    """What squared innovations within a contact add up to above those elsewhere; the model error is in their scale."""
-    gram, fit = state.gram, state.search.training.fit(state.active)
-    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in state.active)])
-    power = (gram.y - fit.coefficients @ rows) ** 2
-    inside = contact_events.touched(state.problem, (contact,))[gram.order]
-    usual = float(np.mean(power[~inside]))
-    return float(np.sum(power[inside])) / usual - np.count_nonzero(inside)
 
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:

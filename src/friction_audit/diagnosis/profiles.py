@@ -1,19 +1,25 @@
-"""Where a residual lies: its mean along every axis, and which axes it depends on."""
+"""A residual along a quantity: its mean in bins with standard errors, and the quantity that shows an effect."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.problem import Curve
-from friction_audit.diagnosis.result import Profile
+from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
 
 BINS = 12
 FEWEST_ROWS = 5
-CLEAR = 2.0
-"""Standard errors from which a bin is spoken of."""
 FOLDS = 5
+STRETCHES = 24
+"""Of the axis, with equally many rows each."""
+MOST_HIDDEN = 0.5
+"""Share of the torque's mean square that may lie beside the curve."""
+ORDER = "ripple_order"  # parameter of an effect that repeats with the position: its waves per revolution
+SOURCE = "gravity_error_source"  # 0 where the error follows the joint's own angle
+OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
 COPY = 1e-12
 """Eigenvalue, over the largest one, of the cross products of what is a copy."""
 
@@ -40,28 +46,31 @@ def profile_all(
 
 def _profile(residual: Float, curve: Curve, dq: Float, cycle: NDArray[np.int64], p_value: float) -> Profile:
     edges = np.unique(np.quantile(curve.values, np.linspace(0.0, 1.0, BINS + 1)))
-    bins = np.clip(np.searchsorted(edges, curve.values, side="right") - 1, 0, len(edges) - 2)
-    centre = np.array([_mean(curve.values[bins == k]) for k in range(len(edges) - 1)])
-    up = dq > 0
-    forwards, forwards_se = bin_means(residual, bins, cycle, up, len(centre))
-    backwards, backwards_se = bin_means(residual, bins, cycle, ~up, len(centre))
+    bins = _bins(curve.values, edges)
+    centre = [curve.values[bins == k].mean() if (bins == k).any() else np.nan for k in range(len(edges) - 1)]
     return Profile(
         axis=curve.axis.name,
         label=curve.axis.label,
         edges=edges,
-        centre=centre,
-        forwards=forwards,
-        backwards=backwards,
-        forwards_se=forwards_se,
-        backwards_se=backwards_se,
+        centre=np.array(centre),
+        **_binned(residual, curve.values, edges, dq > 0, cycle),
         share=_share(residual, curve.columns.T, cycle),
         p_value=p_value,
-        where=_where(curve.axis.name, edges, forwards, forwards_se, backwards, backwards_se),
     )
 
 
-def _mean(values: Float) -> float:
-    return float(values.mean()) if len(values) else float("nan")
+def _bins(values: Float, edges: Float) -> NDArray[np.int64]:
+    return np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+
+
+def _binned(
+    residual: Float, values: Float, edges: Float, up: NDArray[np.bool_], cycle: NDArray[np.int64]
+) -> dict[str, Float]:
+    """Means and standard errors of both directions, by the names that a profile has for them."""
+    bins, count = _bins(values, edges), len(edges) - 1
+    forwards, forwards_se = bin_means(residual, bins, cycle, up, count)
+    backwards, backwards_se = bin_means(residual, bins, cycle, ~up, count)
+    return {"forwards": forwards, "forwards_se": forwards_se, "backwards": backwards, "backwards_se": backwards_se}
 
 
 def bin_means(
@@ -109,55 +118,68 @@ def _share(residual: Float, columns: Float, cycle: NDArray[np.int64]) -> float:
     return max(0.0, 1.0 - float(np.sum(left**2)) / total) if total > 0 else 0.0
 
 
-def _where(axis: str, edges: Float, up: Float, up_se: Float, down: Float, down_se: Float) -> str:
-    """The stretch of the axis on which the residual is clear and large, and in which direction."""
-    size = np.fmax(np.abs(up), np.abs(down))
-    clear = (np.abs(up) > CLEAR * up_se) | (np.abs(down) > CLEAR * down_se)
-    if not np.any(clear & np.isfinite(size)):
-        return ""
-    large = clear & (size >= 0.5 * np.nanmax(np.where(clear, size, np.nan)))
-    first, last = int(np.flatnonzero(large)[0]), int(np.flatnonzero(large)[-1])
-    span = _span(axis, float(edges[first]), float(edges[last + 1]), first == 0, last == len(large) - 1)
-    return f"{span}, {_direction(up[large], up_se[large], down[large], down_se[large])}"
+def shows_along(torque: Float, along: Float, dq: Float) -> bool:
+    """Return whether most of a torque is a curve over a quantity, one for each direction of motion.
+
+    A torque that rings, comes late or follows other joints has both signs at each place of any axis of this joint's
+    motion: its mean there is next to nothing, and where that mean is largest is chance.
+
+    Args:
+        torque: Of an effect at the rows, free of noise, shape (m,). [N m]
+        along: The quantity, shape (m,).
+        dq: Velocity, shape (m,). [rad/s]
+    """
+    beside = sum(_beside(torque[which], along[which]) for which in (dq > 0, dq <= 0))
+    return beside <= MOST_HIDDEN * float(torque @ torque)
 
 
-UNITS = {
-    "speed": "rad/s",
-    "position": "rad",
-    "displacement": "rad after a reversal",
-    "acceleration": "rad/s²",
-    "time": "s",
-    "load": "N m of load",
-    "temperature": "°C",
-    "neighbour": "rad/s² of a neighbour",
-}
+def _beside(torque: Float, along: Float) -> float:
+    """Return the sum of squares beside the means of the stretches. [N^2 m^2]"""
+    parts = np.array_split(torque[np.argsort(along, kind="stable")], STRETCHES)
+    return float(sum(len(part) * part.var() for part in parts if len(part)))
 
 
-WORDS = {"displacement": "displacement since a reversal", "neighbour": "a neighbour's acceleration"}
-"""Axes that are called otherwise in a sentence."""
+def with_own_axes(joint: JointDiagnosis) -> JointDiagnosis:
+    """Return the joint, its effects with the axis of their own where no axis of the motion shows them."""
+    if joint.traces is None:
+        return joint
+    effects = joint.added
+    found = {effect.name: own_axis(effect, joint.traces) for effect in effects}
+    return replace(joint, effects=tuple(replace(effect, own=found.get(effect.name)) for effect in joint.effects))
 
 
-def _span(axis: str, low: float, high: float, from_start: bool, to_end: bool) -> str:
-    unit = UNITS[axis]
-    below, above = ("before", "after") if axis == "time" else ("below", "above")
-    if from_start and to_end:
-        return "over the whole log" if axis == "time" else f"over the whole range of {WORDS.get(axis, axis)}"
-    if from_start:
-        return f"{below} {high:.3g} {unit}"
-    if to_end:
-        return f"{above} {low:.3g} {unit}"
-    return f"from {low:.3g} to {high:.3g} {unit}"
+def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
+    """Return what an effect is drawn along; None where the axis of its curve shows it.
+
+    A ripple is drawn over one wave, for bins in place would average it away. What follows several joints, or is no
+    curve over its axis, as the ringing of a spring, is drawn over the torque that was fitted: on the diagonal the log
+    holds all of the effect.
+    """
+    if ORDER in effect.parameters:
+        waves = effect.parameters[ORDER].value * traces.q / (2 * np.pi)
+        label, values = "Position within a wave [waves]", np.mod(waves, 1.0)
+    else:
+        source = effect.parameters.get(SOURCE)
+        alone = effect.name not in OF_SEVERAL_JOINTS and (source is None or source.value == 0.0)
+        if alone and shows_along(effect.torque, traces.along[effect.curve.axis], traces.dq):
+            return None
+        label, values = f"Fitted torque of {effect.name} [N m]", effect.torque
+    before, after = traces.measured - traces.before, traces.measured - traces.after
+    profiles = (_over(label, values, traces, torque) for torque in (after + effect.torque, before, after))
+    curve, without, left = profiles
+    return OwnAxis(label=label, values=values, curve=curve, before=without, after=left)
 
 
-def _direction(up: Float, up_se: Float, down: Float, down_se: Float) -> str:
-    clear_up, clear_down = _clearness(up, up_se), _clearness(down, down_se)
-    if min(clear_up, clear_down) > CLEAR:
-        against = np.nansum(up) * np.nansum(down) < 0
-        return "in both directions, " + ("against the motion" if against else "the same way in both")
-    return "forwards only" if clear_up > clear_down else "backwards only"
-
-
-def _clearness(mean: Float, error: Float) -> float:
-    """Root mean square of a direction's bins in standard errors, about 1 where there is nothing; 0 if all are empty."""
-    there = error > 0
-    return float(np.sqrt(np.mean((mean[there] / error[there]) ** 2))) if there.any() else 0.0
+def _over(label: str, values: Float, traces: Traces, torque: Float) -> Profile:
+    """Means of a torque of shape (m,) over an axis in bins of equal width."""
+    edges = np.linspace(values.min(), values.max(), BINS + 1)
+    binned = _binned(torque, values, edges, traces.dq > 0, traces.cycle)
+    return Profile(
+        axis=label,
+        label=label,
+        edges=edges,
+        centre=0.5 * (edges[:-1] + edges[1:]),
+        **binned,
+        share=float("nan"),
+        p_value=float("nan"),
+    )

@@ -7,31 +7,23 @@ from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.procedure import State, fine_torques
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.result import ContactTrace, Evidence, NamedEffect, Profile
-from friction_audit.diagnosis.rows import filter_rows
+from friction_audit.diagnosis.samples import filter_matrix
 from friction_audit.diagnosis.screening import Screening
-from friction_audit.diagnosis.shown_along import shows_along
 from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.effects.contact_event import Contact
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
-CONTACTS_LISTED = 3
-EVERYWHERE = "spread over the whole motion"
 
-
-def profiles_of(problem: RegressionProblem, residual: Float, test: Screening | None) -> tuple[Profile, ...]:
+def profiles_of(problem: RegressionProblem, residual: Float, test: Screening) -> tuple[Profile, ...]:
     """The residual along every quantity, what takes most of it first."""
-    p_values = {} if test is None else test.curves
-    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, p_values)
+    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, test.curves)
 
 
-def along_effect(problem: RegressionProblem, shown: Float, torque: Float, axis: str) -> tuple[Profile, str]:
-    """What an effect and the noise leave along the effect's quantity, and where that is in words."""
-    profiles = profiles_of(problem, shown, None)
-    curve = next((one for one in profiles if one.axis == axis), profiles[0])
-    values = next(c.values for c in problem.curves if c.axis.name == curve.axis)
-    clear = bool(curve.where) and shows_along(torque, values, problem.kinematics[1])
-    return curve, curve.where if clear else EVERYWHERE
+def along_effect(problem: RegressionProblem, shown: Float, axis: str) -> Profile:
+    """What an effect and the noise leave along the effect's quantity."""
+    own = [one for one in problem.curves if one.axis.name == axis] or problem.curves
+    return profile_all(shown, own, problem.kinematics[1], problem.samples.cycle, {})[0]
 
 
 def contact_effects(
@@ -48,8 +40,6 @@ def contact_effects(
     before, after = (float(np.sqrt(np.mean(one**2))) for one in (left, left[~inside]))
     largest = float(left[inside][np.argmax(np.abs(left[inside]))]) if inside.any() else 0.0
     lengths = [one.stop_s - one.start_s for one in contacts]
-    places = ", ".join(f"at {c.start_s:.1f} s ({c.stop_s - c.start_s:.2g} s long)" for c in contacts[:CONTACTS_LISTED])
-    more = f" and {len(contacts) - CONTACTS_LISTED} more" if len(contacts) > CONTACTS_LISTED else ""
     numbers = {"contacts": float(len(contacts)), "first_contact_s": contacts[0].start_s,
                "longest_contact_s": max(lengths), "largest_contact_nm": largest}  # fmt: skip
     size = float(np.sqrt(max(before**2 - after**2, 0.0)))
@@ -58,10 +48,8 @@ def contact_effects(
             name=CONTACT.name,
             label=CONTACT.label,
             alternatives=(),
-            decide="",
             parameters={k: Coefficient(value=v, low=float("nan"), high=float("nan")) for k, v in numbers.items()},
             p_value=float("nan"),
-            where=places + more,
             axis=CONTACT.axis,
             gap_before_nm=before,
             gap_after_nm=after,
@@ -84,7 +72,7 @@ def contact_trace(state: State) -> ContactTrace | None:
         return None
     data, samples = state.problem.data, state.problem.samples
     _, fine = fine_torques(state)
-    left = filter_rows(fine, samples.kernel, samples.every)
+    left = filter_matrix(len(fine), samples.kernel, samples.every) @ fine
     seen = (data.moving & data.valid)[:: samples.every]
     return ContactTrace(
         t=data.t[:: samples.every],

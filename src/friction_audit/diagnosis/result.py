@@ -1,6 +1,5 @@
 """Discrepancy: what a diagnosis says of every joint, and all that a figure of it needs."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -41,7 +40,6 @@ class Profile:
         backwards_se: The same backwards, shape (b,). [N m]
         share: Share of the residual's mean square that a curve over this axis takes, of cycles it has not seen, 0..1.
         p_value: That nothing depends on this axis, adjusted for all axes that were looked at.
-        where: One phrase that says where along the axis they disagree.
     """
 
     axis: str
@@ -54,21 +52,20 @@ class Profile:
     backwards_se: Float
     share: float
     p_value: float
-    where: str
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Gap:
-    """The gap before and after effects were added.
+    """Held-out residual of the nominal and of the augmented model.
 
     Attributes:
         before: Root mean square of what the nominal model leaves. [unit of the response]
         after: The same for the augmented model.
-        floor: Root mean square of the noise, below which nothing can be closed.
-        shrink: (before - after) / (before - floor); NaN where the gap is at the floor from the start.
+        floor: Root mean square of the noise.
+        shrink: (before - after) / (before - floor); NaN where before is at the floor.
         shrink_se: Standard error of shrink from leaving out one cycle at a time, the floor taken as known.
         over_floor: after / floor; infinite for a floor of 0.
-        cycles: Number of locked cycles.
+        cycles: Number of held-out cycles.
     """
 
     before: float
@@ -141,10 +138,8 @@ class NamedEffect:
         name: From the vocabulary.
         label: A few words for people.
         alternatives: Names that this log does not tell apart from it.
-        decide: The motion that would decide between them; empty without alternatives.
         parameters: Values with 95 % intervals by name, unit behind it: linear factors, then shape.
         p_value: Family-wise p-value of its improvement on cycles that no choice was made on.
-        where: One sentence that says where it shows itself.
         axis: The quantity on which it shows itself.
         gap_before_nm: Residual on locked cycles without it, all stronger effects added. [N m]
         gap_after_nm: The same with it. [N m]
@@ -164,10 +159,8 @@ class NamedEffect:
     name: str
     label: str
     alternatives: tuple[str, ...]
-    decide: str
     parameters: dict[str, Coefficient]
     p_value: float
-    where: str
     axis: str
     gap_before_nm: float
     gap_after_nm: float
@@ -253,13 +246,6 @@ class ContactTrace:
     spans_s: tuple[tuple[float, float], ...]
 
 
-def others_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> tuple[str, ...]:
-    """Return what an effect may be instead, in words: another name, or a part of what is in the answer itself."""
-    there = {one.name for one in effects}
-    names = [name for name in effect.alternatives if name not in there]
-    return (*names, *(f"a part of {name}" for name in effect.alternatives if name in there))
-
-
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class JointDiagnosis:
     """What a diagnosis says of one joint.
@@ -289,14 +275,14 @@ class JointDiagnosis:
         findings: What the audit of the data found.
         traces: Measured against simulated; None where nothing was fitted.
         contacts: Contact events; None without any.
-        message: What people are told, one or two sentences.
+        reason: Why there is no answer; empty with one.
         traceback: Of the error, a bug, that ended the diagnosis of the joint; empty without one.
     """
 
     joint: int
     name: str
     verdict: Verdict
-    message: str
+    reason: str = ""
     effects: tuple[NamedEffect, ...] = ()
     nominal: dict[str, Coefficient] = field(default_factory=dict)
     augmented: dict[str, Coefficient] = field(default_factory=dict)

@@ -121,7 +121,7 @@ def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
 
 
 def measure_gap(before: Float, after: Float, floor: float, cycle: NDArray[np.int64]) -> Gap:
-    """Compares residuals on locked cycles.
+    """Compare residuals on held-out cycles.
 
     Args:
         before: Residual of the nominal model, shape (n,).
@@ -149,7 +149,7 @@ def measure_gap(before: Float, after: Float, floor: float, cycle: NDArray[np.int
 
 
 def _shrink(before: Float, after: Float, floor: float) -> Float:
-    """Closed share of what can be closed; NaN where there is nothing to close."""
+    """Share explained of the residual above the noise floor; NaN where there is none."""
     open_gap = np.asarray(before) - floor
     wide = open_gap > ROUNDING * np.asarray(before)
     return np.where(wide, (before - after) / np.where(wide, open_gap, 1.0), np.nan)

@@ -20,7 +20,7 @@ from friction_audit.dynamics.transmission import (
     part_of,
     simple_torque,
 )
-from friction_audit.effects.effect import Effect, Nonlinear, Ranges, Trait
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
@@ -33,13 +33,6 @@ SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 CONTACTS_HZ = (22.0, 50.0)  # flanks that ring about as fast as a regression sees, and hard ones
 # Elastic and plastic contact: impacts after a bounce come at moments that noise of the position shifts.
 FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
-SOUGHT_TIMES = 1.8  # how much narrower or wider a gap may be in a joint fit with the far side
-HIDDEN_SHARES = (1e-3, 0.08)  # widths of gaps that hide the inertia, as shares of the span of the motion
-SOUGHT_CONTACTS_HZ = (15.0, 75.0)
-# Ranges in a joint fit: softer flanks are a spring, harder ones cannot be distinguished.
-SOUGHT_FLANKS = {"contact_hz": SOUGHT_CONTACTS_HZ, "flank_damping_ratio": (0.1, 0.7)}
-# Tried for each width in the profile: softer flanks strike as those of a wider gap do.
-PROFILED_CONTACTS_HZ = np.geomspace(*SOUGHT_CONTACTS_HZ, 11)
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
 # The coefficient is 1 but for the errors of a nominal model that was fitted without the gap.
@@ -48,8 +41,6 @@ LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 
 class Backlash(Effect):
     transmits = True
-    multimodal = "gap_rad"
-    multimodal_with = tuple({"contact_hz": float(hz)} for hz in PROFILED_CONTACTS_HZ)
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what a gap before the far side adds to the torque, as a column."""
@@ -117,25 +108,6 @@ class Backlash(Effect):
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         return bool(LEAST_SHARE <= coefficients[0] <= LARGEST_SHARE)
-
-    def joint_ranges(self, data: JointData, at: Nonlinear) -> Ranges:
-        width = at["gap_rad"]
-        return {"gap_rad": (width / SOUGHT_TIMES, width * SOUGHT_TIMES), **SOUGHT_FLANKS}
-
-    def hidden_ranges(self, data: JointData) -> Ranges:
-        """Gaps that hide most of the inertia from the nominal fit, and so themselves from the grid."""
-        least, most = HIDDEN_SHARES
-        span = float(np.ptp(data.q)) or 1.0
-        return {"gap_rad": (least * span, most * span), **SOUGHT_FLANKS}
-
-    def systematic_error(self, nominal: Nominal, at: Nonlinear) -> float:
-        """Motion that both flanks take by giving way. [rad]"""
-        return 2.0 * _flank_twist(nominal, at)
-
-
-def _flank_twist(nominal: Nominal, at: Nonlinear) -> float:
-    stiffness = nominal.inertia_kg_m2 * (2.0 * np.pi * at["contact_hz"]) ** 2
-    return float(abs(nominal.coulomb_nm) / stiffness) if stiffness > 0.0 else 0.0
 
 
 def plays(

@@ -49,11 +49,6 @@ def contacts_of(at: Nonlinear) -> tuple[Contact, ...]:
     return tuple(Contact(start_s=at[f"start_{k}_s"], stop_s=at[f"stop_{k}_s"]) for k in range(1, len(at) // 2 + 1))
 
 
-def overlap(one: Contact, other: Contact) -> bool:
-    """Whether two contacts share a moment."""
-    return one.start_s <= other.stop_s and other.start_s <= one.stop_s
-
-
 EFFECT = ContactEvent(
     name="contact_event",
     label="something touches the arm for a moment",

@@ -6,8 +6,7 @@ over the nonlinear parameters only. An effect is one module: a subclass of ``Eff
 instance ``EFFECT`` with its names, units, bounds and words; everything else in the program is derived from it.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from copy import copy
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Flag, auto
 from math import inf
@@ -16,7 +15,6 @@ from typing import ClassVar
 import numpy as np
 
 from friction_audit.dynamics.motion import Forward, Motion
-from friction_audit.dynamics.transmission import FarSide
 from friction_audit.effects.excitation import moves
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
@@ -24,7 +22,6 @@ from friction_audit.joint_log import Float
 
 # Values of nonlinear parameters by name: a point of the grid.
 Nonlinear = Mapping[str, float]
-Ranges = Mapping[str, tuple[float, float]]
 
 
 class Trait(Flag):
@@ -82,15 +79,9 @@ class Effect:
     separate: Mapping[str, str] = field(default_factory=dict)
 
     # What few effects set, in their class.
-    transmits: ClassVar[bool] = False  # it passes on the torque of inertia and friction, see ``transmitted``
+    transmits: ClassVar[bool] = False  # it passes on the torque of inertia and friction behind it
     indistinguishable: ClassVar[tuple[str, ...]] = ()  # effects that no motion of this kind separates from it
     part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
-    multimodal: ClassVar[str] = ""  # nonlinear parameter over which the misfit has many minima
-    multimodal_with: ClassVar[tuple[Nonlinear, ...]] = ()  # values of others to try with each value of that one
-    moment: ClassVar[str] = ""  # nonlinear parameter that is a moment, which a held-out cycle may hide
-    time_constant: ClassVar[str] = ""  # nonlinear parameter that is a time constant
-    noise_biased: ClassVar[tuple[str, ...]] = ()  # parameters that noise of the motion biases, the first above all
-    assumed: ClassVar[tuple[str, ...]] = ()  # parameters that the grid may lack and intervals take for unknown
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque per unit of each coefficient, shape (n, p).
@@ -135,48 +126,6 @@ class Effect:
     ) -> Iterator[tuple[int, Float]]:
         """``regressors`` of an effect whose ``columns_of_many`` have work in common."""
         yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])
-
-    # A search that fits the effect together with inertia and friction on its far side.
-
-    def transmitted(
-        self, data: JointData, far: Sequence[FarSide], grid: Sequence[Nonlinear]
-    ) -> Iterator[tuple[int, Float]]:
-        """Yield place and torque of points of the grid, each with its own far side, for a coefficient of one."""
-        raise NotImplementedError(f"{self.name} transmits no torque")
-
-    def joint_ranges(self, data: JointData, at: Nonlinear) -> Ranges:
-        """Return from where to where parameters, all above zero, are fitted together with the far side."""
-        return {}
-
-    def hidden_ranges(self, data: JointData) -> Ranges:
-        """Return the same for values that no point of the grid comes near; empty where there are none."""
-        return {}
-
-    def simpler(self, at: Nonlinear) -> tuple[Nonlinear, ...]:
-        """Return values with fewer parameters near one, to be fitted too."""
-        return ()
-
-    # What a point of the grid means for the answer.
-
-    def needs_gain(self, at: Nonlinear) -> bool:
-        """Return whether a point of the grid is taken only where it clearly improves on the best of the others."""
-        return False
-
-    def stands_in(self, data: JointData, at: Nonlinear) -> str:
-        """Return why a point of the grid cannot be this effect in this motion; empty where it can."""
-        return ""
-
-    def trials(self, data: JointData) -> Callable[[Nonlinear], float] | None:
-        """Return of how many independent trials a point was the best, 0 where of the grid's; None if always so."""
-        return None
-
-    def systematic_error(self, nominal: Nominal, at: Nonlinear) -> float:
-        """Return by how much the multimodal parameter may be off for what its formula assumes."""
-        return 0.0
-
-    def factor_ranges(self, at: Nonlinear) -> Ranges:
-        """Return parameters that may be so many times their estimate, for what a point of the grid assumes."""
-        return {}
 
     # Derived.
 
@@ -224,13 +173,3 @@ class Effect:
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the bounds of a nonlinear parameter; infinite ones if it is not the effect's."""
         return next(((one.lower, one.upper) for one in self.nonlinear if one.name == name), (-inf, inf))
-
-    def with_grid(self, grid: Sequence[Nonlinear]) -> "Effect":
-        """Return the effect with another grid."""
-        other = copy(self)
-        object.__setattr__(other, "grid", lambda _data: tuple(grid))
-        return other
-
-    def with_assumed(self, at: Nonlinear) -> dict[str, float]:
-        """Return a point of the grid with the assumed parameters that it lacks."""
-        return {**at, **{p.name: p.default for p in self.nonlinear if p.name in self.assumed and p.name not in at}}

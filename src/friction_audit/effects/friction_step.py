@@ -19,8 +19,6 @@ LENGTH = 0.12  # how long a ramp takes, as a share of the log's length; a ramp o
 
 
 class FrictionStep(Effect):
-    moment = "step_time_s"
-
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) and dq times a ramp from 0 to 1 about a moment, as columns; a step where its length is 0."""
         moment, length = values

@@ -73,11 +73,7 @@ class GravityError(Effect):
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """Either sign is possible; of several links not what no arm carries."""
-        return not self.needs_gain(at) or bool(np.all(np.abs(coefficients) <= MOST_KG))
-
-    def needs_gain(self, at: Nonlinear) -> bool:
-        """Several links: moments of inertia of one, which its columns lack, must not pass for others."""
-        return round(at[SOURCE]) == SEVERAL
+        return round(at[SOURCE]) != SEVERAL or bool(np.all(np.abs(coefficients) <= MOST_KG))
 
 
 def independent(data: JointData) -> NDArray[np.bool_]:

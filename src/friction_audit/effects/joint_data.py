@@ -74,7 +74,7 @@ class JointData:
         valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
         dead_speed_rad_s: Below this speed the direction is not certain. [rad/s]
         derived_from: ``"q"`` or ``"dq"``: what velocity and acceleration were taken from.
-        crossover_hz: Below it a velocity from ``"dq"`` is rather the position's derivative (``both_velocities``). [Hz]
+        crossover_hz: Below it a velocity from ``"dq"`` is mainly the derivative of the position. [Hz]
         logged_dq: Velocity as it was logged, through the same filter; ``dq`` where None, shape (n,). [rad/s]
     """
 

@@ -5,13 +5,12 @@ compliance as long as the joint rings faster than it is moved, and no longer doe
 """
 
 from collections.abc import Iterator, Sequence
-from math import sqrt
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import HIGHEST_HZ, FarSide, Transmission, added_torques, far_side
-from friction_audit.effects.effect import Effect, Nonlinear, Ranges, Trait
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise
 from friction_audit.effects.parameter import Parameter
@@ -26,23 +25,16 @@ SOFTEST_NM_PER_RAD, STIFFEST_NM_PER_RAD = 10.0, 1e5
 USUAL_INERTIA_KG_M2 = 0.3  # of an arm's drive, where the torque shows none
 # Torque up to which a strain-wave gear stiffens, as a share of the usual torque; far above it, it is a linear spring.
 SOFT_SHARES = (1.0, 2.5, 6.0)
-SOUGHT_TIMES = 1.8  # how much softer or stiffer a spring may be in a joint fit with the far side
-SOUGHT_SOFT = 0.1, 10.0  # least and largest torque up to which it stiffens, as shares of the usual one
-SOUGHT_DAMPINGS = (0.01, 0.5)
 LARGEST_SHARE = 1.6
 LEAST_SHARE = 0.5  # compliance found times the stiffness it was built for
 # Damped so much, the far side does not ring up on noise of the position.
 MUCH_DAMPED = 0.1
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
-# How much higher than with its measured side held a spring rings at most, where that side is light.
-HIGHER = 2.0
 
 
 class JointElasticity(Effect):
     transmits = True
-    noise_biased = ("spring_nm_per_rad", "damping_ratio")
-    assumed = ("damping_ratio", "far_share")
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what the spring adds to the torque per compliance, as a column."""
@@ -76,33 +68,9 @@ class JointElasticity(Effect):
             for k, added in springs(motion, [far[place] for place in places], values):
                 yield places[k], added[:, None]
 
-    def joint_ranges(self, data: JointData, at: Nonlinear) -> Ranges:
-        stiffness, usual = at["spring_nm_per_rad"], _usual(data)
-        least, most = SOUGHT_SOFT
-        ranges = {
-            "spring_nm_per_rad": (stiffness / SOUGHT_TIMES, stiffness * SOUGHT_TIMES),
-            "damping_ratio": SOUGHT_DAMPINGS,
-        }
-        return ranges | ({"soft_nm": (least * usual, most * usual)} if "soft_nm" in at else {})
-
-    def simpler(self, at: Nonlinear) -> tuple[Nonlinear, ...]:
-        """The spring that is as stiff as one that is soft at first gets halfway."""
-        if "soft_nm" not in at:
-            return ()
-        others = {name: value for name, value in at.items() if name != "soft_nm"}
-        return ({**others, "spring_nm_per_rad": at["spring_nm_per_rad"] / sqrt(2.0)},)
-
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
         return reversals(data, nominal) or no_inertia(nominal)
-
-    def factor_ranges(self, at: Nonlinear) -> Ranges:
-        """How far off a spring along a smooth motion may be: there its measured side is held, in truth it rings too.
-
-        A spring between two ends rings higher than one whose other end is held, so that its estimate is too stiff.
-        """
-        softer = {"spring_nm_per_rad": (HIGHER**-2, 1.0), "compliance_rad_per_nm": (1.0, HIGHER**2)}
-        return softer if "motion_below_hz" in at else {}
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         return bool(LEAST_SHARE < coefficients[0] * at["spring_nm_per_rad"] <= LARGEST_SHARE)

@@ -21,7 +21,7 @@ from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.excitation import reversals
-from friction_audit.effects.joint_data import JointData, Nominal, strokes
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -65,16 +65,6 @@ class Presliding(Effect):
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         return reversals(data, nominal)
-
-    def stands_in(self, data: JointData, at: Nonlinear) -> str:
-        """Whether friction would still build up at most moments of the motion: what never slides is no presliding."""
-        travelled = float(np.median(np.abs(strokes(data).displacement[data.used]))) if data.used.any() else 0.0
-        if at["reach_rad"] <= travelled:
-            return ""
-        return (
-            f"presliding over {at['reach_rad']:.2g} rad, where the joint is within {travelled:.2g} rad of its last "
-            "reversal half of the time, stands in for something else that follows the motion"
-        )
 
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:

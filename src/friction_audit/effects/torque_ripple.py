@@ -7,7 +7,7 @@ Every order tried is a trial: R. B. Davies, Hypothesis testing when a nuisance p
 alternative, Biometrika 74 (1987) 33.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -24,7 +24,6 @@ FINEST, COARSEST = 1.0, 1.4
 # As many as the time of a search allows; where they do not reach, they lie as far apart as they may. The others are
 # scanned (``ripple_scan``).
 MOST_ORDERS = 120
-LEVEL = 25.0  # about the chi squared at which one of hundreds of orders is significant
 
 
 class TorqueRipple(Effect):
@@ -56,21 +55,6 @@ class TorqueRipple(Effect):
         step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
         orders = np.arange(first, last, step)[:MOST_ORDERS]
         return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
-
-    def trials(self, data: JointData) -> Callable[[Nonlinear], float]:
-        """All orders up to one beyond the grid: the trials of a largest chi squared over them (Davies 1987).
-
-        It rises above u by chance (l u / 2 pi)^1/2 exp(-u / 2) times per order, l the variance of the position.
-        """
-        (first, _), spread = order_range(data), spread_of(data)
-        last = self.grid(data)[-1]["ripple_order"] + COARSEST / spread
-        per_order = float(np.sqrt(LEVEL / (2.0 * np.pi)) * spread)
-
-        def of(at: Nonlinear) -> float:
-            order = at["ripple_order"]
-            return per_order * (order - first) if order > last else 0.0
-
-        return of
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         return span(data, nominal, 0.5)

@@ -26,8 +26,6 @@ LEAST_K = 0.5  # least range of a temperature
 
 
 class WarmUp(Effect):
-    time_constant = "warm_up_time_s"
-
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return sgn(dq) and dq times exp(-t / T - k (temperature - 25 degC)) as columns, t from the start."""
         time_constant, per_kelvin = values

@@ -1,9 +1,13 @@
-"""The filtered velocity that detects cycles. It never enters an energy sum as the factor of a torque."""
+"""Velocity: filtered for the detection of cycles, its lag after the position, its mean with the position's derivative.
+
+The filtered velocity never enters an energy sum as the factor of a torque.
+"""
 
 import math
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.preprocessing import kernels
@@ -18,6 +22,8 @@ SHARE_OF_STEP = 0.5  # of the clock that it must exceed: channels of one message
 LATEST_S, LATEST_STEPS = 0.02, 2.0  # a driver's filter delays by no more; beyond, dq is of another clock
 TOLERANCE = 0.1  # by so much of itself may the lag be found too large
 MOVED_RAD = 0.05  # the lag of a joint that moves less is that of its vibration
+LOWEST_CROSSOVER_HZ = 2.0  # below the frequencies of the motion a derivative improves nothing
+TIME_CONSTANTS = 9.0  # after which the exponential of the mean of two velocities ends
 FINE = 0.01  # noise of a velocity from the position, of the rms speed, that is no loss
 
 
@@ -45,10 +51,10 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
-    """Estimate how long velocities come behind the derivatives of their positions.
+    """Estimate the lag of velocities after the derivatives of their positions.
 
     The noise of the position is in its second derivative, and least squares would find too small a lag; the change of
-    the logged velocity has a noise of its own, and is the instrument.
+    the logged velocity has independent noise, and is the instrumental variable.
 
     Args:
         logged: Velocities as logged, shape (n, j). [rad/s]
@@ -134,3 +140,48 @@ def _lags(lag: Float) -> str:
     least, most = (f"{1e3 * value:.1f}" for value in (lag[late].min(), lag[late].max()))
     much = least if least == most else f"{least} to {most}"
     return f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}: dq comes {much} ms"
+
+
+def noise_density(signal: Float, step_s: float, order: int) -> float:
+    """Return D of a noise whose amplitude density is D f^order up to a fifth of the rate, from second differences.
+
+    Args:
+        signal: On an even grid, shape (n,).
+        step_s: Spacing of the grid. [s]
+        order: 0 for white noise, 1 for that of a differentiated signal.
+    """
+    w = np.linspace(0.0, 0.4 * np.pi, 400)
+    gain = float(np.sqrt(np.trapezoid((w / (2 * np.pi * step_s)) ** (2 * order) * (2 - 2 * np.cos(w)) ** 2, w)))
+    return float(np.median(np.abs(np.diff(signal, n=2)))) / gain
+
+
+def crossover_of(slope: Float, logged: Float, step_s: float) -> float:
+    """Frequency at which the position's derivative and the logged velocity are equally noisy, 0 where too low. [Hz]"""
+    rising = noise_density(slope, step_s, 1)
+    crossing = noise_density(logged, step_s, 0) / rising if rising > 0 else 0.0
+    return crossing if crossing >= LOWEST_CROSSOVER_HZ else 0.0
+
+
+def complementary_mean(
+    slope: Float, logged: Float, valid: NDArray[np.bool_], step_s: float, crossover_hz: float
+) -> Float:
+    """Return the mean of two velocities, weighted by the inverse of their noise densities, shape (n,).
+
+    The noise of a position's derivative grows with the frequency f, that of a logged velocity does not. The derivative
+    counts by w(f) = 1 / (1 + (f / f_x)^2), a symmetric exponential in time (N. Wiener, Extrapolation, Interpolation,
+    and Smoothing of Stationary Time Series, 1949).
+
+    Args:
+        slope: Derivative of the position on an even grid, shape (n,). [rad/s]
+        logged: Logged velocity through the same filter, shape (n,). [rad/s]
+        valid: Samples away from gaps; elsewhere the logged velocity counts alone.
+        step_s: Spacing of the grid. [s]
+        crossover_hz: f_x, from :func:`crossover_of`. [Hz]
+    """
+    from scipy.signal import oaconvolve
+
+    rate = 2.0 * np.pi * crossover_hz * step_s
+    half = int(np.ceil(TIME_CONSTANTS / rate))
+    kernel = np.exp(-rate * np.abs(np.arange(-half, half + 1)))
+    apart = np.pad(np.where(valid, slope - logged, 0.0), half)
+    return np.asarray(logged + oaconvolve(apart, kernel / kernel.sum(), "valid"))

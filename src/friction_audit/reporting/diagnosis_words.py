@@ -1,32 +1,58 @@
-"""The verdict on a joint and its effects in the few words that fit into a figure or a table's cell."""
+"""A diagnosis in words: the answer for a joint, its effects, where they show, what the residual still holds."""
 
 import re
 from collections.abc import Sequence
 
-from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, others_of
+import numpy as np
+
+from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, Profile, ResidualCheck
 from friction_audit.effects.joint_model import ArmModel
-from friction_audit.effects.registry import terms
+from friction_audit.effects.registry import motion_to_decide, terms
 from friction_audit.effects.warm_up import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
-from friction_audit.reporting.words import format_quantity, format_torque
+from friction_audit.joint_log import Float
+from friction_audit.reporting.words import UNBOUNDED, enumerate_words, format_quantity, format_share
 
 # Parameters of an effect that a line has room for.
 MOST_NUMBERS = 6
 PARAMETERS_BY_NAME = {parameter.name: parameter for term in terms() for parameter in term.parameters}
-COEFFICIENTS = {term.name: tuple(parameter.name for parameter in term.coefficients) for term in terms()}
-# Parameters that are an effect's size, where its coefficient is not.
-SIZES = {"backlash": ("gap_rad",)}
 # Last words of names that are units, of parameters that no term has.
 ENDS = {"_hz": " Hz", "_s": " s", "_rad": " rad", "_nm": " N m"}
 # Parameters, and the value at which the part of the formula that they belong to is not used.
 IDLE = {"warm_up_per_k": UNFELT_PER_K}
 # An entry in the meaning of a parameter that chooses a form: ``0 smooth, 1 dead band, else so many steps``.
 CHOICE = re.compile(r"(-?\d+|else) ([^,]+)")
+CONTACTS_LISTED = 3
+CLEAR = 2.0  # standard errors from which the mean of a bin differs from zero
+UNITS = {
+    "speed": "rad/s",
+    "position": "rad",
+    "displacement": "rad after a reversal",
+    "acceleration": "rad/s²",
+    "time": "s",
+    "load": "N m of load",
+    "temperature": "°C",
+    "neighbour": "rad/s² of a neighbour",
+}
+# Axes that a sentence calls otherwise.
+AXES = {"displacement": "displacement since a reversal", "neighbour": "acceleration of a neighbour"}
+
+
+def others_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> tuple[str, ...]:
+    """Return what an effect may be instead, in words: another name, or a part of an effect that is named as well."""
+    named = {one.name for one in effects}
+    names = [name for name in effect.alternatives if name not in named]
+    return (*names, *(f"a part of {name}" for name in effect.alternatives if name in named))
 
 
 def names_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> str:
     """Return the name of one of some effects and of those indistinguishable from it."""
     return " or ".join((effect.name, *others_of(effect, effects)))
+
+
+def decide_words(effect: NamedEffect) -> str:
+    """Return the motion that separates an effect from those indistinguishable from it; empty without any."""
+    return motion_to_decide(effect.name, effect.alternatives)
 
 
 def verdict_words(joint: JointDiagnosis) -> str:
@@ -38,33 +64,6 @@ def verdict_words(joint: JointDiagnosis) -> str:
     return f"{word}: {named}" if named else word
 
 
-def energy_disagreements(joint: JointDiagnosis) -> tuple[str, ...]:
-    """Return what may cause friction coefficients of torque fit and energy method whose intervals do not overlap."""
-    found = []
-    for name, words in (("viscous_nms_per_rad", _viscous_differs), ("coulomb_nm", _coulomb_differs)):
-        if name in joint.nominal and name in joint.from_energy:
-            torque, energy = joint.nominal[name], joint.from_energy[name]
-            if energy.low > torque.high or energy.high < torque.low:
-                found.append(words(energy.value, torque.value))
-    return tuple(found)
-
-
-def _viscous_differs(energy: float, torque: float) -> str:
-    cause = (
-        "a delay between velocity and torque, or viscous friction that is not linear"
-        if energy > torque
-        else "friction that is larger at low speed, or energy that goes to other joints"
-    )
-    return f"viscous friction {energy:.3g} N m s/rad from energy, {torque:.3g} from torque: {cause}"
-
-
-def _coulomb_differs(energy: float, torque: float) -> str:
-    return (
-        f"Coulomb friction {energy:.3g} N m from energy, {torque:.3g} from torque: "
-        "an offset of the torque, an error of gravity, or energy that goes to other joints"
-    )
-
-
 def nominal_model(model: ArmModel | None) -> str:
     """Return what the nominal model is, in words."""
     if model is None:
@@ -73,27 +72,136 @@ def nominal_model(model: ArmModel | None) -> str:
     return "as given, its friction fitted again" + (f" except {', '.join(held)}, which it holds" if held else "")
 
 
-def effect_size(effect: NamedEffect) -> str:
-    """Return the number that is an effect's size; of several coefficients the RMS of its torque given all else."""
-    names = [name for name in SIZES.get(effect.name, COEFFICIENTS.get(effect.name, ())) if name in effect.parameters]
-    if len(names) == 1:
-        return format_quantity(effect.parameters[names[0]], PARAMETERS_BY_NAME[names[0]].unit)
-    return f"{format_torque(effect.size_nm)} N m rms"
+def joint_message(joint: JointDiagnosis) -> str:
+    """Return the answer for a joint: the largest cause and its size, what has no name, what to do."""
+    if joint.reason:
+        return joint.reason
+    if joint.verdict == "adequate":
+        return f"the model is adequate: no effect above the detection limit of {joint.detection_limit_nm:.2g} N m rms"
+    left = f"{format_share(joint.remainder_share)} of what is left has no name: {remainder_words(joint)}"
+    parts = (_touched(joint), _cause(joint), left if joint.checks else "", _todo(joint))
+    return "; ".join(part for part in parts if part)
+
+
+def _size(effect: NamedEffect) -> str:
+    share = effect.friction_share
+    of_friction = "" if np.isnan(share) else f", {format_share(share)} of the joint's friction"
+    return f"{effect.size_nm:.2g} N m rms{of_friction}"
+
+
+def _touched(joint: JointDiagnosis) -> str:
+    found = next((effect for effect in joint.effects if effect.name == CONTACT_EVENT), None)
+    return f"{CONTACT_EVENT} {where_effect(found, joint)}, left out of all else, {_size(found)}" if found else ""
+
+
+def _cause(joint: JointDiagnosis) -> str:
+    unexplained = joint.verdict == "unexplained"
+    if not joint.added:
+        return "no effect of the catalogue explains the residual" if unexplained else "nothing else is missing"
+    first, *rest = joint.added
+    words = f"the model misses {first.name} ({first.label}), {_size(first)}"
+    if unexplained:
+        words = f"most of the residual has no name; {words}"
+    if rest:
+        return f"{words}, and {enumerate_words(f'{one.name} ({one.size_nm:.2g} N m rms)' for one in rest)}"
+    where = where_effect(first, joint)
+    return f"{words}, {where}" if where else words
+
+
+def _todo(joint: JointDiagnosis) -> str:
+    if joint.verdict == "unexplained":
+        return "the figure residual shows it"
+    unsure = next((one for one in joint.effects if one.alternatives), None)
+    if unsure is not None:
+        others = " or ".join(others_of(unsure, joint.effects))
+        motion = motion_to_decide(unsure.name, unsure.alternatives[:1])
+        return f"this log cannot separate {unsure.name} from {others}; to decide: {motion}"
+    it = "it" if len(joint.added) == 1 else "them"
+    return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
+
+
+def remainder_words(joint: JointDiagnosis) -> str:
+    """Return what the augmented model leaves that is no noise, the largest share first."""
+    found: dict[tuple[str, str], list[ResidualCheck]] = {}
+    for check in joint.checks:
+        found.setdefault((check.code, check.along), []).append(check)
+    return ", ".join(_check(code, along, same, joint) for (code, along), same in found.items())
+
+
+def _check(code: str, along: str, same: Sequence[ResidualCheck], joint: JointDiagnosis) -> str:
+    if code == "line":
+        unit = "Hz" if along == "time" else "waves per rad of path"
+        numbers = enumerate_words(f"{check.frequency:.2g}" for check in same)
+        return f"{'spectral lines' if len(same) > 1 else 'a spectral line'} at {numbers} {unit}"
+    if code == "curve":
+        where = next((where_words(one) for one in joint.remaining if one.axis == along), "")
+        return f"a curve {where or f'over {AXES.get(along, along)}'}"
+    return "friction that varies from stroke to stroke" if code == "scatter" else f"{along} that changes within the log"
+
+
+def where_effect(effect: NamedEffect, joint: JointDiagnosis) -> str:
+    """Return where an effect shows itself; empty where no quantity of the motion shows it."""
+    if effect.name != CONTACT_EVENT:
+        return "" if effect.own is not None else where_words(effect.curve)
+    spans = () if joint.contacts is None else joint.contacts.spans_s
+    places = ", ".join(f"at {start:.1f} s ({stop - start:.2g} s long)" for start, stop in spans[:CONTACTS_LISTED])
+    more = len(spans) - CONTACTS_LISTED
+    return places + (f" and {more} more" if more > 0 else "")
+
+
+def where_words(curve: Profile) -> str:
+    """Return the stretch of an axis on which a torque is clear and large, and in which direction; empty for none."""
+    up, up_se, down, down_se = curve.forwards, curve.forwards_se, curve.backwards, curve.backwards_se
+    size = np.fmax(np.abs(up), np.abs(down))
+    clear = (np.abs(up) > CLEAR * up_se) | (np.abs(down) > CLEAR * down_se)
+    if curve.axis not in UNITS or not np.any(clear & np.isfinite(size)):
+        return ""
+    large = np.flatnonzero(clear & (size >= 0.5 * np.nanmax(np.where(clear, size, np.nan))))
+    low, high = float(curve.edges[large[0]]), float(curve.edges[large[-1] + 1])
+    span = _span(curve.axis, low, high, from_start=large[0] == 0, to_end=large[-1] == len(size) - 1)
+    return f"{span}, {_direction(up[large], up_se[large], down[large], down_se[large])}"
+
+
+def _span(axis: str, low: float, high: float, *, from_start: bool, to_end: bool) -> str:
+    unit = UNITS[axis]
+    below, above = ("before", "after") if axis == "time" else ("below", "above")
+    if from_start and to_end:
+        return "over the whole log" if axis == "time" else f"over the whole range of {AXES.get(axis, axis)}"
+    if from_start:
+        return f"{below} {high:.3g} {unit}"
+    return f"{above} {low:.3g} {unit}" if to_end else f"from {low:.3g} to {high:.3g} {unit}"
+
+
+def _direction(up: Float, up_se: Float, down: Float, down_se: Float) -> str:
+    clear_up, clear_down = _clearness(up, up_se), _clearness(down, down_se)
+    if min(clear_up, clear_down) > CLEAR:
+        against = np.nansum(up) * np.nansum(down) < 0
+        return "against the motion" if against else "same sign in both directions"
+    return "forwards only" if clear_up > clear_down else "backwards only"
+
+
+def _clearness(mean: Float, error: Float) -> float:
+    """Root mean square of a direction's bins in standard errors, about 1 where there is nothing; 0 if all are empty."""
+    there = error > 0
+    return float(np.sqrt(np.mean((mean[there] / error[there]) ** 2))) if there.any() else 0.0
 
 
 def effect_numbers(effect: NamedEffect) -> str:
     """Return the parameters in words; more than people can read are left to the document."""
-    words = [_parameter(name, number) for name, number in effect.parameters.items()]
-    if len(words) > MOST_NUMBERS:
-        return f"{len(words)} numbers, see the JSON document"
-    return ", ".join(word for word in words if word)
+    known = {name: one for name, one in effect.parameters.items() if name not in effect.not_identifiable}
+    words = [_parameter(name, number) for name, number in known.items()]
+    text = ", ".join(filter(None, words)) if len(words) <= MOST_NUMBERS else f"{len(words)} numbers, in the document"
+    return "; ".join(filter(None, (text, _not_identifiable(effect))))
+
+
+def _not_identifiable(effect: NamedEffect) -> str:
+    known = [PARAMETERS_BY_NAME.get(name) for name in effect.not_identifiable]
+    names = [name if one is None else one.meaning for name, one in zip(effect.not_identifiable, known, strict=True)]
+    return f"{UNBOUNDED} from this log: {', '.join(names)}" if names else ""
 
 
 def _parameter(name: str, number: Coefficient) -> str:
-    """Return a parameter in words: one of no term by its name alone, one that chooses a form by that form.
-
-    Nothing where it only says that a part of the formula is not used.
-    """
+    """Nothing for a part of the formula that is not used; of a parameter that chooses a form, that form."""
     if IDLE.get(name) == number.value:
         return ""
     known = PARAMETERS_BY_NAME.get(name)

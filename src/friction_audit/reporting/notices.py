@@ -6,7 +6,6 @@ from typing import NamedTuple, Protocol
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.reporting.diagnosis_words import energy_disagreements
 from friction_audit.reporting.words import NEWTON_METRES, in_unit, joints_label
 
 IN_AMPERE = (
@@ -83,20 +82,13 @@ def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
 def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     """Return what was noticed on the way from the log to the diagnosis, each once.
 
-    With limits of the data, and where energy and torque give different friction: where an effect was found, it is what
-    makes the two differ. Of joints without an answer nothing: what is wrong with them is their answer.
+    With limits of the data. Of joints without an answer nothing: what is wrong with them is their answer.
     """
     own = [
         Notice(finding.code, joint.joint, finding.message)
         for joint in found.discrepancy.joints
         for finding in joint.findings
         if finding.verdict == "limit" and joint.gap is not None
-    ]
-    own += [
-        Notice("energy_against_torque", joint.joint, sentence)
-        for joint in found.discrepancy.joints
-        for sentence in energy_disagreements(joint)
-        if not joint.effects
     ]
     return _on_the_way(found.estimate, own)
 

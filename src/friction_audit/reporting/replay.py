@@ -23,7 +23,7 @@ DIVERGED = "div."
 # Share of the dissipation below which the removed share is not shown as a number.
 WORST = -9.99
 # Numbers of the passivity that stand in the table for files.
-FILED = ("violations", "lowest", "injected", "unserved", "active_fraction")
+FILED = ("violations", "lowest", "injected", "active_fraction")
 
 
 def _short(value: float) -> str:
@@ -104,7 +104,11 @@ MODEL = Record(
 )
 PASSIVITY = Record(
     (
-        Column("violations", int, "samples with the energy ledger below zero by more than two samples' energy"),
+        Column(
+            "violations",
+            int,
+            "samples with the energy ledger below zero by more than two samples and the payback exchange",
+        ),
         Column("violations_since_activation", int, "the same of the ledger from the activation on"),
         Column("active_cycles", int, "cycles that gave out more than 5 % of what friction dissipated"),
         Column("lowest", float, "lowest value of the ledger", unit="J"),
@@ -112,7 +116,6 @@ PASSIVITY = Record(
         Column("reserve", float, "in the ledger at the activation", unit="J"),
         Column("activation", float, "when the compensator first acted", unit="s"),
         Column("injected", float, "energy that the passivity controller dissipated", unit="J"),
-        Column("unserved", float, "largest deficit left to the next tick", unit="J"),
         Column("active_fraction", float, "share of the time for which the passivity controller acted"),
         Column("hidden", bool, "whether the reserve hides over-compensation"),
     )
@@ -240,6 +243,7 @@ SIGNALS = Record(
         Column("interaction_with", unit="N m"),
         Column("compensation", unit="N m"),
         Column("passivity", unit="N m"),
+        Column("limited", unit="N m"),
     ),
     name="replay_signals",
     summary="motion and torque of a joint without the compensator and with it at a sample of the log",
@@ -316,6 +320,7 @@ def _signals(without: Signals, replayed: Signals | None) -> dict[str, Any] | Non
         "interaction_with_nm": replayed.interaction_nm[:end],
         "compensation_nm": replayed.compensation_nm[:end],
         "passivity_nm": replayed.passivity_nm[:end],
+        "limited_nm": replayed.limited_nm[:end],
     }
 
 

@@ -16,8 +16,9 @@ from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentenc
 from friction_audit.friction.history import JointFriction
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
-from friction_audit.reporting.diagnosis import DIAGNOSE, WORDS, diagnose_tables
-from friction_audit.reporting.diagnosis_words import names_of
+from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
+from friction_audit.reporting.diagnosis_tables import WORDS
+from friction_audit.reporting.diagnosis_words import joint_message, names_of
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
@@ -179,7 +180,7 @@ def verdict_sentence(joint: JointReport) -> str:
     found, parts = joint.discrepancy, [friction_words(joint.friction)]
     # That a joint did not move needs to be reported once.
     if found is not None and not (joint.friction.reason and found.verdict == "not_testable"):
-        parts.append(found.message)
+        parts.append(joint_message(found))
     if joint.replay is not None:
         parts.append(removal_words(joint.replay))
     return " ".join(_as_sentence(part) for part in parts if part)

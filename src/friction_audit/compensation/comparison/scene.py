@@ -56,7 +56,9 @@ class Scene:
     @property
     def joints(self) -> tuple[Joint, ...]:
         """What methods may be told about the joints."""
-        return tuple(panda_joint(column, one) for column, one in enumerate(self.settings.joints))
+        settings = self.settings
+        both = zip(settings.joints, settings.hidden, strict=True)
+        return tuple(panda_joint(column, one, hidden.joint_elasticity) for column, (one, hidden) in enumerate(both))
 
     def compensated(self, tuning: Tuning) -> BenchSettings | ArmSettings:
         """Return the settings with a compensator in every joint."""

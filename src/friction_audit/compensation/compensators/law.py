@@ -40,12 +40,12 @@ class Guard:
     Attributes:
         passivity: If True, the passivity controller acts.
         initial_energy_j: E(0) of (21). [J]
-        controller_in_interaction: If True, the interaction torque was measured while the passivity controller acted
-            and the port energy (2) contains what it dissipated, as in every closed loop. False for a recording made
-            without it: the ledger then adds what it would have dissipated, lest the same deficit be paid for again.
         minimum_speed_rad_s: The passivity controller does nothing below this speed. [rad/s]
-        max_damping_nms_per_rad: Largest damping it may inject. [N m s/rad] A damper held for a tick brakes a mass m
-            without overshoot up to m over the tick; the default is half of that for 0.1 kg m^2 at 1 kHz.
+        payback_s: Time over which it pays a deficit of the ledger; below a tick, within a tick as (22) has it. [s]
+            ``payback_s`` of this module gives the time for an elastic joint; the default is right from 40 Hz on.
+        max_damping_nms_per_rad: Largest damping it may inject. [N m s/rad] It measures the link and brakes the motor,
+            which in the elastic mode move against each other: 16 N m s/rad already drive the mode of a motor of
+            0.1 kg m^2 with a link of 0.05 kg m^2; the default is a third of that.
         max_torque_nm: Largest torque of compensation and passivity controller together. [N m]
         max_torque_rate_nm_s: Fastest change of it. [N m/s]
 
@@ -55,16 +55,25 @@ class Guard:
 
     passivity: bool = False
     initial_energy_j: float = 0.0
-    controller_in_interaction: bool = True
     minimum_speed_rad_s: float = 0.01
-    max_damping_nms_per_rad: float = 50.0
+    payback_s: float = 0.02
+    max_damping_nms_per_rad: float = 5.0
     max_torque_nm: float = inf
     max_torque_rate_nm_s: float = inf
 
     def __post_init__(self) -> None:
-        require_not_negative("compensator", self, "initial_energy_j")
+        require_not_negative("compensator", self, "initial_energy_j", "payback_s")
         require_positive("compensator", self, "minimum_speed_rad_s", "max_damping_nms_per_rad")
         require_positive("compensator", self, "max_torque_nm", "max_torque_rate_nm_s")
+
+
+def payback_s(mode_rad_s: float, damping_ratio: float) -> float:
+    """Return the time over which a passivity controller may pay a deficit without driving an elastic mode. [s]
+
+    The ledger integrates, so that the controller is a loop of crossover 1/tau, and the mode amplifies it by
+    1/(2 zeta): tau > 1/(2 zeta w) keeps the loop gain below 1 at the mode, which is sufficient.
+    """
+    return max(Guard().payback_s, 1.0 / (2.0 * damping_ratio * mode_rad_s))
 
 
 # Values of ``kind`` in the records.

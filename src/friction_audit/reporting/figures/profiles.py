@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
-from friction_audit.reporting.diagnosis_words import effect_numbers
+from friction_audit.reporting.diagnosis_words import effect_numbers, where_words
 from friction_audit.reporting.figures.panels import (
     add_legend,
     chosen_joints,
@@ -123,7 +123,7 @@ def _draw_row(panels: "list[Axes]", row: Row) -> None:
         draw_profile(axes, profile, along, traces.dq, residual)
         # What is left needs no place unless it is more than noise.
         shown = joint.verdict == "unexplained" or (profile is row.before and joint.added)
-        lines = [fill(text, CHARACTERS) for text in (title, profile.where if shown else "") if text]
+        lines = [fill(text, CHARACTERS) for text in (title, where_words(profile) if shown else "") if text]
         label_panel(axes, "\n".join(lines), across=4)
         name_axis(axes, profile)
         axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())

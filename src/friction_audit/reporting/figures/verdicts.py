@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.result import CONTACT_EVENT, UNANSWERED, Evidence, JointDiagnosis, NamedEffect, others_of
-from friction_audit.reporting.diagnosis_words import verdict_words
+from friction_audit.diagnosis.result import CONTACT_EVENT, UNANSWERED, Evidence, JointDiagnosis, NamedEffect
+from friction_audit.reporting.diagnosis_words import joint_message, others_of, verdict_words
 from friction_audit.reporting.figures.panels import (
     add_legend,
     chosen_joints,
@@ -62,7 +62,7 @@ WIDER = 1.3  # times the largest and the smallest torque up to which the axis re
 def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
     """Fill a panel with the verdict on a joint that has nothing to draw there."""
     label_panel(axes, joint_title(joint.joint, joint.name))
-    sentence = f"{joint.verdict.replace('_', ' ')}: {joint.message.partition(';')[0]}"
+    sentence = f"{joint.verdict.replace('_', ' ')}: {joint_message(joint).partition(';')[0]}"
     write_message(axes, sentence, characters=52 if is_narrow(axes) else 36, instead=True)
 
 
@@ -92,7 +92,7 @@ def draw_verdicts(found: "Diagnosis", joint: int | None) -> "Figure":
 def said_of(joint: JointDiagnosis) -> str:
     """Return the verdict and names, and where there is no answer, the message."""
     words = verdict_words(joint)
-    return f"{words}: {joint.message}" if joint.verdict in UNANSWERED else words
+    return f"{words}: {joint.reason}" if joint.verdict in UNANSWERED else words
 
 
 def _draw_torques(axes: "Axes", place: int, joint: JointDiagnosis) -> None:

@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 
 from friction_audit.preprocessing.interaction import TorqueChoice
-from friction_audit.reporting.diagnosis import TONES, data_tables, page_tables
+from friction_audit.reporting.diagnosis import data_tables, page_tables
+from friction_audit.reporting.diagnosis_tables import TONES
 from friction_audit.reporting.diagnosis_words import nominal_model
 from friction_audit.reporting.estimate import FRICTION as FRICTION_RECORD
 from friction_audit.reporting.estimate import sign_text

@@ -1,10 +1,10 @@
-"""A velocity of which a coarse position and a noisy tachometer both tell."""
+"""The mean of two velocities: the derivative of a coarse position and a noisy tachometer."""
 
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.both_velocities import best_of_both, crossover_of
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.velocity import complementary_mean, crossover_of
 
 STEP_S = 1.0 / 400.0
 T: Float = np.arange(40000, dtype=np.float64) * STEP_S
@@ -38,7 +38,7 @@ def test_below_the_frequencies_of_motions_there_is_none() -> None:
 
 def test_the_mean_is_quieter_than_either_at_all_frequencies() -> None:
     slope, logged = readings(1e-5, 2 * np.pi * 20.0 * 1e-5)
-    both = best_of_both(slope, logged, ALL, STEP_S, 20.0) - TRUE
+    both = complementary_mean(slope, logged, ALL, STEP_S, 20.0) - TRUE
     for hertz in (5.0, 20.0, 80.0):
         assert below(both, hertz) < min(below(slope - TRUE, hertz), below(logged - TRUE, hertz))
     assert below(both, 5.0) < 0.3 * below(logged - TRUE, 5.0)
@@ -48,7 +48,7 @@ def test_where_the_position_cannot_be_trusted_it_is_the_logged_one() -> None:
     slope, logged = readings(1e-5, 1e-3)
     hole = (T > 40.0) & (T < 45.0)
     wild = np.where(hole, 1e3, slope)
-    both = best_of_both(wild, logged, ~hole, STEP_S, 20.0)
+    both = complementary_mean(wild, logged, ~hole, STEP_S, 20.0)
     inside = (T > 41.0) & (T < 44.0)
     assert both[inside] == pytest.approx(logged[inside])
     assert np.abs(both - TRUE).max() < 0.01

@@ -1,4 +1,4 @@
-"""Rows of a regression: the filter by hand, what counts, and how high the corner may stand."""
+"""Samples of a regression: the filter by hand, what counts, and how high the corner may stand."""
 
 from dataclasses import replace
 
@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.diagnosis.prepare import low_pass_for
-from friction_audit.diagnosis.rows import LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filter_rows, make_rows
+from friction_audit.diagnosis.samples import LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filter_matrix, make_samples
 from friction_audit.effects.joint_data import CORNER_HZ
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import LowPass
 from tests.diagnosis.moved_joint import moved_joint
 from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
 
@@ -25,82 +25,82 @@ def filtered_by_hand(signal: Float, kernel: Float, every: int) -> Float:
 
 @settings(deadline=None)
 @given(n=st.integers(1, 60), half=st.integers(0, 12), every=st.integers(1, 7), seed=st.integers(0, 1000))
-def test_every_row_is_the_filter_about_its_sample(n: int, half: int, every: int, seed: int) -> None:
+def test_every_sample_is_the_filter_about_its_sample(n: int, half: int, every: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     kernel = rng.random(half + 1)
     kernel = np.concatenate([kernel[:0:-1], kernel])
     columns = rng.standard_normal((n, 2))
-    rows = filter_rows(columns, kernel, every)
-    assert rows.shape == ((n - 1) // every + 1, 2)
+    matrix = filter_matrix(n, kernel, every)
+    filtered = matrix @ columns
+    assert filtered.shape == ((n - 1) // every + 1, 2)
     for k in range(2):
-        assert rows[:, k] == pytest.approx(filtered_by_hand(columns[:, k], kernel, every), abs=1e-12)
-    assert filter_rows(columns[:, 0], kernel, every) == pytest.approx(rows[:, 0])
-    wanted = np.flatnonzero(rng.random(len(rows)) < 0.8)
-    assert filter_rows(columns, kernel, every, wanted) == pytest.approx(rows[wanted])
-    assert filter_rows(columns[:, :0], kernel, every).shape == (len(rows), 0)
+        assert filtered[:, k] == pytest.approx(filtered_by_hand(columns[:, k], kernel, every), abs=1e-12)
+    wanted = np.flatnonzero(rng.random(len(filtered)) < 0.8)
+    assert filter_matrix(n, kernel, every, wanted) @ columns == pytest.approx(filtered[wanted])
+    assert (matrix @ columns[:, :0]).shape == (len(filtered), 0)
 
 
-def test_an_impulse_comes_out_at_its_own_row_and_a_constant_stays() -> None:
-    rows = make_rows(DATA)
+def test_an_impulse_comes_out_at_its_own_sample_and_a_constant_stays() -> None:
+    samples = make_samples(DATA)
     impulse = np.zeros(len(DATA.t))
     impulse[2000] = 1.0
-    assert rows.t[np.argmax(rows.of(impulse))] == DATA.t[2000]
-    assert rows.of(np.full(len(DATA.t), 0.7)) == pytest.approx(0.7)
+    assert samples.t[np.argmax(samples.of(impulse))] == DATA.t[2000]
+    assert samples.of(np.full(len(DATA.t), 0.7)) == pytest.approx(0.7)
 
 
 @pytest.mark.parametrize(("frequency", "gain"), [(4.0, 1.0), (13.0, 1.0), (25.0, 0.5), (45.0, 0.0)])
 def test_a_sine_passes_without_delay_up_to_the_corner(frequency: float, gain: float) -> None:
-    rows = make_rows(DATA)
+    samples = make_samples(DATA)
     sine = np.sin(2 * np.pi * frequency * DATA.t)
-    assert rows.of(sine) == pytest.approx(gain * np.sin(2 * np.pi * frequency * rows.t), abs=0.01)
+    assert samples.of(sine) == pytest.approx(gain * np.sin(2 * np.pi * frequency * samples.t), abs=0.01)
 
 
 def test_torque_and_columns_go_the_same_way() -> None:
-    rows = make_rows(DATA)
-    assert rows.y == pytest.approx(rows.of(DATA.torque))
-    assert rows.of(np.column_stack([DATA.torque, DATA.dq]))[:, 1] == pytest.approx(rows.of(DATA.dq))
-    assert rows.every == 4
-    assert rows.step_s == pytest.approx(0.01)
-    assert np.array_equal(rows.cycle, DATA.cycle[::4][rows.used])
+    samples = make_samples(DATA)
+    assert samples.y == pytest.approx(samples.of(DATA.torque))
+    assert samples.of(np.column_stack([DATA.torque, DATA.dq]))[:, 1] == pytest.approx(samples.of(DATA.dq))
+    assert samples.every == 4
+    assert samples.step_s == pytest.approx(0.01)
+    assert np.array_equal(samples.cycle, DATA.cycle[samples.place * 4])
 
 
-def test_no_row_sees_a_sample_that_is_not_valid() -> None:
+def test_no_sample_sees_a_sample_that_is_not_valid() -> None:
     valid = DATA.valid.copy()
     valid[4001:4003] = False
-    rows = make_rows(replace(DATA, valid=valid))
-    half_s = len(rows.kernel) // 2 / 400
-    seen = rows.t[:, None] - DATA.t[~valid]
+    samples = make_samples(replace(DATA, valid=valid))
+    half_s = len(samples.kernel) // 2 / 400
+    seen = samples.t[:, None] - DATA.t[~valid]
     assert np.abs(seen).min() > half_s
-    assert np.diff(rows.t).max() == pytest.approx(2 * half_s + 0.01, abs=0.011)
+    assert np.diff(samples.t).max() == pytest.approx(2 * half_s + 0.01, abs=0.011)
 
 
-def test_a_short_doubt_about_the_direction_costs_only_the_rows_that_weigh_it() -> None:
+def test_a_short_doubt_about_the_direction_costs_only_the_samples_that_weigh_it() -> None:
     moving = DATA.moving.copy()
     moving[4000:4040] = False
-    rows = make_rows(replace(DATA, moving=moving))
-    inside = (rows.t >= DATA.t[4000]) & (rows.t < DATA.t[4040])
+    samples = make_samples(replace(DATA, moving=moving))
+    inside = (samples.t >= DATA.t[4000]) & (samples.t < DATA.t[4040])
     assert not inside.any()
-    lost = len(make_rows(DATA).t) - len(rows.t)
-    assert 10 < lost < 10 + 2 * len(rows.kernel) // 2 / rows.every
+    lost = len(make_samples(DATA).t) - len(samples.t)
+    assert 10 < lost < 10 + 2 * len(samples.kernel) // 2 / samples.every
 
 
-def test_samples_outside_of_cycles_are_no_rows() -> None:
+def test_samples_outside_of_cycles_are_left_out() -> None:
     outside = replace(DATA, cycle=np.where(DATA.t < 10.0, -1, DATA.cycle))
-    assert make_rows(outside).t[0] >= 10.0
+    assert make_samples(outside).t[0] >= 10.0
 
 
 def test_a_slow_grid_keeps_its_own_rate_and_a_quarter_as_corner() -> None:
     slow = DATA.t[::8]
     thin = {name: getattr(DATA, name)[::8] for name in ("q", "dq", "ddq", "torque", "cycle", "moving", "valid")}
-    rows = make_rows(replace(DATA, t=slow, **thin))
-    assert (rows.every, rows.corner_hz) == (1, 12.5)
+    samples = make_samples(replace(DATA, t=slow, **thin))
+    assert (samples.every, samples.corner_hz) == (1, 12.5)
 
 
 @pytest.mark.parametrize("crossing_hz", [5.0, 10.0, 16.0, 60.0])
 def test_the_corner_is_where_the_noise_of_inertia_is_half_of_that_of_the_torque(crossing_hz: float) -> None:
     rng = np.random.default_rng(0)
     t = np.arange(0, 60, 1e-3)
-    low_pass = low_pass_for(t)
+    low_pass = LowPass.for_stamps(t)
     inertia, torque_noise = 0.2, 0.05
     # J (2 pi f)^2 sigma_q = sigma_torque / 2 at the crossing, both white at the same rate.
     position_noise = QUIET_SHARE * torque_noise / (inertia * (2 * np.pi * crossing_hz) ** 2)
@@ -116,7 +116,7 @@ def test_the_corner_is_where_the_noise_of_inertia_is_half_of_that_of_the_torque(
 def test_the_corner_of_a_velocity_that_was_logged() -> None:
     rng = np.random.default_rng(1)
     t = np.arange(0, 60, 1e-3)
-    low_pass = low_pass_for(t)
+    low_pass = LowPass.for_stamps(t)
     # J 2 pi f sigma_dq = sigma_torque / 2 at 15 Hz.
     torque = low_pass.of(t, 0.05 * rng.standard_normal(len(t)))
     dq, ddq = low_pass.with_slope(t, QUIET_SHARE * 0.05 / (0.2 * 2 * np.pi * 15.0) * rng.standard_normal(len(t)))
@@ -131,7 +131,7 @@ def test_no_noise_of_inertia_leaves_the_corner_where_it_stands() -> None:
 def test_links_that_were_taken_away_leave_the_noise_of_their_acceleration() -> None:
     rng = np.random.default_rng(2)
     t = np.arange(0, 60, 1e-3)
-    low_pass = low_pass_for(t)
+    low_pass = LowPass.for_stamps(t)
     sensed = low_pass.of(t, 0.05 * rng.standard_normal(len(t)))
     dq, ddq = low_pass.with_slope(t, QUIET_SHARE * 0.05 / (0.2 * 2 * np.pi * 15.0) * rng.standard_normal(len(t)))
     links = 0.2 * ddq
@@ -139,22 +139,22 @@ def test_links_that_were_taken_away_leave_the_noise_of_their_acceleration() -> N
     assert corner_for(noisy, 0.0) == pytest.approx(15.0, rel=0.1)
 
 
-def test_a_joint_that_breaks_away_has_a_row_for_it_beside_those_of_its_motion() -> None:
+def test_a_joint_that_breaks_away_has_a_sample_for_it_beside_those_of_its_motion() -> None:
     data = started_and_stopped()
-    rows = make_rows(data)
-    broke = rows.weight < 1.0
+    samples = make_samples(data)
+    broke = samples.breakaway
     assert broke.sum() == 20
-    assert rows.t[broke] % 1.0 == pytest.approx(0.5, abs=0.011)
-    assert np.abs(rows.y[~broke]) == pytest.approx(COULOMB_NM, abs=0.01)
-    assert rows.of(np.sign(data.dq))[broke] == pytest.approx(rows.weight[broke] * np.sign(rows.y[broke]))
+    assert samples.t[broke] % 1.0 == pytest.approx(0.5, abs=0.011)
+    assert np.abs(samples.y[~broke]) == pytest.approx(COULOMB_NM, abs=0.01)
+    assert samples.of(np.sign(data.dq))[broke] == pytest.approx(samples.weight[broke] * np.sign(samples.y[broke]))
     early_nm = RISE_NM_PER_S * 0.015  # with stiction the onset is told too early
-    excess = np.abs(rows.y / rows.weight)[broke] - COULOMB_NM
+    excess = np.abs(samples.y / samples.weight)[broke] - COULOMB_NM
     assert np.all((excess > EXCESS_NM - early_nm) & (excess <= EXCESS_NM + 1e-9))
-    assert rows.of(data.ddq)[broke] == pytest.approx(0.0)
+    assert samples.of(data.ddq)[broke] == pytest.approx(0.0)
 
 
-def test_a_row_of_break_away_is_as_noisy_as_the_others() -> None:
-    quiet, noisy = (make_rows(started_and_stopped(noise, starts=400)) for noise in (0.0, 0.01))
+def test_a_sample_of_break_away_is_as_noisy_as_the_others() -> None:
+    quiet, noisy = (make_samples(started_and_stopped(noise, starts=400)) for noise in (0.0, 0.01))
     left = noisy.y - quiet.y
     broke = noisy.weight < 1.0
     assert np.std(left[broke]) == pytest.approx(np.std(left[~broke]), rel=0.15)
@@ -165,6 +165,6 @@ def test_a_break_away_next_to_a_hole_or_outside_of_cycles_is_no_row() -> None:
     holed, outside = data.valid.copy(), data.cycle.copy()
     holed[4 * 400 + 180] = False  # in the standstill before the fifth start
     outside[10 * 400 : 11 * 400] = -1
-    t = make_rows(replace(data, valid=holed, cycle=outside)).t
+    t = make_samples(replace(data, valid=holed, cycle=outside)).t
     assert not np.any((np.abs(t - 4.5) < 0.02) | (np.abs(t - 10.5) < 0.02))
     assert np.any(np.abs(t - 5.5) < 0.02)

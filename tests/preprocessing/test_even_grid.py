@@ -1,14 +1,80 @@
-"""Stamps that another computer wrote go back to the ticks of the robot's clock."""
+"""A log on an even grid: the low-pass, stamps on the ticks of a clock, gaps and stale samples."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.diagnosis.steady_clock import steady_clock
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, gaps, steady_clock
+from friction_audit.simulation import BenchSettings, simulate
 
 STEP = 1e-3
+
+
+def test_a_slow_sine_passes_with_its_derivative() -> None:
+    t = np.arange(0, 5, 1e-3)
+    low_pass = LowPass.for_stamps(t)
+    slow, slope = low_pass.with_slope(t, np.sin(4 * np.pi * t))
+    inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
+    assert np.abs(slow - np.sin(4 * np.pi * low_pass.t))[inside].max() < 1e-3
+    assert np.abs(slope - 4 * np.pi * np.cos(4 * np.pi * low_pass.t))[inside].max() < 2e-2
+
+
+def test_a_position_bends_over_lost_samples() -> None:
+    t = np.delete(np.arange(0, 5, 1e-3), np.arange(2000, 2009))
+    low_pass = LowPass.for_stamps(t)
+    _, slope = low_pass.with_slope(t, 5.0 * t**2)
+    inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
+    # A straight line over 10 ms would be off by 0.125 mrad, and its slope by 14 mrad/s.
+    assert np.abs(slope - 10.0 * low_pass.t)[inside].max() < 1e-3
+
+
+@pytest.mark.parametrize(("frequency", "gain"), [(40.0, 1.0), (80.0, 0.5), (130.0, 0.0)])
+def test_corner(frequency: float, gain: float) -> None:
+    t = np.arange(0, 5, 2.5e-4)
+    low_pass = LowPass.for_stamps(t)
+    inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
+    passed = low_pass.of(t, np.sin(2 * np.pi * frequency * t + 0.7))[inside]
+    assert np.sqrt(2 * np.mean(passed**2)) == pytest.approx(gain, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("rate", "grid", "corner"), [(50.0, 50.0, 12.5), (300.0, 300.0, 75.0), (500.0, 400.0, 80.0), (1000.0, 400.0, 80.0)]
+)
+def test_grid_is_not_faster_than_the_log(rate: float, grid: float, corner: float) -> None:
+    t = np.arange(0, 5, 1 / rate)
+    low_pass = LowPass.for_stamps(t)
+    assert 1 / (low_pass.t[1] - low_pass.t[0]) == pytest.approx(grid)
+    assert low_pass.corner_hz == pytest.approx(corner)
+    assert (low_pass.t[0], low_pass.t[-1]) == pytest.approx((0.0, t[-1]), abs=1 / grid)
+    assert low_pass.of(t, np.ones(len(t))) == pytest.approx(1.0)
+
+
+def test_an_impulse_comes_out_where_it_went_in() -> None:
+    t = np.arange(0, 2, 1e-3)
+    low_pass = LowPass.for_stamps(t)
+    passed = low_pass.of(t, (t == 1.0).astype(float))
+    assert passed @ low_pass.t / passed.sum() == pytest.approx(1.0, abs=1e-6)
+    assert np.argmax(passed) == 400
+
+
+def test_gaps_are_those_that_motion_bends_in() -> None:
+    t = np.delete(np.arange(2000) * 1e-3, [*range(500, 515), *range(900, 925)])
+    (gap,) = gaps(t)
+    assert t[gap] == pytest.approx(0.899)
+
+
+def test_a_stale_sample_of_a_moving_joint_is_stale_and_that_of_a_resting_one_is_not() -> None:
+    log = simulate(BenchSettings(duration_s=5.0), 0).log
+    moving = int(np.argmax(np.abs(log.dq[:, 0])))
+    still = replace(log, q=np.full_like(log.q, 0.3), dq=np.zeros_like(log.dq))
+    q, dq = log.q.copy(), log.dq.copy()
+    q[moving + 1], dq[moving + 1] = q[moving], dq[moving]
+    assert not fresh_samples(replace(log, q=q, dq=dq))[moving + 1]
+    assert fresh_samples(still).all()
 
 
 def off_ticks(steady: Float, tick: Float) -> float:
@@ -63,7 +129,7 @@ def test_a_stamp_nearer_to_the_next_tick_goes_back_to_its_own(rate: int) -> None
     steady = steady_clock(tick + late)
     apart = np.abs(steady - tick - np.median(steady - tick))
     assert np.mean(late > 0.5 / rate) > 2e-3
-    # One whose next tick was lost has nobody who tells that it is late, but it would be far earlier than any other.
+    # One whose next tick was lost cannot be seen to be late by that, but it would be far earlier than any other.
     assert not np.any(apart > 0.4 / rate)
     assert np.median(apart) < 2e-5
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.diagnosis.axes import AXES, curve, knots_of
-from friction_audit.diagnosis.profiles import UNITS
+from friction_audit.diagnosis.problem import AXES, curve, knots_of
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.reporting.diagnosis_words import UNITS
 from tests.diagnosis.moved_joint import moved_joint
 
 DATA = moved_joint(duration_s=10.0)

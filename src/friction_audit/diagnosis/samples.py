@@ -1,0 +1,180 @@
+"""JointData -> Samples: torque and regression columns through one low-pass, at a rate near its Nyquist rate.
+
+Columns are built on the fine grid, where the sign of the velocity is sharp, and pass the low-pass of the torque: a
+reversal is smeared alike in both. The corner is 25 Hz, above the frequencies of the motion (below 4 Hz) and just below
+the first resonance of a Panda (26 to 28 Hz); it is lower where the noise of inertia times acceleration would come near
+that of the torque, and would be taken for a spring.
+
+Where a joint leaves a standstill there is one sample of another kind: torque and columns extrapolated from the
+standstill to the moment of break-away. It is noisier than the others, and its weight is lower in proportion. Without
+these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.effects.breakaway import Breakaways, find_breakaways, torque_known
+from friction_audit.effects.joint_data import CORNER_HZ, JointData
+from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import kaiser_low_pass
+from friction_audit.preprocessing.velocity import noise_density
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+Index = NDArray[np.int64]
+SAMPLE_HZ = 100.0
+LOWEST_CORNER_HZ = 8.0
+# Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, half of the
+# clean logs have a spring that is significant, if too small for a name.
+QUIET_SHARE = 0.5
+MOST_UNCERTAIN = 0.02  # share of the filter's weight that may come from samples without a certain direction
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Samples:
+    """The samples of one joint that a model is fitted to, m of them, from n on the fine grid.
+
+    Attributes:
+        matrix: Filter and decimation as a matrix, shape (m, n).
+        kernel: Weights of the filter, an odd number of them.
+        corner_hz: Frequency of which half the amplitude passes. [Hz]
+        every: Fine samples per place.
+        place: Number of each sample, counted with those that are left out, shape (m,).
+        breakaway: Whether the sample is the moment of a break-away, shape (m,).
+        weight: Factor of torque and columns that makes all samples equally noisy, shape (m,).
+        t: Times, shape (m,). [s]
+        y: Torque, shape (m,). [N m]
+        cycle: Number of the cycle of each sample, shape (m,).
+    """
+
+    matrix: "csr_array"
+    kernel: Float
+    corner_hz: float
+    every: int
+    place: Index
+    breakaway: NDArray[np.bool_]
+    weight: Float
+    t: Float
+    y: Float
+    cycle: Index
+
+    @property
+    def step_s(self) -> float:
+        """Spacing of samples that follow each other. [s]"""
+        return float(np.min(np.diff(self.t))) if len(self.t) > 1 else 0.0
+
+    def keep(self, kept: NDArray[np.bool_]) -> "Samples":
+        """Some of the samples, shape (m,)."""
+        names = ("matrix", "place", "breakaway", "weight", "t", "y", "cycle")
+        return replace(self, **{name: getattr(self, name)[kept] for name in names})
+
+    def of(self, columns: Float) -> Float:
+        """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
+        return np.asarray(self.matrix @ columns)
+
+
+def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
+    """Take the samples in which the direction of motion is certain, and those at which the joint breaks away.
+
+    Args:
+        data: The joint.
+        corner_hz: Half of the amplitude passes here, or at a quarter of the samples' rate if that is lower.
+    """
+    from scipy.ndimage import maximum_filter1d
+    from scipy.sparse import vstack
+
+    n = len(data.t)
+    kernel, every, corner = sample_filter(1.0 / data.step_s, corner_hz)
+    whole = ~maximum_filter1d(~data.valid, len(kernel))[::every] & (data.cycle[::every] >= 0)
+    uncertain = filter_matrix(n, np.abs(kernel), every) @ (~(data.moving & data.valid)).astype(float)
+    breakaways = _breakaways(data)
+    breakaways = breakaways.take(whole[breakaways.onset // every])
+    moving = np.setdiff1d(np.flatnonzero(whole & (uncertain <= MOST_UNCERTAIN)), breakaways.onset // every)
+    place = np.concatenate([moving, breakaways.onset // every])
+    order = np.argsort(place)
+    breakaway = np.repeat([False, True], [len(moving), len(breakaways.onset)])
+    weight = np.where(breakaway, _relative_weight(breakaways.weights, data.step_s), 1.0)
+    onsets = _matrix(n, breakaways.samples, weight[-1:] * breakaways.weights)
+    matrix = vstack([filter_matrix(n, kernel, every, moving), onsets], format="csr")[order]
+    place = place[order]
+    return Samples(
+        matrix=matrix,
+        kernel=kernel,
+        corner_hz=corner,
+        every=every,
+        place=place,
+        breakaway=breakaway[order],
+        weight=weight[order],
+        t=data.t[place * every],
+        y=matrix @ data.torque,
+        cycle=data.cycle[place * every],
+    )
+
+
+def sample_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int, float]:
+    """Weights of the low-pass of samples, fine samples per sample, and the corner in fact. [Hz]
+
+    Args:
+        rate_hz: Of the fine grid.
+        corner_hz: Half of the amplitude passes here, or at a quarter of the samples' rate if that is lower.
+    """
+    every = max(int(rate_hz / SAMPLE_HZ + 1e-9), 1)
+    corner = min(corner_hz, rate_hz / every / 4)
+    return kaiser_low_pass(corner, rate_hz), every, corner
+
+
+def filter_matrix(n: int, kernel: Float, every: int, place: Index | None = None) -> "csr_array":
+    """A symmetric filter, the ends held, that takes every so many samples of n, the first one first, shape (m, n).
+
+    Args:
+        n: Samples of the fine grid.
+        kernel: Weights, an odd number of them.
+        every: Fine samples per sample.
+        place: Numbers of the samples that are wanted, shape (m,); all if None.
+    """
+    place = np.arange((n - 1) // every + 1) if place is None else place
+    half = len(kernel) // 2
+    return _matrix(n, np.clip(place[:, None] * every + np.arange(-half, half + 1), 0, n - 1), kernel)
+
+
+def _matrix(n: int, columns: Index, weights: Float) -> "csr_array":
+    """The same weights in every row, at the columns (m, k)."""
+    from scipy.sparse import csr_array
+
+    m, k = columns.shape
+    return csr_array((np.tile(weights, m), columns.ravel(), np.arange(m + 1) * k), shape=(m, n))
+
+
+def _breakaways(data: JointData) -> Breakaways:
+    found = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
+    return found.take(torque_known(data.torque, found, data.step_s))
+
+
+def _relative_weight(weights: Float, step_s: float) -> float:
+    """Noise that the highest corner leaves of white noise, over that which other weights leave, at most 1.
+
+    Where the corner is lower the torque's noise is hardly white: a lower weight would be too low.
+    """
+    return min(float(np.sqrt(2.0 * CORNER_HZ * step_s) / np.linalg.norm(weights)), 1.0)
+
+
+def corner_for(data: JointData, inertia_kg_m2: float) -> float:
+    """Frequency above which the noise of inertia times acceleration is more than half of that of the torque. [Hz]
+
+    White noise of the position grows with the square of the frequency in its second derivative, that of the velocity
+    with the frequency, that of the mean of both as given below. Links' inertia that was removed left the noise of all
+    joints' accelerations in the torque.
+    """
+    order = 2 if data.derived_from == "q" else 1
+    load = np.zeros(len(data.t)) if data.load is None else data.load
+    torque = noise_density(data.torque + load, data.step_s, 0)
+    own = inertia_kg_m2 * noise_density(data.ddq, data.step_s, order)
+    inertial = float(np.hypot(own, noise_density(load, data.step_s, order)))
+    crossing = (QUIET_SHARE * torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
+    # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f
+    crossing = np.sqrt((crossing**2 + np.hypot(crossing**2, 2.0 * crossing * data.crossover_hz)) / 2.0)
+    return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))

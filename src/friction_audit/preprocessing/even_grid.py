@@ -1,0 +1,182 @@
+"""A log on an even grid: stamps without jitter, gaps, and one symmetric low-pass for torque, position and velocity.
+
+The low-pass delays nothing: a linear relation between filtered signals holds as between the signals. Its kernel is
+finite, so a gap in the log spoils a stretch of known length. The grid is fine (400 Hz, corner 80 Hz), because columns
+of a regression that are not linear in the motion are built on it before they are filtered. Slower logs keep their own
+rate, and a quarter of it as corner.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
+
+GRID_HZ = 400.0
+CORNER_HZ = 80.0
+STOPBAND_DB = 60.0
+LEAST_OVERSAMPLING = 4  # fine samples per grid sample: the difference quotient of the kernel is its derivative to 3 %
+# A gap is longer than both; shorter ones are bridged.
+GAP_S = 0.02
+GAP_STEPS = 3.5
+# After a longer step a sample is lost, and the position needs a curve: within 8 ms at 10 rad/s^2 it bends by 0.1 mrad.
+LOST_STEPS = 1.5
+CLOCK_WINDOW_S = 0.5  # over which the phase of a clock is averaged
+FEWEST_STAMPS = 100  # for a clock to be seen
+CLOCK_LAGS = (8, 64)  # stamps over which the period is measured: over the first, the usual step may be off by 6 %
+LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps exactly on ticks
+# Nearly all stamps are early by less than this quantile; twice as early happens only by a wrong tick.
+COMMON_EARLINESS, EARLIEST = 0.99, 2.0
+MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
+
+
+def kaiser_low_pass(corner_hz: float, rate_hz: float) -> Float:
+    """Return the weights of a symmetric low-pass with 60 dB in the stop band, an odd number of them, sum 1.
+
+    Args:
+        corner_hz: Half of the amplitude passes here, none from twice of it on. [Hz]
+        rate_hz: Of the samples. [Hz]
+    """
+    from scipy.signal import firwin, kaiserord
+
+    taps, beta = kaiserord(STOPBAND_DB, corner_hz / (rate_hz / 2))
+    return np.asarray(firwin(taps | 1, corner_hz, window=("kaiser", beta), fs=rate_hz), np.float64)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class LowPass:
+    """A symmetric low-pass that reads an even fine clock and writes every so many samples.
+
+    Attributes:
+        t: Times of the grid, shape (n,). [s]
+        fine: Times of the fine clock, half a kernel longer at both ends. [s]
+        every: Fine samples per grid sample.
+        kernel: Weights, shape (2 h + 1,), sum 1.
+        slope: Weights that give the derivative. [1/s]
+        corner_hz: Half of the amplitude passes here. [Hz]
+    """
+
+    t: Float
+    fine: Float
+    every: int
+    kernel: Float
+    slope: Float
+    corner_hz: float
+
+    @classmethod
+    def for_stamps(cls, t: Float) -> "LowPass":
+        """Choose grid and corner from the rate of a log, stamps strictly increasing, shape (m,). [s]"""
+        rate = 1.0 / median_step(t)
+        grid_hz = min(GRID_HZ, rate)
+        corner = min(CORNER_HZ, grid_hz / 4)
+        every = max(round(rate / grid_hz), LEAST_OVERSAMPLING)
+        fine_hz = grid_hz * every
+        kernel = kaiser_low_pass(corner, fine_hz)
+        slope = np.convolve(kernel, [0.5, 0.0, -0.5]) * fine_hz
+        samples = max(int(np.floor((t[-1] - t[0]) * grid_hz * (1 + 1e-12))) + 1, 2)
+        half = len(slope) // 2
+        fine = t[0] + np.arange(-half, (samples - 1) * every + half + 1) / fine_hz
+        grid = t[0] + np.arange(samples) / grid_hz
+        return cls(t=grid, fine=fine, every=every, kernel=kernel, slope=slope, corner_hz=corner)
+
+    @property
+    def reach_s(self) -> float:
+        """Half of the kernel's length. [s]"""
+        return float(self.fine[1] - self.fine[0]) * (len(self.slope) // 2)
+
+    @property
+    def step_s(self) -> float:
+        """Spacing of the grid. [s]"""
+        return float(self.t[1] - self.t[0])
+
+    def of(self, t: Float, signal: Float) -> Float:
+        """Filter a signal, shape (m,) at times t, onto the grid, shape (n,)."""
+        return self._apply(np.interp(self.fine, t, signal), self.kernel)
+
+    def all_of(self, t: Float, signals: Float) -> Float:
+        """Filter the columns of signals, shape (m, j), onto the grid, shape (n, j)."""
+        return np.stack([self.of(t, column) for column in signals.T], axis=1)
+
+    def with_slope(self, t: Float, position: Float) -> tuple[Float, Float]:
+        """Filter a position, with a cubic spline over lost samples, and return it and its derivative, shape (n,)."""
+        even = np.interp(self.fine, t, position)
+        lost = np.flatnonzero(np.diff(t) > LOST_STEPS * median_step(t))
+        if len(lost):
+            from scipy.interpolate import CubicSpline
+
+            inside = np.isin(np.searchsorted(t, self.fine) - 1, lost)
+            even[inside] = CubicSpline(t, position)(self.fine[inside])
+        return self._apply(even, self.kernel), self._apply(even, self.slope)
+
+    def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
+        """Samples of the grid whose kernel reaches neither a gap in the stamps t nor beyond the ends, shape (n,)."""
+        after = gaps(t)
+        begins = np.concatenate([[-np.inf], t[after], [t[-1]]])
+        ends = np.concatenate([[t[0]], t[after + 1], [np.inf]])
+        place = np.searchsorted(begins, self.t + self.reach_s, side="left") - 1
+        # The last gap that begins before the kernel ends must have ended before the kernel begins.
+        return np.asarray(ends[place] <= self.t - self.reach_s + 1e-9, bool)
+
+    def _apply(self, even: Float, kernel: Float) -> Float:
+        from scipy.signal import upfirdn
+
+        # The full convolution at index start + i * every is centred on grid sample i; zeros in front make it decimable.
+        start = (len(self.slope) + len(kernel)) // 2 - 1
+        front = -start % self.every
+        coarse = upfirdn(np.append(np.zeros(front), kernel), even, down=self.every)
+        first = (start + front) // self.every
+        return np.asarray(coarse[first : first + len(self.t)], np.float64)
+
+
+def gaps(t: Float) -> NDArray[np.int64]:
+    """Return the samples after which a gap begins, shape (g,)."""
+    step = np.diff(t)
+    return np.flatnonzero(step > max(GAP_S, GAP_STEPS * median_step(t)))
+
+
+def fresh_samples(log: JointLog) -> NDArray[np.bool_]:
+    """Samples that do not repeat the state before them while a joint moves, shape (n,)."""
+    same = np.all((log.q[1:] == log.q[:-1]) & (log.dq[1:] == log.dq[:-1]), axis=1)
+    fresh = np.append(True, ~(same & np.any(log.dq[1:] != 0, axis=1)))
+    if fresh.sum() < MINIMUM_SAMPLES:
+        fresh[-1] = True  # a log that never changes still has a beginning and an end
+    return fresh
+
+
+def steady_clock(t: Float) -> Float:
+    """Return stamps on the ticks of a clock that drifts slowly, or as they are where there is none, shape (n,). [s]
+
+    A robot samples at even ticks; a stamp is late by the time that some other computer took to notice. A stamp that is
+    0.1 ms late moves a joint at 1 rad/s by 0.1 mrad, far more than the noise of its encoder. The phase of the clock is
+    averaged over half a second. A stamp so late that it is nearer to the next tick goes to its own tick where the next
+    one has a stamp of its own, or where it would be far earlier than any other.
+    """
+    from scipy.ndimage import uniform_filter1d
+
+    if len(t) < FEWEST_STAMPS:
+        return t
+    period = _period(t)
+    phasor = np.exp(2j * np.pi * t / period)
+    window = min(int(CLOCK_WINDOW_S / period), len(t))
+    mean = uniform_filter1d(phasor.real, window) + 1j * uniform_filter1d(phasor.imag, window)
+    if np.abs(mean).min() < LEAST_COHERENCE:
+        return t
+    phase = np.unwrap(np.angle(mean)) / (2 * np.pi)
+    tick = np.round(t / period - phase)
+    order = np.arange(len(t))
+    own: Float = np.minimum.accumulate((tick - order)[::-1])[::-1] + order
+    earliest = EARLIEST * np.quantile(own + phase - t / period, COMMON_EARLINESS)
+    while np.any(early := (np.diff(own, prepend=-np.inf) > 1.0) & (own + phase - t / period > earliest)):
+        own -= early
+    return np.asarray((own + phase) * period) if np.mean(own < tick) <= MOST_MOVED else t
+
+
+def _period(t: Float) -> float:
+    """Period of the ticks: the usual step, corrected by the mean phase that stamps gain over many steps. [s]"""
+    period = median_step(t)
+    for lag in CLOCK_LAGS:
+        phasor = np.exp(2j * np.pi * t / period)
+        gained = float(np.angle(np.mean(phasor[lag:] * phasor[:-lag].conj()))) / (2.0 * np.pi)
+        period *= 1.0 + gained * period / float(np.mean(t[lag:] - t[:-lag]))
+    return period

@@ -1,0 +1,398 @@
+"""Tables of a diagnosis: its columns once, for documents, files, terminal and page."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from friction_audit.diagnosis.data_audit import DataFinding
+from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect, Profile
+from friction_audit.friction.history import Coefficient
+from friction_audit.reporting.diagnosis_words import (
+    decide_words,
+    effect_numbers,
+    joint_message,
+    names_of,
+    where_effect,
+    where_words,
+)
+from friction_audit.reporting.table import INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
+from friction_audit.reporting.words import format_p
+
+WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
+TONES: dict[str, Tone] = {
+    "adequate": "fine",
+    "named": "alert",
+    "ambiguous": "unsure",
+    "unexplained": "alert",
+    "not testable": "off",
+    "data fault": "alert",
+    "failed": "alert",
+}
+FINDING_TONES: dict[str, Tone] = {"fine": "fine", "limit": "unsure", "fault": "alert"}
+GRADES = ("major", "minor", "negligible")
+CURVE = Record(
+    (
+        Column("centre", [float], "mean of the quantity in each bin"),
+        Column("forwards_nm", [float], "mean torque in it while moving forwards", "forwards"),
+        Column("backwards_nm", [float], "the same backwards", "backwards"),
+        Column("forwards_se_nm", [float], "standard error of the mean", "forwards_se"),
+        Column("backwards_se_nm", [float], "the same backwards", "backwards_se"),
+    )
+)
+PROFILE = Record(
+    (
+        Column("axis", str, "the quantity", "0.axis"),
+        Column("label", str, "the quantity with its unit", "0.label"),
+        Column("share", float, "share of the mean square that a curve over it explains", "0.share"),
+        Column("p_value", float, "that nothing depends on it", "0.p_value"),
+        Column("where", str, "where along it model and measurement disagree", lambda row: where_words(row[0])),
+        Column("curve", CURVE, "the mean residual, of the first entry", "1", null=True),
+    )
+)
+EVIDENCE = Record(
+    (
+        Column("name", str, "the effect, or another one in its place"),
+        Column("delta_bic", float, "difference in BIC: above 0 it explains less, from 6 on clearly"),
+        Column("correlation", float, "of the two torques"),
+    )
+)
+
+
+class EffectRow(NamedTuple):
+    """An effect of a joint and its place among those of the joint, from 1."""
+
+    joint: JointDiagnosis
+    rank: int
+    effect: NamedEffect
+
+    @property
+    def names(self) -> str:
+        """Its name, and those indistinguishable from it."""
+        return names_of(self.effect, self.joint.effects)
+
+    @property
+    def known(self) -> dict[str, Coefficient]:
+        """Its parameters; NaN where the log does not identify one."""
+        nan, lost = float("nan"), self.effect.not_identifiable
+        unknown = {name: Coefficient(value=nan, low=nan, high=nan) for name in lost}
+        return {name: unknown.get(name, number) for name, number in self.effect.parameters.items()}
+
+    @property
+    def chosen(self) -> str:
+        """In how many of the selections without one fold it was chosen; empty for contacts, which are detected."""
+        return f"{self.effect.chosen_in}/{self.effect.folds}" if self.effect.folds else ""
+
+
+def effect_rows(joints: Iterable[JointDiagnosis], which: str = "effects") -> list[EffectRow]:
+    """Return the effects of joints in order, those named or with ``which`` those negligible."""
+    return [EffectRow(joint, rank, one) for joint in joints for rank, one in enumerate(getattr(joint, which), start=1)]
+
+
+def profile_rows(profiles: Sequence[Profile]) -> list[tuple[Profile, Profile | None]]:
+    """Return what the residual depends on, the strongest first, with the curve of that one."""
+    return [(one, None if k else one) for k, one in enumerate(profiles)]
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.3g}"
+
+
+def _share(name: str, meaning: str, title: str, short: str) -> tuple[Column, Column]:
+    get = f"effect.{name}"
+    return (
+        Column(name, float, meaning, get),
+        Column(name, float, get=get, form=_percent, unit="%", title=title, short=short, on=PEOPLE),
+    )
+
+
+EFFECT = Record(
+    (
+        joint_column("joint"),
+        Column("rank", int, on="f"),
+        Column("effect", str, get="effect.name", on="f"),
+        Column("name", str, "name in the catalogue", "effect.name", on="j"),
+        Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
+        Column("effect", str, get=lambda row: f"{row.names}: {row.effect.label}", title="effect", on="p"),
+        Column("label", str, "in words", "effect.label"),
+        Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
+        Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
+        Column("decide", str, "motion that distinguishes them", lambda row: decide_words(row.effect), null=True),
+        Column("size", float, "RMS of its torque free of the nominal model", "effect.size_nm", unit="N m"),
+        Column("size", get="effect.size_nm", unit="N m", title="size (RMS)", short="size", on=PEOPLE),
+        *_share("friction_share", "size over the RMS of the joint's friction", "of the friction", "of the\nfriction"),
+        *_share("residual_share", "of the residual's mean square, 0 to 1", "of the residual", "of the\nresidual"),
+        Column("grade", GRADES, "size against the joint's friction", "effect.grade", title="grade", on="jftp"),
+        Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
+        Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
+        Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
+        Column(
+            "parameters",
+            {"*": float},
+            "values by name with the unit, null for one in `not_identifiable`",
+            lambda row: {name: number.value for name, number in row.known.items()},
+            on="j",
+        ),
+        Column(
+            "parameters_ci95",
+            {"*": INTERVAL},
+            "their 95 % intervals",
+            lambda row: {name: (number.low, number.high) for name, number in row.known.items()},
+            on="j",
+        ),
+        Column("not_identifiable", [str], "those that the log does not identify", "effect.not_identifiable", on="j"),
+        Column("p_value", float, "family-wise, on held-out cycles; null of contacts", "effect.p_value"),
+        Column("p", float, get="effect.p_value", form=format_p, title="p", on="p"),
+        Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),
+        Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
+        Column(
+            "where", str, "where it shows, in words", lambda row: where_effect(row.effect, row.joint),
+            null=True, title="where", words=True, on="jfp",
+        ),
+        Column("numbers", str, get=lambda row: effect_numbers(row.effect), title="parameters", words=True, on="p"),
+        Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
+        Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
+        Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
+    ),
+    name="effects",
+    summary="an effect that the model of a joint misses, the largest first",
+)  # fmt: skip
+NEGLIGIBLE = replace(
+    EFFECT, name="negligible_effects", summary="an effect below 1 % of the joint's friction or below --min-effect"
+)
+PARAMETER = Record(
+    (
+        Column("effect", str, get="0"),
+        Column("parameter", str, get="1"),
+        Column("value", float, get="2.value"),
+        Column("ci95_low", float, get="2.low"),
+        Column("ci95_high", float, get="2.high"),
+    ),
+    name="effect_parameters",
+    summary="a parameter of an effect, with its 95 % interval; empty where the log does not identify it",
+)
+DECISION = Record(
+    (
+        joint_column("joint"),
+        Column("effects", str, get="names", title="effects", on="p"),
+        Column("decide", str, get=lambda row: decide_words(row.effect), title="motion", on="p"),
+    )
+)
+COMPETITOR = Record(
+    (
+        joint_column("0.joint"),
+        Column("effect", str, get="0.effect.name", title="effect", on="p"),
+        Column("competitor", str, get="1.name", title="competing effect", on="p"),
+        Column("delta_bic", float, get="1.delta_bic", form="+.0f", title="difference in BIC", on="p"),
+        Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
+    )
+)
+UNTESTABLE = Record(
+    (
+        joint_column("0"),
+        Column("effects", str, get=lambda row: ", ".join(row[1]), title="effects", on="p"),
+        Column("why", str, get="2", title="why", on="p"),
+    )
+)
+STEP = Record(
+    (
+        Column("step", int, get="0", on="f"),
+        Column("label", str, get="1", on="f"),
+        Column("step", str, "nominal model, each effect, noise floor", "1", on="j"),
+        Column("rms", float, "residual RMS", "2", unit="N m"),
+    ),
+    name="gap_ladder",
+    summary="residual RMS after each effect, on held-out cycles",
+)
+GAP = Record(
+    (
+        Column("baseline_rms", float, "residual RMS of the nominal model", "before", unit="N m"),
+        Column("final_rms", float, "residual RMS of the augmented model", "after", unit="N m"),
+        Column("noise_floor_rms", float, "RMS of the noise", "floor", unit="N m"),
+        Column("shrink", float, "share explained: of the way from the first to the noise floor"),
+        Column("shrink_standard_error", float, "its standard error", "shrink_se"),
+        Column("final_over_floor", float, "augmented over noise", "over_floor"),
+        Column("held_out_cycles", int, "number of cycles, each held out once in five folds", "cycles"),
+    )
+)
+SIMULATION = Record(
+    (
+        Column("before", float, "of the nominal model"),
+        Column("after", float, "of the augmented model"),
+        Column("unit", str, "unit of both"),
+    )
+)
+CHECK = Record(
+    (
+        Column("code", ("curve", "line", "scatter", "change"), "what the residual holds"),
+        Column("along", str, "the quantity, or the effect that changes"),
+        Column("share", float, "of the mean square"),
+        Column("frequency", float, "of a line: in Hz over time, in waves per rad over path; else 0"),
+    ),
+    name="residual_checks",
+    summary="structure in what the augmented model leaves",
+)
+FINDING = Record(
+    (
+        joint_column("0"),
+        Column("code", str, "stable short name", "1.code", title="check", code=True, on="jp"),
+        Column(
+            "verdict", ("fine", "limit", "fault"), "whether it limits the answer", "1.verdict",
+            title="verdict", tone=FINDING_TONES.__getitem__, on="jp",
+        ),
+        Column("value", float, "what was found", "1.value", title="found", on="jp"),
+        Column("bound", float, "what it was held against", "1.bound", title="bound", on="jp"),
+        Column("unit", str, "its unit", "1.unit", title="unit", on="jp"),
+        Column("message", str, "what it means", "1.message", title="what it means", on="jp"),
+    )
+)  # fmt: skip
+
+
+def steps_of(joint: JointDiagnosis) -> list[tuple[int, str, float]]:
+    """Return the residual after each effect: place, label, RMS."""
+    return [(step, label, rms) for step, (label, rms) in enumerate(joint.ladder)]
+
+
+def _augmented(path: str) -> Callable[[JointDiagnosis], float | None]:
+    """Return what gets a number of the augmented model, None where no effect was added."""
+    one, _, name = path.partition(".")
+    return lambda joint: getattr(getattr(joint, one), name, None) if joint.added else None
+
+
+def _without_gravity(joint: JointDiagnosis) -> float | None:
+    names = {effect.name for effect in joint.added}
+    return joint.share_explained if "gravity_error" in names and len(names) > 1 else None
+
+
+def _people(title: str, short: str, unit: str, get: Get, form: str | Callable[[float], str] = ".3g") -> Column:
+    return Column("shown", float, get=get, unit=unit, title=title, short=short, form=form, on=PEOPLE)
+
+
+JOINT_DIAGNOSIS = Record(
+    (
+        JOINT,
+        NAME,
+        joint_column(),
+        Column("verdict", VERDICTS, "the answer"),
+        Column("verdict", str, form=WORDS.__getitem__, title="verdict", tone=TONES.__getitem__, on=PEOPLE),
+        Column("message", str, "the answer: cause, size, what to do", joint_message),
+        Column(
+            "missing", str, get=lambda joint: " and ".join(names_of(one, joint.effects) for one in joint.effects),
+            title="missing", on="p",
+        ),
+        Column("effects", [EFFECT], "the largest first", lambda joint: effect_rows([joint]), on="j"),
+        Column("negligible", [EFFECT], "too small to count", lambda joint: effect_rows([joint], "negligible"), on="j"),
+        Column("gap", GAP, "residual RMS on held-out cycles; null if nothing was fitted", on="j", null=True),
+        Column("gap_before", float, get="gap.before", unit="N m", on="f"),
+        Column("gap_after", float, get="gap.after", unit="N m", on="f"),
+        Column("noise_floor", float, get="gap.floor", unit="N m", on="f"),
+        Column("shrink", float, get="gap.shrink", on="f"),
+        Column("share_explained_without_gravity", float, "gravity in the model before and after", "share_explained"),
+        Column("held_out_cycles", int, get="gap.cycles", on="f"),
+        _people("baseline RMS", "RMS\nbefore", "N m", "gap.before"),
+        _people("augmented RMS", "RMS\nafter", "N m", _augmented("gap.after")),
+        _people("noise floor", "noise\nfloor", "N m", "gap.floor"),
+        _people("share explained", "expl.", "%", _augmented("gap.shrink"), _percent),
+        _people("explained without gravity", "w/o\ngravity", "%", _without_gravity, _percent),
+        Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="p"),
+        Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),
+        Column("simulation_gap_before", float, get="simulation.before", unit="rad/s", on="f"),
+        Column("simulation_gap_after", float, get="simulation.after", unit="rad/s", on="f"),
+        _people("velocity error: nominal", "vel. error\nbefore", "rad/s", "simulation.before"),
+        _people("augmented", "vel. error\nafter", "rad/s", _augmented("simulation.after")),
+        Column(
+            "detection_limit", float, "RMS that is detected with 90 % power",
+            unit="N m", form=".2g", title="detection limit", on="jfp",
+        ),
+        Column("remainder_share", float, "of the mean square that the augmented model leaves, without a name"),
+        Column("checks", [CHECK], "structure in it, the largest share first", on="j"),
+        Column("omnibus_p_value", float, "that nothing is missing from the nominal model", "omnibus_p"),
+        Column("remaining_p_value", float, "that nothing is missing from the augmented model", "remaining_p"),
+        Column("nominal", {"*": Coefficient}, "coefficients of the nominal model, fitted alone", on="j"),
+        Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
+        Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
+        Column("ladder", [STEP], "residual RMS after each effect", steps_of, on="j"),
+        Column("profiles", [PROFILE], "residual along a quantity", lambda joint: profile_rows(joint.profiles), on="j"),
+        Column("remaining", [PROFILE], "after the effects", lambda joint: profile_rows(joint.remaining), on="j"),
+        Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
+        Column("findings", [FINDING], "the audit of the data", lambda joint: finding_rows([joint]), on="j"),
+    ),
+    name="verdicts",
+    summary="verdict and residual RMS of a joint",
+)  # fmt: skip
+BIN = Record(
+    (
+        Column("of", str, get="0"),
+        Column("axis", str, get="1.axis"),
+        Column("axis_label", str, get="1.label"),
+        Column("centre", get="2.0"),
+        Column("forwards", get="2.1", unit="N m"),
+        Column("forwards_se", get="2.2", unit="N m"),
+        Column("backwards", get="2.3", unit="N m"),
+        Column("backwards_se", get="2.4", unit="N m"),
+    ),
+    name="residual_profiles",
+    summary="mean residual in a bin of one quantity",
+)
+RESIDUAL = Record(
+    (
+        Column("time", get="t", unit="s"),
+        Column("cycle", int, get=lambda traces: traces.cycle + 1),
+        Column("held_out", bool),
+        Column("q", get="q", unit="rad"),
+        Column("dq", get="dq", unit="rad/s"),
+        Column("measured", get="measured", unit="N m"),
+        Column("nominal", get="before", unit="N m"),
+        Column("augmented", get="after", unit="N m"),
+        Column("residual_before", get=lambda traces: traces.measured - traces.before, unit="N m"),
+        Column("residual_after", get=lambda traces: traces.measured - traces.after, unit="N m"),
+    ),
+    name="residual",
+    summary="torque of a joint: measured, of the nominal and of the augmented model, low-passed alike",
+    time="time_s",
+    arrays=True,
+)
+
+
+def _simulated(name: str) -> Callable[[Any], Any]:
+    """Return what gets a signal without the gaps between the cycles that were simulated."""
+    return lambda gap: getattr(gap, name)[np.isfinite(gap.t)]
+
+
+SIMULATED = Record(
+    (
+        Column("time", get=_simulated("t"), unit="s"),
+        Column("dq_measured", get=_simulated("measured"), unit="rad/s"),
+        Column("dq_nominal", get=_simulated("nominal"), unit="rad/s"),
+        Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
+    ),
+    name="simulated_motion",
+    summary="velocity of a joint measured and simulated, on held-out cycles",
+    time="time_s",
+    arrays=True,
+)
+
+
+def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
+    """Return model, profile and the numbers of each bin."""
+    every = [("nominal", one) for one in joint.profiles] + [("augmented", one) for one in joint.remaining]
+    return [
+        (model, one, cells)
+        for model, one in every
+        for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
+    ]
+
+
+def finding_rows(joints: Iterable[JointDiagnosis]) -> list[tuple[JointDiagnosis, DataFinding]]:
+    """Return what the audit of the data found."""
+    return [(joint, finding) for joint in joints for finding in joint.findings]
+
+
+def untestable_rows(joints: Iterable[JointDiagnosis]) -> list[tuple[JointDiagnosis, list[str], str]]:
+    """Return joint, effects that its log cannot show, and why: effects with the same reason together."""
+    reasons: dict[tuple[int, str], tuple[JointDiagnosis, list[str], str]] = {}
+    for joint in joints:
+        for name, reason in joint.untestable.items():
+            reasons.setdefault((joint.joint, reason), (joint, [], reason))[1].append(name)
+    return list(reasons.values())

@@ -1,0 +1,250 @@
+"""Every step of the engine against a closed form, a library or a direct computation."""
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.linalg import cholesky, solve_triangular, toeplitz
+from scipy.optimize import least_squares
+from scipy.signal import lfilter
+from scipy.stats import t as student
+
+from friction_audit.diagnosis import intervals
+from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.gram import Gram, Training
+from friction_audit.diagnosis.noise_model import NoiseModel, levinson_durbin
+from friction_audit.diagnosis.nonlinear import refine
+from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
+from friction_audit.diagnosis.procedure import nominal
+from friction_audit.diagnosis.residual_checks import spectral_line
+from friction_audit.diagnosis.screening import wild_cluster_bootstrap
+from friction_audit.diagnosis.selection import occam
+from friction_audit.diagnosis.validation import held_out, measure_gap
+from friction_audit.effects import stribeck, time_delay
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_data import JointData
+from friction_audit.joint_log import Float
+from tests.diagnosis.moved_joint import moved_joint
+from tests.diagnosis.toy_effects import BUMP, SQUARE, WAVE
+
+
+def bump(data: JointData) -> Float:
+    return np.asarray(0.1 * np.exp(-(((data.q - 0.2) / 0.2) ** 2)))
+
+
+def rising(data: JointData) -> Float:
+    return np.asarray(0.1 * data.way * np.exp(-((data.dq / 0.1) ** 2)))
+
+
+@cache
+def prepared(
+    *effects: Effect, missing: Callable[[JointData], Float] = bump, duration_s: float = 60.0
+) -> tuple[Gram, Dictionary]:
+    """A joint of whose torque the nominal model misses a part, no nuisances, and columns of some effects."""
+    problem = RegressionProblem.build(moved_joint(missing, noise_nm=0.02, duration_s=duration_s), None)
+    baseline = problem.nominal.baseline(np.linalg.lstsq(problem.X.T, problem.y)[0])
+    noise = NoiseModel.fit(problem, [problem.y - problem.X.T @ np.linalg.lstsq(problem.X.T, problem.y)[0]],
+                           np.zeros(len(problem.y)))  # fmt: skip
+    dictionary = Dictionary.build(problem, effects, baseline)
+    return Gram(problem, noise, (), dictionary.blocks), dictionary
+
+
+def direct(gram: Gram, active: tuple[Block, ...] = ()) -> tuple[Float, Float]:
+    """Coefficients by least squares on the whitened samples, and what is left."""
+    columns = np.vstack([gram.base, *(gram.of(one) for one in active)]).T
+    found = np.linalg.lstsq(columns, gram.y)[0]
+    return found, gram.y - columns @ found
+
+
+def test_levinson_durbin_solves_the_yule_walker_equations() -> None:
+    covariance = 0.8 ** np.arange(5) * np.cos(0.4 * np.arange(5)) + 0.1 * (np.arange(5) == 0)
+    predictors, errors = levinson_durbin(covariance)
+    for order in range(1, 5):
+        by_hand = np.linalg.solve(toeplitz(covariance[:order]), covariance[1 : order + 1])
+        assert predictors[order, :order] == pytest.approx(by_hand)
+        assert errors[order] == pytest.approx(covariance[0] - by_hand @ covariance[1 : order + 1])
+
+
+def test_innovations_are_those_of_the_cholesky_factor_of_the_covariance() -> None:
+    predictors, errors = levinson_durbin(0.7 ** np.arange(3.0))
+    columns = np.random.default_rng(0).standard_normal((2, 40))
+    noise = NoiseModel(predictors=predictors, scales=1 / np.sqrt(errors), age=np.minimum(np.arange(40), 2),
+                       weight=np.ones(40), effective_samples=40.0, level_nm=1.0)  # fmt: skip
+    factor = cholesky(toeplitz(0.7 ** np.arange(40.0)), lower=True)
+    assert noise.whiten(columns) == pytest.approx(solve_triangular(factor, columns.T, lower=True).T)
+
+
+def test_noise_is_an_autoregression_of_its_own_innovations() -> None:
+    problem = RegressionProblem.build(moved_joint(duration_s=120.0), None)
+    left = 0.05 * lfilter([1.0], [1.0, -0.6], np.random.default_rng(0).standard_normal(len(problem.y)))
+    noise = NoiseModel.fit(problem, [left], np.zeros(len(left)))
+    innovations = noise.whiten(left)[0]
+    assert np.std(innovations) == pytest.approx(1.0, abs=0.05)
+    assert abs(np.corrcoef(innovations[1:], innovations[:-1])[0, 1]) < 0.05
+    assert noise.level_nm == pytest.approx(np.std(left), rel=0.02)
+
+
+def test_folds_hold_whole_cycles_spread_over_the_log() -> None:
+    cycle = np.repeat(np.arange(23), 7)
+    fold = folds_of(cycle)
+    assert all(len(set(fold[cycle == c])) == 1 for c in range(23))
+    assert np.array_equal(fold, folds_of(cycle))
+    for first in range(0, 20, FOLDS):
+        assert set(fold[(cycle >= first) & (cycle < first + FOLDS)]) == set(range(FOLDS))
+
+
+def test_a_dropped_sample_ends_an_unbroken_stretch() -> None:
+    problem = RegressionProblem.build(moved_joint(duration_s=20.0), None)
+    dropped = np.zeros(len(problem.y), bool)
+    dropped[100] = True
+    assert (problem.age[100] > 0, problem.without(dropped).age[100]) == (True, 0)
+
+
+@pytest.mark.parametrize(("gain", "numbers"), [(12.0, 1), (40.0, 3)])
+def test_evidence_is_the_integral_over_a_prior_as_wide_as_suits_the_data(gain: float, numbers: int) -> None:
+    """2 ln of: likelihood averaged over N(0, (v - 1) s^2) per coefficient, at the v that makes it largest."""
+    each = gain / numbers  # squared estimate in units of its variance, the same of every coefficient
+
+    def evidence(v: float) -> float:
+        def integrand(b: float) -> float:
+            prior = np.exp(-(b**2) / (2 * (v - 1))) / np.sqrt(2 * np.pi * (v - 1))
+            return float(np.exp(-0.5 * (np.sqrt(each) - b) ** 2 + 0.5 * each) * prior)
+
+        return 2.0 * numbers * float(np.log(quad(integrand, -30, 40, points=[np.sqrt(each)])[0]))
+
+    largest = max(evidence(v) for v in np.geomspace(1.01, 20 * each, 400))
+    assert float(occam(gain, float(numbers))) == pytest.approx(largest, abs=0.02)
+
+
+def test_no_gain_is_no_evidence() -> None:
+    assert occam(1.0, 2.0) == 0.0
+    assert np.all(np.diff(occam(np.array([5.0, 10.0, 50.0]), 2.0)) > 0)
+
+
+def test_scores_of_the_gram_matrix_are_those_of_direct_least_squares() -> None:
+    gram, _ = prepared(BUMP, WAVE, SQUARE)
+    training = Training(gram)
+    active = (next(one for one in gram.blocks if one.name == "bump"),)
+    before = float(np.sum(direct(gram, active)[1] ** 2))
+    assert training.fit(active).rss == pytest.approx(before)
+    assert training.fit(active).coefficients == pytest.approx(direct(gram, active)[0])
+    gains, coefficients = training.gain(active)
+    for k, block in enumerate(gram.blocks):
+        if block not in active:
+            found, left = direct(gram, (*active, block))
+            assert gains[k] == pytest.approx(training.samples * np.log(before / np.sum(left**2)), rel=1e-4, abs=1e-6)
+            assert coefficients[k] == pytest.approx(found[-block.p :], rel=1e-4)
+
+
+def test_held_out_residuals_are_those_of_fits_without_the_fold() -> None:
+    gram, _ = prepared(BUMP, WAVE, SQUARE)
+    active = (gram.blocks[2],)
+    white = np.vstack([gram.base, gram.of(active[0])]).T
+    raw = np.vstack([gram.problem.X, active[0].columns]).T
+    found, fold = held_out(gram, active), gram.problem.fold
+    for k in range(FOLDS):
+        others = fold[gram.order] != k
+        coefficients = np.linalg.lstsq(white[others], gram.y[others])[0]
+        assert found.residual[fold == k] == pytest.approx((gram.problem.y - raw @ coefficients)[fold == k], abs=1e-7)
+    assert found.rms == pytest.approx(np.sqrt(np.mean(found.residual**2)))
+
+
+def test_variable_projection_ends_where_nonlinear_least_squares_does() -> None:
+    gram, dictionary = prepared(stribeck.EFFECT, missing=rising)
+    training = Training(gram)
+    start = gram.blocks[int(np.argmax(training.gain(())[0]))]
+    names = list(dictionary.bounds(start))
+
+    def residual(x: Float) -> Float:
+        shape = {**start.shape, **dict(zip(names, np.exp(x), strict=True))}
+        white = gram.whiten(dictionary.columns_at(start, shape, dictionary.baseline))
+        columns = np.vstack([gram.base, white]).T
+        return np.asarray(gram.y - columns @ np.linalg.lstsq(columns, gram.y)[0])
+
+    bounds = np.log([dictionary.bounds(start)[name] for name in names]).T
+    best = least_squares(residual, np.log([start.shape[name] for name in names]), bounds=bounds)
+    moved = refine(dictionary, training, start, (), dictionary.baseline)
+    assert moved is not None
+    left = float(np.sum(residual(np.log([moved.shape[name] for name in names])) ** 2))
+    assert len(gram.y) * np.log(left / (2 * best.cost)) < 0.3  # 2 ln of the likelihood; the search stops at 0.2
+    assert moved.shape["stribeck_speed_rad_s"] == pytest.approx(0.1, rel=0.1)
+
+
+def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
+    gram, dictionary = prepared(SQUARE, duration_s=30.0)
+    active = (gram.blocks[0],)
+    found = intervals.of(gram, dictionary, active, nominal(gram.problem, Training(gram), active))
+    columns = np.vstack([gram.base, gram.of(active[0])]).T
+    cycle = gram.problem.samples.cycle[gram.order]
+    cycles = np.unique(cycle)
+    without = np.stack([np.linalg.lstsq(columns[cycle != c], gram.y[cycle != c])[0] for c in cycles])
+    m = len(cycles)
+    se = np.sqrt((m - 1) / m * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
+    half = [(one.high - one.low) / 2 for one in (*found.nominal.values(), *found.effects[0].values())]
+    assert half == pytest.approx(student.ppf(0.975, m - 1) * se, rel=1e-3)
+
+
+def test_a_number_that_the_log_does_not_hold_is_not_identifiable_and_leaves_the_others_alone() -> None:
+    gram, dictionary = prepared(time_delay.EFFECT)
+    block = next(one for one in gram.blocks if len(dictionary.bounds(one)) == 1)
+    found = intervals.of(gram, dictionary, (block,), dictionary.baseline)
+    plain = intervals.of(gram, dictionary, (), dictionary.baseline)
+    assert found.not_identifiable == (("delay_step_s",),)
+    for name, one in found.nominal.items():
+        assert one.high - one.low == pytest.approx(plain.nominal[name].high - plain.nominal[name].low, rel=0.5)
+
+
+@pytest.mark.thorough
+def test_the_screening_test_keeps_its_level() -> None:
+    """Of 60 joints with nothing missing at most 8 are below 0.05: more come less than once in a hundred times."""
+    p_values = []
+    for seed in range(60):
+        problem = RegressionProblem.build(moved_joint(noise_nm=0.02, duration_s=20.0, seed=seed), None)
+        left = problem.y - problem.X.T @ np.linalg.lstsq(problem.X.T, problem.y)[0]
+        noise = NoiseModel.fit(problem, [left], np.zeros(len(left)))
+        blocks = Dictionary.build(problem, (BUMP, WAVE, SQUARE), problem.nominal.baseline(np.zeros(3))).blocks
+        p_values.append(wild_cluster_bootstrap(Gram(problem, noise, (), blocks), (), seed).p_value)
+    assert np.count_nonzero(np.array(p_values) < 0.05) <= 8
+    assert np.mean(p_values) == pytest.approx(0.5, abs=0.12)
+
+
+def test_the_screening_test_sees_what_is_missing_and_its_place() -> None:
+    found = wild_cluster_bootstrap(prepared(BUMP, WAVE, SQUARE)[0], (), 0)
+    assert found.p_value == pytest.approx(1 / 400)
+    assert found.curves["position"] < 0.01 < found.curves["time"]
+
+
+def test_a_line_stands_out_at_its_frequency() -> None:
+    t = np.arange(0.0, 60.0, 0.02)
+    noise = np.random.default_rng(0).standard_normal(len(t))
+    line = spectral_line(noise + 2.0 * np.sin(2 * np.pi * 7.3 * t), t, 0.6, 20.0, np.ones(len(t)))
+    assert line is not None
+    assert line == (pytest.approx(7.3, abs=0.05), pytest.approx(2.0 / 3.0, rel=0.3))
+    assert spectral_line(noise, t, 0.6, 20.0, np.ones(len(t))) is None
+
+
+CYCLE = np.repeat([4, 7, 9], 100)
+SIGN = np.tile([1.0, -1.0], 150)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "floor", "shrink", "over_floor"),
+    [(0.5, 0.2, 0.1, 0.75, 2.0), (0.1, 0.1, 0.1 + 1e-9, np.nan, 1.0), (0.2, 0.3, 0.0, -0.5, np.inf)],
+    ids=["closed by three quarters", "nothing to close", "a worse model, no noise"],
+)
+def test_gap_by_hand(before: float, after: float, floor: float, shrink: float, over_floor: float) -> None:
+    gap = measure_gap(before * SIGN, after * SIGN, floor, CYCLE)
+    assert (gap.before, gap.after, gap.cycles) == pytest.approx((before, after, 3))
+    assert (gap.shrink, gap.over_floor) == pytest.approx((shrink, over_floor), nan_ok=True)
+    assert np.isnan(measure_gap(SIGN, 0.5 * SIGN, 0.1, np.zeros(300, dtype=np.int64)).shrink_se)
+
+
+def test_standard_error_of_a_gap_is_that_of_leaving_out_each_cycle() -> None:
+    rng = np.random.default_rng(0)
+    before, after = rng.standard_normal(300), 0.5 * rng.standard_normal(300)
+    kept = [np.not_equal(CYCLE, c) for c in (4, 7, 9)]
+    without = np.array([measure_gap(before[k], after[k], 0.2, CYCLE[k]).shrink for k in kept])
+    se = np.sqrt(2 / 3 * np.sum((without - without.mean()) ** 2))
+    assert measure_gap(before, after, 0.2, CYCLE).shrink_se == pytest.approx(se)
