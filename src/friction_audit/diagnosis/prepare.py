@@ -50,8 +50,10 @@ def prepare(
     Returns:
         One ``JointData`` per joint, in the order of the columns.
     """
+    # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
+    # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
     choice, fresh = interaction.choice, fresh_samples(log)
-    t = _stamps(log.t[fresh], log.q[fresh])
+    t = steady_clock(log.t[fresh])
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
     motion = _filtered_motion(log, low_pass, t, fresh, valid)
@@ -106,15 +108,6 @@ def prepare(
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
-
-
-def _stamps(t: Float, q: Float) -> Float:
-    """Stamps as they are, or without jitter if the joint that moves furthest runs more smoothly with those."""
-    # As they are, stranger_time_delay_1, stranger_joint_elasticity_1 and effects_time_delay_16001 are adequate.
-    farthest = q[:, int(np.argmax(np.ptp(q, axis=0)))]
-    steady = steady_clock(t)
-    rough = [grid_noise(LowPass.for_stamps(stamps).with_slope(stamps, farthest)[1]) for stamps in (t, steady)]
-    return steady if rough[1] < rough[0] else t
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
