@@ -147,8 +147,8 @@ class Reference:
             return scale, cells, 0.0, cycles >= FEWEST_AGAIN
         largest = maximum_filter1d(output, 2 * near + 1, mode="constant")
         # Noise alone has a largest value within a short time too: that of the whole log is its share.
-        known = max(float(np.median(largest[again]) - np.median(largest[self.slot])), 0.0)
-        return scale, cells, known, cycles >= FEWEST_AGAIN
+        repeated = max(float(np.median(largest[again]) - np.median(largest[self.slot])), 0.0)
+        return scale, cells, repeated, cycles >= FEWEST_AGAIN
 
 
 def robust_scale(outputs: Float) -> float:
@@ -189,7 +189,10 @@ def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:
 
 
 def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int, int]]:
-    """Filter and slot of each push, the largest first; none where no other cycle moves as during any of them."""
+    """Filter and slot of each push, the largest first; none where no other cycle moves as during any of them.
+
+    An inertia that is wrong is seen where the acceleration is largest (outside_acceleration_friction_16004).
+    """
     from scipy.special import ndtri, stdtrit
 
     kept, slots = np.ones(len(filters.slot), bool), int(filters.slot[-1]) + 1
