@@ -127,10 +127,12 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
     )
     events = residual_curves.contact_effects(problem, state.contacts, profiles)
     limit = _detection_limit(state, after.rms)
+    slow = f"the residual follows the time, and this log cannot test slow effects: {said.lacking}"
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
         verdict=said.verdict,
+        reason=slow if said.verdict == "not_testable" else "",
         effects=(*events, *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
