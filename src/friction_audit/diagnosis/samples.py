@@ -98,7 +98,7 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     order = np.argsort(place)
     breakaway = np.repeat([False, True], [len(moving), len(breakaways.onset)])
     weight = np.where(breakaway, _relative_weight(breakaways.weights, data.step_s), 1.0)
-    onsets = _matrix(n, breakaways.samples, weight[-1:] * breakaways.weights)
+    onsets = _matrix(n, breakaways.samples, _relative_weight(breakaways.weights, data.step_s) * breakaways.weights)
     matrix = vstack([filter_matrix(n, kernel, every, moving), onsets], format="csr")[order]
     place = place[order]
     return Samples(

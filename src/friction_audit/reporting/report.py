@@ -283,7 +283,7 @@ def _part(document: Document) -> Record:
 
 REPORT = Document(
     "report",
-    2,
+    3,
     "All parts of a report, as on its page",
     Record(
         (
