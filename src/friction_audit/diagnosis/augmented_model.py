@@ -70,7 +70,7 @@ def augment_model(joint: JointDiagnosis, nominal: JointModel | None, origin: Pro
     ]
     held = () if nominal is None else nominal.held
     augmented += [] if nominal is None else [term for term in nominal.terms if term.name in held]
-    found = {effect.name: effect.parameters for effect in joint.effects}
+    found = {effect.name: effect.parameters for effect in (*joint.effects, *joint.negligible)}
     augmented += [
         FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name), p) for p in term.parameters))
         for term in terms()
@@ -100,7 +100,7 @@ def _nonlinear(term: Effect, nominal: JointModel | None) -> tuple[float, ...]:
 
 def _without_term(joint: JointDiagnosis) -> list[str]:
     known = {term.name for term in terms()}
-    return [effect.name for effect in joint.effects if effect.name not in known]
+    return [effect.name for effect in (*joint.effects, *joint.negligible) if effect.name not in known]
 
 
 def _count_cycles(joint: JointDiagnosis) -> int:

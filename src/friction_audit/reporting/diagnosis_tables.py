@@ -18,7 +18,6 @@ from friction_audit.reporting.diagnosis_words import (
     where_words,
 )
 from friction_audit.reporting.table import INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
-from friction_audit.reporting.words import format_p
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
 TONES: dict[str, Tone] = {
@@ -107,6 +106,14 @@ def _share(name: str, meaning: str, title: str, short: str) -> tuple[Column, Col
     )
 
 
+def _values(row: EffectRow) -> dict[str, float]:
+    return {name: number.value for name, number in row.known.items()}
+
+
+def _bounds(row: EffectRow) -> dict[str, tuple[float, float]]:
+    return {name: (number.low, number.high) for name, number in row.known.items()}
+
+
 EFFECT = Record(
     (
         joint_column("joint"),
@@ -127,23 +134,10 @@ EFFECT = Record(
         Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
         Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
         Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
-        Column(
-            "parameters",
-            {"*": float},
-            "values by name with the unit, null for one in `not_identifiable`",
-            lambda row: {name: number.value for name, number in row.known.items()},
-            on="j",
-        ),
-        Column(
-            "parameters_ci95",
-            {"*": INTERVAL},
-            "their 95 % intervals",
-            lambda row: {name: (number.low, number.high) for name, number in row.known.items()},
-            on="j",
-        ),
+        Column("parameters", {"*": float}, "values by name with the unit", _values, on="j"),
+        Column("parameters_ci95", {"*": INTERVAL}, "their 95 % intervals", _bounds, on="j"),
         Column("not_identifiable", [str], "those that the log does not identify", "effect.not_identifiable", on="j"),
         Column("p_value", float, "family-wise, on held-out cycles; null of contacts", "effect.p_value"),
-        Column("p", float, get="effect.p_value", form=format_p, title="p", on="p"),
         Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),
         Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
         Column(

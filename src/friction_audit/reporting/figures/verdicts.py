@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.result import CONTACT_EVENT, UNANSWERED, Evidence, JointDiagnosis, NamedEffect
-from friction_audit.reporting.diagnosis_words import joint_message, others_of, verdict_words
+from friction_audit.diagnosis.result import UNANSWERED, Evidence, JointDiagnosis, NamedEffect
+from friction_audit.reporting.diagnosis_words import joint_message, verdict_words
 from friction_audit.reporting.figures.panels import (
     add_legend,
     chosen_joints,
@@ -135,7 +135,6 @@ def _scale_torques(axes: "Axes", joints: Sequence[JointDiagnosis]) -> None:
     axes.grid(axis="x", color=MUTED, lw=0.25, alpha=0.5)
 
 
-LEFT_OUT = "contacts left out"
 ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
 
 
@@ -156,7 +155,7 @@ def _draw_steps(axes: "Axes", joint: JointDiagnosis) -> None:
     if not joint.ladder or joint.gap is None:
         write_verdict(axes, joint)
         return
-    steps = [LEFT_OUT if label == f"+ {CONTACT_EVENT}" else label for label, _ in joint.ladder[1:-1]]
+    steps = [label for label, _ in joint.ladder[1:-1]]
     values = [value for _, value in joint.ladder]
     places, last = np.arange(len(values)), len(values) - 1
     colours = [NOMINAL, *(AUGMENTED for _ in steps), SHADE]
@@ -173,7 +172,7 @@ def explained_words(joint: JointDiagnosis) -> str:
     """Return the share explained of what is above the noise floor, on how many cycles, and without what."""
     gap = joint.gap
     assert gap is not None
-    contacts = f", {LEFT_OUT}" if len(joint.added) < len(joint.effects) else ""
+    contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
     cycles = f"on {gap.cycles} held-out cycles{contacts}"
     if not joint.added:
         return f"nothing added\n{cycles}"
@@ -183,7 +182,6 @@ def explained_words(joint: JointDiagnosis) -> str:
     return f"{100 * gap.shrink:.1f}{error} % explained\n{cycles}"
 
 
-TITLE_CHARACTERS = {True: 46, False: 34}  # of a line of a title, at column width or on a sheet
 ON_SHEET = 4  # competing effects on a sheet, the named one among them
 LINEAR_TO = 10.0  # difference in BIC up to which the axis is linear, logarithmic beyond
 STRONG = 6.0  # difference in BIC that counts as strong evidence (Kass and Raftery 1995)
@@ -199,14 +197,13 @@ def draw_evidence(found: "Diagnosis", joint: int | None) -> "Figure":
     sheet = joint is None
     panels, heights = [], []
     for one in chosen_joints(found.discrepancy.joints, joint):
-        if not one.effects:
+        if not one.added:
             panels.append(partial(write_verdict, joint=one))
             heights.append(0.9)
-        for effect in one.effects:
+        for effect in one.added:
             competitors = nearest(effect) if sheet else effect.evidence
-            lines = len(fill(not_drawn(effect, competitors, one.effects), TITLE_CHARACTERS[False]).splitlines())
             panels.append(partial(_draw_competitors, joint=one, effect=effect, competitors=competitors))
-            heights.append(0.45 + 0.14 * lines + 0.17 * len(competitors) if has_competitors(effect) else 0.9)
+            heights.append(0.45 + 0.17 * len(competitors))
     figure, grid_axes = grid(heights, sheet=sheet, across=2, head_in=0.75)
     for axes, draw in zip(grid_axes, panels, strict=True):
         draw(axes)
@@ -219,18 +216,6 @@ def nearest(effect: NamedEffect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
     """Return the best competing effects and all that are indistinguishable from an effect."""
     ranked = enumerate(effect.evidence)
     return tuple(competitor for place, competitor in ranked if place < most or competitor.name in effect.alternatives)
-
-
-def not_drawn(effect: NamedEffect, competitors: Sequence[Evidence], effects: Sequence[NamedEffect]) -> str:
-    """Return in words the indistinguishable effects that have no line: no recorded motion separates them."""
-    drawn = {competitor.name for competitor in competitors}
-    others = [other for other in others_of(effect, effects) if other not in drawn]
-    return f"also indistinguishable: {', '.join(others)}" if others else ""
-
-
-def has_competitors(effect: NamedEffect) -> bool:
-    """Return whether an effect has competing effects; an event that comes once has none."""
-    return any(competitor.name != effect.name for competitor in effect.evidence)
 
 
 def mark_of(effect: NamedEffect, competitor: Evidence) -> Mark:
@@ -246,11 +231,6 @@ def _draw_competitors(
     axes: "Axes", joint: JointDiagnosis, effect: NamedEffect, competitors: Sequence[Evidence]
 ) -> None:
     """Draw a line per competing effect, the best on top."""
-    title = f"{joint_title(joint.joint, joint.name)}: {effect.name}"
-    if not has_competitors(effect):
-        label_panel(axes, title)
-        write_message(axes, "it has no competing effect", characters=36, instead=True)
-        return
     axes.set_xscale("symlog", linthresh=LINEAR_TO, linscale=1.0)
     axes.axvline(STRONG, color=MUTED, lw=0.7, ls=":", label=f"strong evidence ({STRONG:g})")
     for place, competitor in enumerate(competitors):
@@ -261,8 +241,7 @@ def _draw_competitors(
                 f"r = {competitor.correlation:.2f}", (1.0, place), (2, 0), xycoords=("axes fraction", "data"),
                 textcoords="offset points", va="center", fontsize=6.5, color=MUTED,
             )  # fmt: skip
-    others = fill(not_drawn(effect, competitors, joint.effects), TITLE_CHARACTERS[is_narrow(axes)])
-    label_panel(axes, "\n".join(filter(None, (title, others))))
+    label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {effect.name}")
     _scale_bic(axes, [competitor.delta_bic for competitor in competitors])
     _name_rows(axes, [competitor.name for competitor in competitors])
 
