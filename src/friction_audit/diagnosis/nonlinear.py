@@ -10,6 +10,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Training
+from friction_audit.diagnosis.selection import Projected
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
@@ -49,17 +50,14 @@ class Projection:
         self, dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
     ) -> None:
         """Partial out the nominal model, the nuisances and other effects."""
-        gram, fit = training.gram, training.fit(others)
-        rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in others)])
-        self.basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
-        self.residual = gram.y - fit.projected @ self.basis
-        self.dictionary, self.gram, self.block, self.baseline = dictionary, gram, block, baseline
+        self.given = Projected(training, others)
+        self.residual = self.given.left
+        self.dictionary, self.gram, self.block, self.baseline = dictionary, training.gram, block, baseline
         self.samples = training.samples
 
     def free(self, columns: Float) -> Float:
         """Whitened columns without the rest of the model."""
-        white = self.gram.whiten(columns)
-        return np.asarray(white - (white @ self.basis.T) @ self.basis)
+        return self.given.free(self.gram.whiten(columns))
 
     def columns(self, shape: Nonlinear) -> Float:
         """Columns of the effect."""

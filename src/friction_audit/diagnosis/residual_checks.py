@@ -6,14 +6,13 @@ halves of the data (G. C. Chow, Econometrica 28 (1960) 591).
 """
 
 from collections.abc import Sequence
-from copy import copy
 
 import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.result import ResidualCheck
-from friction_audit.diagnosis.selection import INDISTINGUISHABLE, PRIOR, occam, split
+from friction_audit.diagnosis.selection import INDISTINGUISHABLE, PRIOR, Projected, split
 from friction_audit.diagnosis.validation import held_out
 from friction_audit.effects.effect import Trait
 from friction_audit.joint_log import Float
@@ -42,43 +41,12 @@ def residual_of(gram: Gram, active: Sequence[Block]) -> Float:
 
 def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     """Curves that are significant in the whitened residual and predict folds they were not fitted on."""
-    beside, rms = Projected(gram, active), held_out(gram, active).rms
+    beside, rms = Projected(Training(gram), active), held_out(gram, active).rms
     return [
         ResidualCheck(code="curve", along=c.axis.name, share=1.0 - (held_out(gram, active, c.columns).rms / rms) ** 2)
         for c in gram.problem.curves
         if beside.evidence(gram.whiten(c.columns)) > PRIOR
     ]
-
-
-class Projected:
-    """The whitened response, with the nominal model, the nuisances and some effects partialled out."""
-
-    def __init__(self, gram: Gram, active: Sequence[Block]) -> None:
-        """Partial them out."""
-        training = Training(gram)
-        fit = training.fit(active)
-        rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active)])
-        self.basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
-        self.left = gram.y - fit.projected @ self.basis
-        self.rss, self.samples = fit.rss, training.samples
-
-    def and_also(self, white: Float) -> "Projected":
-        """With more columns partialled out."""
-        more = copy(self)
-        free = white - (white @ self.basis.T) @ self.basis
-        _, size, right = np.linalg.svd(free, full_matrices=False)
-        directions = right[size > 1e-6 * size.max()]
-        more.basis = np.vstack([self.basis, directions])
-        more.left = self.left - (directions @ self.left) @ directions
-        more.rss = self.rss - float(np.sum((directions @ self.left) ** 2))
-        return more
-
-    def evidence(self, white: Float) -> float:
-        """2 ln of the Bayes factor of whitened columns, shape (k, m); those that depend on each other count once."""
-        free = white - (white @ self.basis.T) @ self.basis
-        coefficients, _, rank, _ = np.linalg.lstsq(free.T, self.left, rcond=1e-6)
-        left = max(float(np.sum((self.left - coefficients @ free) ** 2)), 1e-9 * self.rss)
-        return float(occam(self.samples * np.log(self.rss / left), rank))
 
 
 def competing_curve(gram: Gram, active: Sequence[Block], block: Block) -> str:
@@ -90,7 +58,7 @@ def competing_curve(gram: Gram, active: Sequence[Block], block: Block) -> str:
     """
     if block.effect.exact or Trait.EVEN in block.effect.traits:
         return ""
-    given, own = Projected(gram, [b for b in active if b is not block]), gram.of(block)
+    given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
     evidence = given.evidence(own)
     for curve in gram.problem.curves:
         white = gram.whiten(curve.columns)
@@ -179,7 +147,7 @@ def _scatter(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
 
 def _changes(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     """Effects whose coefficients differ by more than half between two halves of the data."""
-    fit, beside = Training(gram).fit(active), Projected(gram, active)
+    fit, beside = Training(gram).fit(active), Projected(Training(gram), active)
     variance = beside.rss / beside.samples
     _, dq, ddq = gram.problem.kinematics
     t = gram.problem.samples.t

@@ -6,6 +6,7 @@ over their grid, which is the price of trying them all. One number is the prior 
 """
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from itertools import combinations, pairwise
 
@@ -51,6 +52,39 @@ def occam(gain: Float | float, numbers: Float | float) -> Float:
     """2 ln of the Bayes factor of coefficients that gain L, their prior as wide as suits the data best."""
     gain = np.maximum(gain, 1e-300)
     return np.where(gain > numbers, gain - numbers - numbers * np.log(gain / numbers), 0.0)
+
+
+class Projected:
+    """The whitened response, with the nominal model, the nuisances and some effects partialled out."""
+
+    def __init__(self, training: Training, active: Sequence[Block]) -> None:
+        """Partial them out."""
+        gram, fit = training.gram, training.fit(active)
+        rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active)])
+        self.basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
+        self.left = gram.y - fit.projected @ self.basis
+        self.rss, self.samples = fit.rss, training.samples
+
+    def free(self, white: Float) -> Float:
+        """Whitened columns, shape (k, m), without the rest of the model."""
+        return np.asarray(white - (white @ self.basis.T) @ self.basis)
+
+    def and_also(self, white: Float) -> "Projected":
+        """With more columns partialled out."""
+        more = copy(self)
+        _, size, right = np.linalg.svd(self.free(white), full_matrices=False)
+        directions = right[size > 1e-6 * size.max()]
+        more.basis = np.vstack([self.basis, directions])
+        more.left = self.left - (directions @ self.left) @ directions
+        more.rss = self.rss - float(np.sum((directions @ self.left) ** 2))
+        return more
+
+    def evidence(self, white: Float) -> float:
+        """2 ln of the Bayes factor of whitened columns, shape (k, m); those that depend on each other count once."""
+        free = self.free(white)
+        coefficients, _, rank, _ = np.linalg.lstsq(free.T, self.left, rcond=1e-6)
+        left = max(float(np.sum((self.left - coefficients @ free) ** 2)), 1e-9 * self.rss)
+        return float(occam(self.samples * np.log(self.rss / left), rank))
 
 
 @dataclass(eq=False)
@@ -263,9 +297,8 @@ def alike(gram: Gram, one: Block, other: Block) -> bool:
     """Whether two blocks add the same torque given the nominal model."""
     if one.name == other.name:
         return True
-    fit = Training(gram).fit(())
-    base = np.linalg.solve(fit.factor, gram.base[fit.kept] / fit.scale[:, None])
-    rows = [gram.of(b) - (gram.of(b) @ base.T) @ base for b in (one, other)]
+    given = Projected(Training(gram), ())
+    rows = [given.free(gram.of(b)) for b in (one, other)]
     torques = [r.T @ np.linalg.lstsq(r @ r.T, r @ gram.y, rcond=1e-10)[0] for r in rows]
     size = np.sqrt((torques[0] @ torques[0]) * (torques[1] @ torques[1]))
     return bool(abs(torques[0] @ torques[1]) > ALIKE * max(size, 1e-300))
@@ -290,15 +323,12 @@ class Competing:
 
 def competing_effects(search: Search, active: Sequence[Block], block: Block) -> tuple[Competing, ...]:
     """Effects in the place of a selected one, the closest first."""
-    gram, rest = search.gram, [b for b in active if b is not block]
-    fit = search.training.fit(rest)
-    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in rest)])
-    basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
-    residual = gram.y - fit.projected @ basis
+    rest = [b for b in active if b is not block]
+    given = Projected(search.training, rest)
 
     def torque(one: Block) -> Float:
-        free = gram.of(one) - (gram.of(one) @ basis.T) @ basis
-        return np.asarray(free.T @ np.linalg.lstsq(free @ free.T, free @ residual, rcond=1e-10)[0])
+        free = given.free(search.gram.of(one))
+        return np.asarray(free.T @ np.linalg.lstsq(free @ free.T, free @ given.left, rcond=1e-10)[0])
 
     scores = search.scores(rest)
     mine = scores[block.name].evidence if block.name in scores else 0.0
