@@ -80,8 +80,8 @@ class NoiseModel:
             effective_samples=float(n),
             level_nm=float(np.sqrt(variance)),
         )
-        told = float(np.sum(noise.whiten(residual) ** 2))
-        object.__setattr__(noise, "effective_samples", min(told, float(n)))
+        squared = float(np.sum(noise.whiten(residual) ** 2))
+        object.__setattr__(noise, "effective_samples", min(squared, float(n)))
         return time, noise
 
 

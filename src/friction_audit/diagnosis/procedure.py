@@ -170,7 +170,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
     while kept:
         found, size = gains(state.gram, kept), sizes(state.gram, kept)
         left = float(np.std(residual_checks.residual_of(state.gram, kept)))
-        worth = []
+        strengths = []
         for k, block in enumerate(kept):
             others = [
                 (other, s)
@@ -179,10 +179,10 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
             ]
             lacks = max((_formula_error(other) * s for other, s in others if other is not block), default=0.0)
             stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= max(lacks, LEAST_SHARE * left)
-            worth.append(np.inf if stands else found[k].z)
-        if not np.isfinite(min(worth)):
+            strengths.append(np.inf if stands else found[k].z)
+        if not np.isfinite(min(strengths)):
             break
-        kept.pop(int(np.argmin(worth)))
+        kept.pop(int(np.argmin(strengths)))
     return kept
 
 

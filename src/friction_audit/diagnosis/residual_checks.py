@@ -41,11 +41,11 @@ def residual_of(gram: Gram, active: Sequence[Block]) -> Float:
 
 def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     """Curves that are significant in the whitened residual and predict folds they were not fitted on."""
-    beside, rms = Projected(Training(gram), active), held_out(gram, active).rms
+    given, rms = Projected(Training(gram), active), held_out(gram, active).rms
     return [
         ResidualCheck(code="curve", along=c.axis.name, share=1.0 - (held_out(gram, active, c.columns).rms / rms) ** 2)
         for c in gram.problem.curves
-        if beside.evidence(gram.whiten(c.columns)) > PRIOR
+        if given.evidence(gram.whiten(c.columns)) > PRIOR
     ]
 
 
@@ -147,8 +147,8 @@ def _scatter(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
 
 def _changes(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     """Effects whose coefficients differ by more than half between two halves of the data."""
-    fit, beside = Training(gram).fit(active), Projected(Training(gram), active)
-    variance = beside.rss / beside.samples
+    fit, given = Training(gram).fit(active), Projected(Training(gram), active)
+    variance = given.rss / given.samples
     _, dq, ddq = gram.problem.kinematics
     t = gram.problem.samples.t
     halves = {
@@ -164,11 +164,11 @@ def _changes(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
         for half in halves.values():
             column = np.where(half, 0.5, -0.5) * torque
             whole = gram.whiten(column)[0]
-            free = whole - (beside.basis @ whole) @ beside.basis
+            free = whole - (given.basis @ whole) @ given.basis
             size = float(free @ free)
             if size < 0.1 * float(whole @ whole):
                 continue
-            change = float(free @ beside.left) / size
+            change = float(free @ given.left) / size
             if abs(change) > LARGE_CHANGE and abs(change) * np.sqrt(size / variance) > CHOW_Z:
                 share = float(np.sum((change * column) ** 2)) / power
                 found.append(ResidualCheck(code="change", along=block.name, share=max(share, 2 * SHARE)))

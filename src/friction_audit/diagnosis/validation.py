@@ -61,9 +61,9 @@ def held_out(
         innovation[part] = gram.y[part] - coefficients @ white[:, part]
     back = np.empty(len(gram.y))
     back[gram.order] = residual
-    news = np.empty(len(gram.y))
-    news[gram.order] = innovation
-    return HeldOut(residual=back, innovation=news, rms=float(np.sqrt(np.mean(back**2))))
+    innovations = np.empty(len(gram.y))
+    innovations[gram.order] = innovation
+    return HeldOut(residual=back, innovation=innovations, rms=float(np.sqrt(np.mean(back**2))))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
