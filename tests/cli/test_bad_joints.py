@@ -120,7 +120,7 @@ def test_without_an_estimate_the_page_says_what_was_read_and_what_to_record(
 @pytest.mark.parametrize("share", [0.15, 0.45])
 @pytest.mark.parametrize("rate", [30.0, 38.0, 50.0, 100.0, 119.0, 125.0, 2000.0])
 def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: Run, tmp_path: Path) -> None:
-    """Noise of the motion lowers the corner of the rows, and a vibration above it is looked at on every sample."""
+    """Noise of the motion lowers the corner of the filter; a vibration above it is filtered away."""
     log, rng = build_estimate(1, count=24, rate=rate).log, np.random.default_rng(0)
     assert log.tau_interaction is not None
     vibration = 0.1 * np.sin(2.0 * np.pi * share * rate * log.t)
@@ -130,5 +130,3 @@ def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: R
     assert answer.code == 0, answer.err
     (joint,) = answer.document()["joints"]
     assert joint["verdict"] in ("adequate", "named", "ambiguous", "unexplained")
-    if share < 0.2 and rate < 200.0:  # above, torque and motion are filtered away
-        assert joint["vibration"]["frequency_hz"] == pytest.approx(share * rate, rel=0.05)

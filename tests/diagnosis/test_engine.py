@@ -124,7 +124,7 @@ def scaled(data: JointData, factor: float) -> JointData:
 
 def turned(data: JointData) -> JointData:
     channels = ("q", "dq", "ddq", "torque", "others_dq", "others_ddq", "others_torque")
-    return replace(data, **{name: -getattr(data, name) for name in channels})  # type: ignore[arg-type]
+    return replace(data, **{name: -getattr(data, name) for name in channels})
 
 
 @pytest.mark.parametrize(

@@ -117,7 +117,6 @@ def diagnosed(**augmented: float) -> JointDiagnosis:
         joint=1,
         name="joint1",
         verdict="named",
-        message="",
         effects=(STRIBECK,),
         nominal=SIMPLE,
         augmented=SIMPLE | exactly(**augmented),
