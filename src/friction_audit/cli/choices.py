@@ -65,7 +65,7 @@ SCENARIOS = (
     "fig9-friction",
     "fig9-compensated",
     "fig10",
-    "fig10-unguarded",
+    "fig10-published",
     "fig12",
     "fig13",
 )

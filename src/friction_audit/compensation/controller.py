@@ -7,7 +7,6 @@ included, whose work is negative.
 """
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,14 +31,13 @@ from friction_audit.compensation.compensators.law import (
 )
 from friction_audit.compensation.records import (
     COMBINED,
+    COULOMB,
     ESTIMATED,
     GAP,
     NET,
     NOT_MOVED,
     PATH,
-    SCALED,
     SQUARE,
-    TOO_ALIKE,
     TOO_FEW,
     VISCOUS,
     Record,
@@ -47,6 +45,7 @@ from friction_audit.compensation.records import (
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 
+EPSILON = 4.0 * 2.0**-52  # of a determinant that is zero but for rounding
 FIND = -1  # value of ``cut``: the joint finds its cycles itself
 
 SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque sensors: the loop has diverged
@@ -181,16 +180,6 @@ def close_cycle(settings: Record, memory: Record) -> None:
     memory.net_j = memory.path_rad = memory.square_rad2_s = memory.longest_gap_s = 0.0
 
 
-class Products(NamedTuple):
-    """Sums of products of net energy, path and integral of the squared velocity over k cycles."""
-
-    net_path: float
-    net_square: float
-    path_path: float
-    path_square: float
-    square_square: float
-
-
 @compiled()
 def estimate(settings: Record, memory: Record) -> int:
     """Estimate from the last k cycles: viscous (8), (11), (25), Coulomb (14), combined (20); return the status.
@@ -208,55 +197,31 @@ def estimate(settings: Record, memory: Record) -> int:
         path_square += row[PATH] * row[SQUARE]
         square_square += row[SQUARE] * row[SQUARE]
     if settings.model == COMBINED:
-        return estimate_both(settings, memory, Products(net_path, net_square, path_path, path_square, square_square))
-    if settings.model == VISCOUS:
+        # Ridge towards the coefficients in use: two cycles of one speed determine the sum of both, and no more.
+        path_weight, square_weight = settings.ridge * path_path, settings.ridge * square_square
+        net_path += path_weight * memory.usable_coulomb_nm
+        net_square += square_weight * memory.usable_viscous_nms_per_rad
+        both = solve(path_path + path_weight, path_square, square_square + square_weight, net_path, net_square)
+        memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = both
+    elif settings.model == VISCOUS:
         memory.estimated_viscous_nms_per_rad = net_square / square_square
-        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
     else:
         memory.estimated_coulomb_nm = net_path / path_path
+    # Friction brakes: a negative estimate is kept and not applied.
+    if settings.model != VISCOUS:
         memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
+    if settings.model != COULOMB:
+        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
     return ESTIMATED
 
 
 @compiled()
-def estimate_both(settings: Record, memory: Record, sums: Products) -> int:
-    """Estimate both coefficients by least squares; return the status.
-
-    Of a pair with a negative coefficient, the other one is too large: used alone, it would push the joint. What is used
-    is the least squares of coefficients of zero or more.
-    """
-    net_path, net_square, path_path, path_square, square_square = sums
-    cosine = path_square / math.sqrt(path_path * square_square)
-    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
-    if 1.0 + cosine > settings.condition_limit * sine:
-        return scale(memory, sums)
-    determinant = path_path * square_square * sine * sine
-    coulomb = (net_path * square_square - net_square * path_square) / determinant
-    viscous = (net_square * path_path - net_path * path_square) / determinant
-    memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = coulomb, viscous
-    if coulomb < 0.0:
-        coulomb, viscous = 0.0, net_square / square_square
-    elif viscous < 0.0:
-        coulomb, viscous = net_path / path_path, 0.0
-    memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad = max(0.0, coulomb), max(0.0, viscous)
-    return ESTIMATED
-
-
-@compiled()
-def scale(memory: Record, sums: Products) -> int:
-    """Scale the coefficients in use to cycles that are too alike to separate them; return the status.
-
-    Such cycles still determine how much friction there is.
-    """
-    coulomb, viscous = memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad
-    net_path, net_square, path_path, path_square, square_square = sums
-    expected = coulomb * coulomb * path_path + 2.0 * coulomb * viscous * path_square + viscous * viscous * square_square
-    found = coulomb * net_path + viscous * net_square
-    if not (expected > 0.0 and found > 0.0):
-        return TOO_ALIKE
-    memory.usable_coulomb_nm = memory.estimated_coulomb_nm = coulomb * found / expected
-    memory.usable_viscous_nms_per_rad = memory.estimated_viscous_nms_per_rad = viscous * found / expected
-    return SCALED
+def solve(a: float, b: float, c: float, right: float, low: float) -> tuple[float, float]:
+    """Solve [[a, b], [b, c]] x = [right, low], of rank one by its pseudo-inverse."""
+    determinant = a * c - b * b
+    if determinant <= EPSILON * a * c:
+        return (a * right + b * low) / (a + c) ** 2, (b * right + c * low) / (a + c) ** 2
+    return (c * right - b * low) / determinant, (a * low - b * right) / determinant
 
 
 @compiled()

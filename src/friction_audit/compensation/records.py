@@ -25,9 +25,8 @@ Record: TypeAlias = Any  # one element of an array of SETTINGS or MEMORY
 
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))  # values of ``model``
 
-# Values of ``status``: what came of the last cycle. From NOT_MOVED on, it gave no estimate of its own. SCALED: too like
-# those before it to separate the coefficients; both were scaled to the friction in them.
-NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP, TOO_ALIKE, SCALED = range(7)
+# Values of ``status``: what came of the last cycle. From NOT_MOVED on, it gave no estimate of its own.
+NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(5)
 
 NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
 
@@ -52,7 +51,7 @@ SETTINGS = np.dtype(
         ("initiation_rad_s", "f8"),
         ("termination_rad_s", "f8"),
         ("corner_rad_s", "f8"),
-        ("condition_limit", "f8"),
+        ("ridge", "f8"),
         ("minimum_path_rad", "f8"),
         ("maximum_gap_s", "f8"),
         ("initial_energy_j", "f8"),

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
 from friction_audit.compensation.operator_fit import FittedJoint, FittedOperator
-from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED, TOO_ALIKE
+from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
 from friction_audit.compensation.settings import Counterfactual, Limits
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import JointFriction
@@ -15,7 +15,7 @@ from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
 # Names of the values of ``status`` in ``records``: what came of a cycle.
-STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap", "too_alike", "scaled")
+STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -227,8 +227,6 @@ class Replay:
 ADVICE = {
     GAP: "gaps in the log; record without dropping samples",
     NOT_MOVED: "the joint hardly moved; move it farther",
-    TOO_ALIKE: "they are too alike to separate Coulomb from viscous friction; vary the speed, raise --window, or "
-    "choose --model coulomb or viscous",
 }
 
 

@@ -74,8 +74,7 @@ def _keeps(arms: Sequence[Simulation]) -> Claim:
         ours=f"within {BAND:.0%} of that of cycle 2 in {share(leaves < BAND)}: {spread(leaves, 'of it')}",
         value=float(leaves.max()),
         holds=bool((leaves < BAND).all()),
-        note=f"{negative:.0%} of the pairs of cycles give a joint one negative coefficient; the other alone is then "
-        "fitted to both cycles, right for the speed of these and for no other",
+        note=f"{negative:.0%} of the pairs of cycles give a joint one negative coefficient, which is not applied",
     )
 
 

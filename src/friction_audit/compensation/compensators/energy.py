@@ -10,6 +10,9 @@ from friction_audit.errors import UsageError
 
 MODELS = ("viscous", "coulomb", "combined")
 LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
+# Values of ``ridge``. With less than 0.001 two cycles of one speed still separate what is noise; with more than 0.003 a
+# step of friction takes more than the two cycles that it spans (benchmarks/bench_compensation.py).
+RIDGE, PUBLISHED = 0.003, 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,9 +40,8 @@ class EnergyCompensator(Guard):
     Attributes: Those of ``Guard``, its passivity controller acting by default, and
         model: ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20).
         window: Number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2.
-        condition_limit: If the columns of (18), scaled to length one, have a larger condition number, the cycles are
-            too alike to separate the coefficients; they show how much friction there is, and the previous
-            coefficients are scaled to it. Where there are none, nothing is estimated.
+        ridge: Weight of the coefficients in use, by which the combined model is a ridge regression (Hoerl and Kennard
+            1970) towards them; ``PUBLISHED`` for (20) as printed, which divides by the difference of two cycles.
         minimum_path_rad: A cycle in which the joint moved less gives no equation. [rad]
         maximum_gap_s: A cycle with a longer gap between two ticks gives no equation. [s]
         factor: The estimate is multiplied by this before it is applied; above 1, over-compensation on purpose.
@@ -61,7 +63,7 @@ class EnergyCompensator(Guard):
 
     model: str = "combined"
     window: int | None = None
-    condition_limit: float = 200.0
+    ridge: float = RIDGE
     minimum_path_rad: float = 0.02
     maximum_gap_s: float = 0.05
     factor: float = 1.0
@@ -91,8 +93,8 @@ class EnergyCompensator(Guard):
             )
         if self.forced_from_cycle < 1:
             raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
-        require_not_negative("compensator", self, "factor", "dead_band_rad_s", "ramp_rad_s")
-        require_positive("compensator", self, "condition_limit", "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
+        require_not_negative("compensator", self, "ridge", "factor", "dead_band_rad_s", "ramp_rad_s")
+        require_positive("compensator", self, "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
         Guard.__post_init__(self)
 
     @property
