@@ -112,6 +112,8 @@ def history(cycles: EnergyCycles, coulomb: float, viscous: float, rng: np.random
         stop_s=kept.stop_s,
         net_energy_j=np.cumsum(kept.dissipated_j),
         dissipated_j=kept.dissipated_j,
+        path_rad=kept.sums.rectified_path_rad,
+        square_speed_rad2_s=kept.sums.square_speed_rad2_s,
         **columns,
     )
 

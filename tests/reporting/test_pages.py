@@ -139,7 +139,7 @@ def test_a_verdict_has_friction_missing_effects_and_what_would_be_saved() -> Non
     assert re.match(pattern, verdict_sentence(first))
     assert f"removed {100 * first.replay.numbers.dissipation_removed:.0f} %" in verdict_sentence(first)
     worse = replace(first.replay, numbers=replace(first.replay.numbers, dissipation_removed=-0.5))
-    assert "left the person with 150 %" in removal_words(worse)
+    assert "would have been 150 % of that without" in removal_words(worse)
     diverged = replace(first.replay, numbers=replace(first.replay.numbers, diverged_s=3.0))
     assert "diverged after 3 s" in removal_words(diverged)
 

@@ -36,7 +36,6 @@ EXAMPLES = """Examples:
   friction-audit replay run.mcap -o results --export mcap"""
 
 DOCUMENT, HISTORY = "replay.json", "replay.csv"
-TABLED = "not_replayed"  # code of the caution that the table shows as well
 MOMENTS = ("friction_step", "torque_drift")  # effects that hold for moments of the recording they were found on
 
 
@@ -83,8 +82,9 @@ def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "
 
 def _warn(found: "LogReplay", voice: Voice) -> None:
     from friction_audit.reporting.notices import notice_lines, replay_notices
+    from friction_audit.reporting.replay import TABLED
 
-    voice.warn(notice_lines(notice for notice in replay_notices(found) if notice.code != TABLED))
+    voice.warn(notice_lines(notice for notice in replay_notices(found) if notice.code not in TABLED))
 
 
 def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:

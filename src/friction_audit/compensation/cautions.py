@@ -111,11 +111,8 @@ def _far_below(friction: JointFriction, robot: str) -> str:
 def log_cautions(interaction: Interaction) -> Iterator[Caution]:
     """Yield cautions where the arm was not moved by hand, or gravity is still in the torque."""
     if interaction.choice.drive != "hand":
-        message = (
-            "the arm moved by itself, and the compensator is made for a person who moves it: what is given for the "
-            "person is what the arm's own drive would have needed"
-        )
-        yield Caution(code="nobody_moves_the_arm", message=message)
+        message = "the arm moved by itself: torque and energy are those of its own drive, which is compensated for"
+        yield Caution(code="arm_moves_itself", message=message)
     if interaction.choice.gravity_in_torque:
         message = (
             "gravity is still in the torque: a compensator would take what it gives and takes within a cycle for "

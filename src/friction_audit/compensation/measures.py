@@ -56,10 +56,12 @@ def read_history(rows: Float, t: Float) -> ReplayHistory:
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
     """Return the share of the dissipation that compensation removed from a cycle on (0-based); NaN without cycles."""
-    friction = float(history.friction_j[first:].sum())
-    if friction <= 0.0:
-        return float("nan")
-    return 1.0 - float(np.abs(history.net_energy_j[first:]).sum()) / friction
+    return share_removed(float(history.friction_j[first:].sum()), float(history.net_energy_j[first:].sum()))
+
+
+def share_removed(without_j: float, with_j: float) -> float:
+    """Return the share of an energy that is gone; what is given out counts as left. NaN of an energy not above zero."""
+    return 1.0 - abs(with_j) / without_j if without_j > 0.0 else float("nan")
 
 
 def first_updated(history: ReplayHistory) -> int:
@@ -104,7 +106,7 @@ def measure(recorded: Recorded, without: Signals, replayed: Signals, history: Re
         energy_recorded_j=sum_up(recorded.t, recorded.dq, recorded.torque)[0],
         energy_without_j=before[0],
         energy_with_j=after[0],
-        dissipation_removed=dissipation_removed(history),
+        dissipation_removed=share_removed(before[0], after[0]),
         dissipation_removed_updated=dissipation_removed(history, first_updated(history)),
         peak_torque_without_nm=before[2],
         peak_torque_with_nm=after[2],

@@ -78,8 +78,11 @@ def replay(
     several = [friction.joints[column] for column in columns]
     suspicions = [one for joint in several for one in seems_compensated(interaction, cycles, joint, robot)]
     found = [one for joint in replays for one in cautions_of(joint)]
+    assumed = settings.counterfactual
+    if interaction.choice.drive != "hand":
+        assumed = replace(assumed, assumes=assumed.assumes.replace("the person", "the arm's drive"))
     return Replay(
-        counterfactual=settings.counterfactual,
+        counterfactual=assumed,
         joints=replays,
         warnings=(*log_cautions(interaction), *suspicions, *found),
     )
@@ -172,6 +175,11 @@ def _scene(
     if settings.assume != SAME_OPERATOR.name:
         return other_motion(cycles, column, recorded, cuts, motion, joint, None)
     given = settings.operator
+    if given is None and interaction.choice.drive != "hand":
+        return (
+            "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "
+            "--assume same-motion or same-torque"
+        )
     operator = fit_operator(recorded, motion.q) if given is None else given_operator(given)
     if isinstance(operator, str):
         return operator

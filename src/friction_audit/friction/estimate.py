@@ -142,7 +142,8 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettin
     }
     nothing = np.full(len(found["coulomb"]), NAN)
     history = _history(own, window, {name: (values, nothing, nothing) for name, values in found.items()})
-    return {**medians, "history": history}
+    printed = own.sums.printed_net_j[history.cycle - 1]
+    return {**medians, "history": replace(history, dissipated_j=printed)}
 
 
 def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHistory:
@@ -161,6 +162,8 @@ def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHist
         viscous_high_nms_per_rad=viscous_high,
         net_energy_j=np.cumsum(own.work_j)[kept],
         dissipated_j=own.dissipated_j[kept],
+        path_rad=own.sums.rectified_path_rad[kept],
+        square_speed_rad2_s=own.sums.square_speed_rad2_s[kept],
     )
 
 

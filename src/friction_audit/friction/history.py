@@ -39,7 +39,9 @@ class CoefficientHistory:
         viscous_low_nms_per_rad: Lower end of its 95 % interval.
         viscous_high_nms_per_rad: Upper end.
         net_energy_j: Net energy input since the first cycle's start, E_cyclic of the paper. [J]
-        dissipated_j: What friction took in this cycle. [J]
+        dissipated_j: What friction took in this cycle, as the estimator counts it. [J]
+        path_rad: Its path, the column of (18) that belongs to the Coulomb coefficient. [rad]
+        square_speed_rad2_s: Integral of its squared velocity, the column of the viscous one. [rad^2/s]
     """
 
     cycle: NDArray[np.int64]
@@ -53,6 +55,8 @@ class CoefficientHistory:
     viscous_high_nms_per_rad: Float
     net_energy_j: Float
     dissipated_j: Float
+    path_rad: Float
+    square_speed_rad2_s: Float
 
     def of(self, name: str) -> tuple[Float, Float, Float]:
         """Return value, low and high of ``"coulomb"`` or ``"viscous"``, shape (m,) each."""

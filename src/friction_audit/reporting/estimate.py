@@ -56,7 +56,11 @@ HISTORY = Record(
         Column("viscous_low", unit="N m s/rad", on="f"),
         Column("viscous_high", unit="N m s/rad", on="f"),
         Column("net_energy", float, "net energy since the start of the first cycle", unit="J"),
-        Column("dissipated", float, "energy that friction dissipated in the cycle", unit="J"),
+        Column(
+            "dissipated", float, "energy that friction dissipated in the cycle, as the estimator counts it", unit="J"
+        ),
+        Column("path", float, "path of the cycle, which times the Coulomb coefficient is energy", unit="rad"),
+        Column("square_speed_rad2_s", float, "integral of the squared velocity, likewise for the viscous one"),
     ),
     name="coefficient_history",
     summary="friction coefficients of a joint after a cycle that counts, from the last cycles, with 95 % intervals",

@@ -20,6 +20,8 @@ from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import in_unit, with_unit
 
 DIVERGED = "div."
+# Codes of the cautions that stand in the answer, with --quiet too.
+TABLED = ("not_replayed", "seems_compensated")
 # Share of the dissipation below which the removed share is not shown as a number.
 WORST = -9.99
 # Numbers of the passivity that stand in the table for files.
@@ -134,7 +136,7 @@ HISTORY = Record(
         Column("start", float, "its start", unit="s"),
         Column("stop", float, "its end", unit="s"),
         Column("friction", float, "energy that friction dissipated", unit="J"),
-        Column("net_energy", float, "energy left to the person", unit="J"),
+        Column("net_energy", float, "that less the work of the compensator", unit="J"),
         Column("coulomb_applied", float, "Coulomb friction compensated", unit="N m"),
         Column("viscous_applied", float, "viscous friction compensated", unit="N m s/rad"),
         Column("coulomb_estimated", float, "estimate after the cycle", unit="N m"),
@@ -163,13 +165,13 @@ JOINT_REPLAY = Record(
         Column("compensator", str, get=lambda one: kind_of(one.compensator).name, on="f"),
         Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),
         Column("cycles", int, "cycles", lambda one: len(one.history.status) if one.history else 0, on="j"),
-        _number("energy_recorded", "net energy of the person as recorded", "J"),
+        _number("energy_recorded", "net energy put in, as recorded", "J"),
         _number(
             "energy_without", "without the compensator", "J", title="energy without", short="energy\nwithout", on=ALL
         ),
         _number("energy_with", "with it", "J", title="energy with", short="energy\nwith", on=ALL),
-        _number("dissipation_removed", "share of the dissipated energy taken off the person, over all cycles"),
-        _number("dissipation_removed_updated", "the same from the second update of the coefficients on"),
+        _number("dissipation_removed", "one less the size of `energy_with_j` over `energy_without_j`"),
+        _number("dissipation_removed_updated", "the same of the cycles from the second update of the coefficients on"),
         Column(
             "removed", float, get=_stable("dissipation_removed"), unit="%", form=_percent, title="removed", on=PEOPLE
         ),
@@ -246,7 +248,8 @@ SIGNALS = Record(
         Column("limited", unit="N m"),
     ),
     name="replay_signals",
-    summary="motion and torque of a joint without the compensator and with it at a sample of the log",
+    summary="motion and torque of a joint without the compensator and with it at a sample of the log; "
+    "a compensator's torque is the one in force at the sample, computed at the sample before",
     time="time_s",
     arrays=True,
 )
@@ -331,8 +334,10 @@ def replay_lines(found: LogReplay) -> list[str]:
         found.replay.counterfactual,
         found.estimate.log.source.torque_unit,
     )
-    sentences = [*_models(found), *(line for joint in joints for line in _moved(joint))]
+    who = "person" if found.estimate.interaction.choice.drive == "hand" else "drive"
+    sentences = [*_models(found), *(line for joint in joints for line in _moved(joint, who))]
     sentences += [_recovery(joint) for joint in joints if joint.recovery is not None]
+    sentences += [caution.message for caution in found.replay.warnings if caution.code in TABLED[1:]]
     sentences += [f"not replayed: {line}" for line in reason_lines(joints)]
     return [
         log_line(found.estimate.log),
@@ -377,14 +382,14 @@ def _models(found: LogReplay) -> Iterator[str]:
         yield f"joint {joint.joint} by {given.path} ({known}): {model}{applied}"
 
 
-def _moved(joint: JointReplay) -> Iterator[str]:
-    """Yield the joint and the person that moved otherwise than recorded, with their 95 % intervals."""
+def _moved(joint: JointReplay, who: str) -> Iterator[str]:
+    """Yield the joint, and who moved it, that moved otherwise than recorded, with their 95 % intervals."""
     fitted, operator = joint.fitted, joint.operator
     if fitted is not None:
         yield f"joint {joint.joint} as fitted, 95 %: {_quantities(FITTED, fitted)}"
     if operator is not None:
         origin = f"as fitted to {operator.reversals} reversals, 95 %" if operator.reversals else "as given"
-        yield f"person at joint {joint.joint} {origin}: {_quantities(OPERATOR, operator)}"
+        yield f"{who} at joint {joint.joint} {origin}: {_quantities(OPERATOR, operator)}"
 
 
 def _quantities(record: Record, found: object) -> str:

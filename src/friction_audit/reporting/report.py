@@ -203,9 +203,9 @@ def removal_words(joint: JointReplay) -> str:
         return f"the compensator would have diverged after {numbers.diverged_s:.3g} s"
     if numbers.dissipation_removed < 0.0:
         left = 100 * (1.0 - numbers.dissipation_removed)
-        return f"a compensator would have left the person with {left:.0f} % of the energy that friction dissipated"
+        return f"with a compensator the energy put in would have been {left:.0f} % of that without"
     removed = 100 * numbers.dissipation_removed
-    return f"a compensator would have removed {removed:.0f} % of the energy that friction dissipated"
+    return f"a compensator would have removed {removed:.0f} % of the energy put in"
 
 
 def _as_sentence(text: str) -> str:

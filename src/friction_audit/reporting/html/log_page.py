@@ -58,7 +58,7 @@ WORDS = {
     "aside before anything was fitted.",
     "noise floor": "Residual RMS of the noise alone; no model of the motion gets below it.",
     "share explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
-    "removed": "Share of the dissipated energy that the compensator would have given in the person's place.",
+    "removed": "Share of the energy put in that the compensator would have removed; energy given out counts as left.",
     "passive": "The compensated joint never gave out more energy than was put into it.",
 }
 VERDICT_TONES = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fine"}
