@@ -80,8 +80,9 @@ def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
     assert joint.model_error < 1e-3
     np.testing.assert_allclose(replayed.interaction_nm, joint.without.interaction_nm, atol=1e-9)
     assert np.abs(replayed.dq[20000:]).mean() > 1.2 * np.abs(joint.without.dq[20000:]).mean()
-    np.testing.assert_allclose(history.coulomb_estimated_nm[3:], 0.3, rtol=0.03)
-    np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[3:], 0.07, rtol=0.1)
+    # The ridge starts from no friction; two updates later it has the split.
+    np.testing.assert_allclose(history.coulomb_estimated_nm[5:], 0.3, rtol=0.03)
+    np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[5:], 0.07, rtol=0.1)
 
 
 def test_over_compensation_is_taken_back_in_closed_loop() -> None:

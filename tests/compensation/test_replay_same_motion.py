@@ -177,7 +177,7 @@ def test_over_compensation_by_half_is_taken_back(model: str, how: str, closed: b
     acted = int(np.argmax(history.acted))
     assert history.acted[acted]
     found, truth = estimated_friction(joint), friction_of(ONE_BY_ONE[model], history)
-    np.testing.assert_allclose(found[acted + 1 :], truth[acted + 1 :], rtol=0.02)
+    np.testing.assert_allclose(found[acted + 2 :], truth[acted + 2 :], rtol=0.02)
     if model != "combined":
         coulomb, viscous = history.coulomb_estimated_nm, history.viscous_estimated_nms_per_rad
         own, true = (coulomb, 0.3) if model == "coulomb" else (viscous, 0.2)
