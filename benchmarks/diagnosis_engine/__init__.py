@@ -1,1 +1,0 @@
-"""Comparison of the engines of the diagnosis on the same joints."""
