@@ -38,7 +38,7 @@ def prepare(folder: Path, kind: str, job: Job, task: Row) -> str:
 
     def keep(subject: Subject, *_: object) -> JointDiagnosis:
         subjects[str(subject.number)] = subject
-        return JointDiagnosis(joint=subject.number, name=subject.name, verdict="not_testable", message="")
+        return JointDiagnosis(joint=subject.number, name=subject.name, verdict="not_testable")
 
     if not path.exists():
         with patch.object(stage, "diagnose_joint", keep), patch.object(stage, "workers_for", lambda _: 1):

@@ -57,7 +57,7 @@ def run_case(task: Row) -> list[dict[str, object]]:
         log = log_with(case, truth) if outside else log_of(case)
         found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed, model=model_of(case))).discrepancy
     except FrictionAuditError as error:
-        return [row | {"verdict": "error", "message": str(error)}]
+        return [row | {"verdict": "error", "reason": str(error)}]
     found_with = {"scales": "/".join(map(repr, scales))}
     return [row | _row(case, joint) | found_with for joint in found.joints]
 

@@ -88,7 +88,7 @@ def run_part(root: Path, task: Row) -> list[dict[str, object]]:
             settings = replace(settings, joints=(joint,))
         found = diagnose_log(log, settings, DiagnosisSettings(seed=int(task["seed"]))).discrepancy.joints
     except FrictionAuditError as error:
-        return [row | {"verdict": "error", "message": str(error)}]
+        return [row | {"verdict": "error", "reason": str(error)}]
     return [row | {"joint": one.joint, "untestable": ";".join(one.untestable)} | answer_of(one) for one in found]
 
 

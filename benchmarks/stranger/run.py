@@ -53,7 +53,7 @@ def run_one(task: Row) -> list[dict[str, object]]:
         try:
             found = diagnose_log(read_log(path), AuditSettings(), settings).discrepancy.joints
         except FrictionAuditError as error:
-            return [row | {"verdict": "error", "message": str(error)} for row in drawn_rows]
+            return [row | {"verdict": "error", "reason": str(error)} for row in drawn_rows]
     return [row | answer_of(one) for row, one in zip(drawn_rows, found, strict=True)]
 
 
