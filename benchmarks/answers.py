@@ -29,7 +29,7 @@ def answer_of(joint: JointDiagnosis) -> dict[str, object]:
         "shrink": gap and round(gap.shrink, 3), "share_explained": round(joint.share_explained, 3),
         "over_floor": gap and round(gap.over_floor, 3), "before_nm": gap and round(gap.before, 4),
         "after_nm": gap and round(gap.after, 4), "floor_nm": gap and round(gap.floor, 4),
-        "effects": json.dumps([_size(e) for e in (*joint.effects, *joint.negligible)]), 
+        "effects": json.dumps([_size(e) for e in (*joint.effects, *joint.negligible)]),
         "reason": joint.reason or joint.traceback,
     }  # fmt: skip
 
