@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.table import INTERVAL, Column, Record, to_json
 from friction_audit.reporting.terminal_table import table_lines
-from friction_audit.reporting.units import label_in_unit
 
 INNER = Record((Column("share"), Column("word", ("a", "b"))))
 HISTORY = Record((Column("cycle", int), Column("energy", unit="J")), name="history", time="cycle", arrays=True)

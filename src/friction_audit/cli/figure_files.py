@@ -90,8 +90,8 @@ def _content(
     results: Mapping[str, object], tasks: Sequence[Task], formats: Sequence[str], unit: str, number: int
 ) -> list[bytes]:
     """Draw one of the figures: the content of its files."""
+    from friction_audit.reporting.figures.panels import label_in_unit
     from friction_audit.reporting.figures.style import figure_bytes
-    from friction_audit.reporting.units import label_in_unit
 
     task = tasks[number]
     kind = next(kind for kind in FIGURES if kind.name == task.kind and kind.result in results)

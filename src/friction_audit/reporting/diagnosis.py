@@ -4,12 +4,13 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+import numpy as np
+
 from friction_audit.diagnosis.problem import FOLDS
-from friction_audit.diagnosis.result import JointDiagnosis
+from friction_audit.diagnosis.result import JointDiagnosis, Profile
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_tables import (
-    BIN,
     CHECK,
     COMPETITOR,
     DECISION,
@@ -18,11 +19,8 @@ from friction_audit.reporting.diagnosis_tables import (
     JOINT_DIAGNOSIS,
     NEGLIGIBLE,
     PARAMETER,
-    RESIDUAL,
-    SIMULATED,
     STEP,
     UNTESTABLE,
-    bins_of,
     effect_rows,
     finding_rows,
     steps_of,
@@ -41,6 +39,57 @@ from friction_audit.reporting.table import Column, Document, Record, Table, to_j
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import in_unit, joints_label
 
+BIN = Record(
+    (
+        Column("of", str, get="0"),
+        Column("axis", str, get="1.axis"),
+        Column("axis_label", str, get="1.label"),
+        Column("centre", get="2.0"),
+        Column("forwards", get="2.1", unit="N m"),
+        Column("forwards_se", get="2.2", unit="N m"),
+        Column("backwards", get="2.3", unit="N m"),
+        Column("backwards_se", get="2.4", unit="N m"),
+    ),
+    name="residual_profiles",
+    summary="mean residual in a bin of one quantity",
+)
+RESIDUAL = Record(
+    (
+        Column("time", get="t", unit="s"),
+        Column("cycle", int, get=lambda traces: traces.cycle + 1),
+        Column("held_out", bool),
+        Column("q", get="q", unit="rad"),
+        Column("dq", get="dq", unit="rad/s"),
+        Column("measured", get="measured", unit="N m"),
+        Column("nominal", get="before", unit="N m"),
+        Column("augmented", get="after", unit="N m"),
+        Column("residual_before", get=lambda traces: traces.measured - traces.before, unit="N m"),
+        Column("residual_after", get=lambda traces: traces.measured - traces.after, unit="N m"),
+    ),
+    name="residual",
+    summary="torque of a joint: measured, of the nominal and of the augmented model, low-passed alike",
+    time="time_s",
+    arrays=True,
+)
+
+
+def _simulated(name: str) -> Callable[[Any], Any]:
+    """Return what gets a signal without the gaps between the cycles that were simulated."""
+    return lambda gap: getattr(gap, name)[np.isfinite(gap.t)]
+
+
+SIMULATED = Record(
+    (
+        Column("time", get=_simulated("t"), unit="s"),
+        Column("dq_measured", get=_simulated("measured"), unit="rad/s"),
+        Column("dq_nominal", get=_simulated("nominal"), unit="rad/s"),
+        Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
+    ),
+    name="simulated_motion",
+    summary="velocity of a joint measured and simulated, on held-out cycles",
+    time="time_s",
+    arrays=True,
+)
 DIAGNOSE: Document = Document(
     "diagnose",
     3,
@@ -110,6 +159,16 @@ def page_tables(found: Diagnosis) -> tuple[Table, ...]:
         ),
     )
     return tuple(table for table in tables if table.rows)
+
+
+def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
+    """Return model, profile and the numbers of each bin."""
+    every = [("nominal", one) for one in joint.profiles] + [("augmented", one) for one in joint.remaining]
+    return [
+        (model, one, cells)
+        for model, one in every
+        for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
+    ]
 
 
 def data_tables(found: Diagnosis | None) -> tuple[Table, ...]:

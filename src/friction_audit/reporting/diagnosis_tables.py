@@ -2,9 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect, Profile
@@ -315,67 +313,6 @@ JOINT_DIAGNOSIS = Record(
     name="verdicts",
     summary="verdict and residual RMS of a joint",
 )  # fmt: skip
-BIN = Record(
-    (
-        Column("of", str, get="0"),
-        Column("axis", str, get="1.axis"),
-        Column("axis_label", str, get="1.label"),
-        Column("centre", get="2.0"),
-        Column("forwards", get="2.1", unit="N m"),
-        Column("forwards_se", get="2.2", unit="N m"),
-        Column("backwards", get="2.3", unit="N m"),
-        Column("backwards_se", get="2.4", unit="N m"),
-    ),
-    name="residual_profiles",
-    summary="mean residual in a bin of one quantity",
-)
-RESIDUAL = Record(
-    (
-        Column("time", get="t", unit="s"),
-        Column("cycle", int, get=lambda traces: traces.cycle + 1),
-        Column("held_out", bool),
-        Column("q", get="q", unit="rad"),
-        Column("dq", get="dq", unit="rad/s"),
-        Column("measured", get="measured", unit="N m"),
-        Column("nominal", get="before", unit="N m"),
-        Column("augmented", get="after", unit="N m"),
-        Column("residual_before", get=lambda traces: traces.measured - traces.before, unit="N m"),
-        Column("residual_after", get=lambda traces: traces.measured - traces.after, unit="N m"),
-    ),
-    name="residual",
-    summary="torque of a joint: measured, of the nominal and of the augmented model, low-passed alike",
-    time="time_s",
-    arrays=True,
-)
-
-
-def _simulated(name: str) -> Callable[[Any], Any]:
-    """Return what gets a signal without the gaps between the cycles that were simulated."""
-    return lambda gap: getattr(gap, name)[np.isfinite(gap.t)]
-
-
-SIMULATED = Record(
-    (
-        Column("time", get=_simulated("t"), unit="s"),
-        Column("dq_measured", get=_simulated("measured"), unit="rad/s"),
-        Column("dq_nominal", get=_simulated("nominal"), unit="rad/s"),
-        Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
-    ),
-    name="simulated_motion",
-    summary="velocity of a joint measured and simulated, on held-out cycles",
-    time="time_s",
-    arrays=True,
-)
-
-
-def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
-    """Return model, profile and the numbers of each bin."""
-    every = [("nominal", one) for one in joint.profiles] + [("augmented", one) for one in joint.remaining]
-    return [
-        (model, one, cells)
-        for model, one in every
-        for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
-    ]
 
 
 def finding_rows(joints: Iterable[JointDiagnosis]) -> list[tuple[JointDiagnosis, DataFinding]]:

@@ -9,7 +9,7 @@ import numpy as np
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.style import BORDER, COLUMN_IN, FILTERED, MUTED, RAW, SHEET_IN, Look
-from friction_audit.reporting.words import joint_label
+from friction_audit.reporting.words import NEWTON_METRES, in_unit, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -260,3 +260,13 @@ def draw_arrow(axes: "Axes", tail: tuple[float, float], head: tuple[float, float
     """Draw an arrow from one point of a curve to another."""
     style: Look = {"arrowstyle": "-|>", "color": colour, "lw": width, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", head, tail, arrowprops=style, zorder=5)
+
+
+def label_in_unit(figure: "Figure", unit: str) -> "Figure":
+    """Write the unit of the torque on the axes of a figure."""
+    from matplotlib.text import Text
+
+    if unit != NEWTON_METRES:
+        for text in figure.findobj(Text):
+            text.set_text(in_unit(text.get_text(), unit))
+    return figure

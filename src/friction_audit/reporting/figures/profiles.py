@@ -84,7 +84,7 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
 @figure_style()
 def draw_residual(found: "Diagnosis", joint: int | None) -> "Figure":
-    """Draw the residual before and after along every axis that shows an effect; a sheet has that of the strongest."""
+    """Draw the residual before and after along every axis that shows an effect; a sheet has that of the largest."""
     joints = chosen_joints(found.discrepancy.joints, joint)
     rows = [row for one in joints for row in (rows_of(one) if joint is not None else rows_of(one)[:1])]
     if joint is None:

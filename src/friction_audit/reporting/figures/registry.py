@@ -104,7 +104,7 @@ FIGURES = (
         draws="profiles.draw_residual",
         title="Where model and measurement disagree",
         caption="Residual of the nominal model, and with the effects named, against the quantity that shows the "
-        "strongest effect; dots are samples, markers means of bins with two standard errors.",
+        "largest effect; dots are samples, markers means of bins with two standard errors.",
     ),
     Figure(
         name="effects",

@@ -11,13 +11,12 @@ from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.reporting.diagnosis_words import verdict_words
-from friction_audit.reporting.figures.panels import thin_extremes
+from friction_audit.reporting.figures.panels import label_in_unit, thin_extremes
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html.page import Figure
 from friction_audit.reporting.html.svg import draw_inline
 from friction_audit.reporting.report import JointReport, LogReport, friction_words, removal_words
-from friction_audit.reporting.units import label_in_unit
 from friction_audit.reporting.words import SHORTEST_NAME, count_of, in_unit, joint_label
 
 if TYPE_CHECKING:

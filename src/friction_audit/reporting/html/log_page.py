@@ -50,14 +50,17 @@ WORDS = {
     "named": "The joint shows an effect that inertia, Coulomb and viscous friction do not explain, and the log "
     "identifies it.",
     "ambiguous": "An effect is missing, and this log does not distinguish it from another one.",
-    "unexplained": "An effect is missing that the catalogue does not hold.",
+    "unexplained": "No effect of the catalogue explains most of what is missing.",
     "not testable": "The log lacks the motion that a test needs.",
     "data fault": "The data are inconsistent, or a channel is dead: no conclusion is possible.",
     "failed": "A bug ended the diagnosis of the joint; the other joints are answered.",
-    "residual RMS": "Torque that a model leaves unexplained, as root mean square, on held-out cycles, which were set "
-    "aside before anything was fitted.",
+    "residual RMS": "Torque that a model leaves unexplained, as root mean square; each cycle is held out once, in five "
+    "folds.",
     "noise floor": "Residual RMS of the noise alone; no model of the motion gets below it.",
     "share explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
+    "size": "RMS of the torque of an effect, free of what the nominal model fits of it. Major from 10 % of the joint's "
+    "friction on; negligible below 1 %, listed apart.",
+    "chosen in folds": "Selections, each without a fifth of the cycles, that chose the effect.",
     "removed": "Share of the energy put in that the compensator would have removed; energy given out counts as left.",
     "passive": "The compensated joint never gave out more energy than was put into it.",
 }
