@@ -52,3 +52,15 @@ def test_little_else_is_left_out(found: JointDiagnosis) -> None:
     # The sensor reads what holds against the push.
     largest = max((size for *_, size in EVENTS), key=abs)
     assert effect.parameters["largest_contact_nm"].value == pytest.approx(-largest, rel=0.3)
+
+
+def test_the_trace_shows_each_event_at_its_place_and_only_noise_elsewhere(found: JointDiagnosis) -> None:
+    trace = found.contacts
+    assert trace is not None
+    away = np.ones(len(trace.t), bool)
+    for low, high in trace.spans_s:
+        assert any(low < start + 0.5 * length < high for start, length, _ in EVENTS)
+    for start, length, _ in EVENTS:
+        away &= (trace.t < start - 0.5) | (trace.t > start + length + 0.5)
+    assert found.gap is not None
+    assert float(np.nanstd(trace.residual_nm[away])) < 1.5 * found.gap.floor

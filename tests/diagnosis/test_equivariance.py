@@ -20,6 +20,10 @@ COUNT_RAD = 2.0**-17
 CANDIDATES = ("stribeck", "presliding", "cable_spring", "gravity_error", "time_delay")
 
 
+def rising(dq: Float) -> Float:
+    return np.asarray(np.sign(dq) * np.exp(-((dq / 0.1) ** 2)))
+
+
 @cache
 def columns() -> Columns:
     """Strokes of three sines, with more friction at low speed."""
@@ -29,17 +33,19 @@ def columns() -> Columns:
         q += size * np.sin(w * t + phase)
         dq += size * w * np.cos(w * t + phase)
         ddq -= size * w**2 * np.sin(w * t + phase)
-    friction = np.sign(dq) * (0.3 + 0.15 * np.exp(-((dq / 0.1) ** 2))) + 0.1 * dq
+    friction = 0.3 * np.sign(dq) + 0.15 * rising(dq) + 0.1 * dq
     noise = 0.02 * np.random.default_rng(5).standard_normal(len(t))
     return {"t": t, "q_1": np.round(q / COUNT_RAD) * COUNT_RAD, "dq_1": dq, "tau_1": 0.2 * ddq + friction + noise}
 
 
-def diagnosed(log: Columns, folder: Path) -> JointDiagnosis:
+def diagnosed_all(log: Columns, folder: Path) -> tuple[JointDiagnosis, ...]:
     path = folder / "log.csv"
     np.savetxt(path, np.column_stack(list(log.values())), "%.17g", ",", header=",".join(log), comments="")
-    (found,) = diagnose_log(
-        read_log(path), AuditSettings(), DiagnosisSettings(candidates=CANDIDATES)
-    ).discrepancy.joints
+    return diagnose_log(read_log(path), AuditSettings(), DiagnosisSettings(candidates=CANDIDATES)).discrepancy.joints
+
+
+def diagnosed(log: Columns, folder: Path) -> JointDiagnosis:
+    (found,) = diagnosed_all(log, folder)
     return found
 
 
@@ -75,6 +81,33 @@ def numbers(found: JointDiagnosis, factor: float) -> dict[str, float]:
     told |= {name: one.value for name, one in found.nominal.items()}
     told |= {"gap_before_nm": found.gap.before, "gap_after_nm": found.gap.after}
     return {name: value / (factor if "_nm" in name or "_kg" in name else 1.0) for name, value in told.items()}
+
+
+def test_half_of_the_rate_has_the_same_names_and_nearly_the_same_numbers(
+    as_written: JointDiagnosis, tmp_path: Path
+) -> None:
+    found = diagnosed({name: column[::2] for name, column in columns().items()}, tmp_path)
+    assert (found.verdict, [effect.name for effect in found.effects]) == ("named", ["stribeck"])
+    for name, number in as_written.effects[0].parameters.items():
+        other = found.effects[0].parameters[name]
+        assert other.low <= number.high
+        assert number.low <= other.high
+
+
+def test_joints_in_another_order_have_the_answers_of_one_alone(as_written: JointDiagnosis, tmp_path: Path) -> None:
+    """A clean joint, in the place of the first and of the second: neither changes the answer of the other."""
+    log = columns()
+    clean = {"q_2": log["q_1"], "dq_2": log["dq_1"], "tau_2": log["tau_1"] - 0.15 * rising(log["dq_1"])}
+    swapped = {"t": log["t"]} | {
+        f"{name[:-1]}{3 - int(name[-1])}": one for name, one in (log | clean).items() if name != "t"
+    }
+    answers = []
+    for both in (log | clean, swapped):
+        first, second = diagnosed_all(both, tmp_path)
+        answers.append((first, second) if both is not swapped else (second, first))
+    for lacking, adequate in answers:
+        assert (lacking.verdict, adequate.verdict) == (as_written.verdict, "adequate")
+        assert numbers(lacking, 1.0) == pytest.approx(numbers(as_written, 1.0), rel=1e-6)
 
 
 @pytest.mark.parametrize(
