@@ -59,13 +59,12 @@ def test_the_package_declares_what_it_imports() -> None:
 
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
-# 2 596 lines and 18 files of them are the engine of the diagnosis on one likelihood, which is to replace the old one.
 SIZE = {
-    "lines": 51_200,
-    "files": 345,
+    "lines": 50_900,
+    "files": 340,
     "code lines of the longest function": 57,
     "per cent of functions of at most 3 code lines": 31,
-    "lines of tests": 32_300,
+    "lines of tests": 32_150,
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
