@@ -15,7 +15,7 @@ APPLIED = ("simulation/mechanics/", "simulation/mechanism.py", "simulation/senso
 ELSEWHERE = {
     "stribeck": 2, "stiction": 1, "nonlinear_viscous": 1, "asymmetric_coulomb": 2, "asymmetric_viscous": 1,
     "presliding": 2,
-    "frictional_lag": 2, "load_dependent_friction": 1, "torque_ripple": 2, "gravity_error": 3, "torque_bias": 2,
+    "frictional_lag": 2, "load_dependent_friction": 1, "torque_ripple": 2, "gravity_error": 4, "torque_bias": 2,
     "torque_drift": 1, "time_delay": 2, "torque_crosstalk": 2, "joint_elasticity": 3, "backlash": 3,
     "inertial_coupling": 2, "warm_up": 1, "friction_step": 4, "contact_event": 7, "unlogged_compensation": 2,
 }  # fmt: skip
