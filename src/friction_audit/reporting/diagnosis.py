@@ -30,6 +30,7 @@ from friction_audit.reporting.diagnosis_words import (
     decide_words,
     effect_numbers,
     joint_message,
+    negligible_words,
     nominal_model,
     where_effect,
 )
@@ -227,7 +228,7 @@ def _details(joint: JointDiagnosis) -> Iterator[str]:
         if text := "; ".join(filter(None, (effect_numbers(effect), shown))):
             yield f"{effect.name}: {text}"
     if joint.negligible:
-        yield f"negligible: {', '.join(f'{one.name} {one.size_nm:.2g} N m rms' for one in joint.negligible)}"
+        yield f"negligible: {negligible_words(joint)}"
 
 
 def _competing(joint: JointDiagnosis) -> Iterator[str]:

@@ -77,10 +77,16 @@ def joint_message(joint: JointDiagnosis) -> str:
     if joint.reason:
         return joint.reason
     if joint.verdict == "adequate":
-        return f"the model is adequate: no effect above the detection limit of {joint.detection_limit_nm:.2g} N m rms"
+        small = "negligible effects apart, no effect" if joint.negligible else "no effect"
+        return f"the model is adequate: {small} above the detection limit of {joint.detection_limit_nm:.2g} N m rms"
     left = f"{format_share(joint.remainder_share)} of what is left has no name: {remainder_words(joint)}"
     parts = (_touched(joint), _cause(joint), left if joint.checks else "", _todo(joint))
     return "; ".join(part for part in parts if part)
+
+
+def negligible_words(joint: JointDiagnosis) -> str:
+    """Return the negligible effects with their sizes."""
+    return ", ".join(f"{one.name} {one.size_nm:.2g} N m rms" for one in joint.negligible)
 
 
 def _size(effect: NamedEffect) -> str:
@@ -136,7 +142,7 @@ def _check(code: str, along: str, same: Sequence[ResidualCheck], joint: JointDia
     if code == "curve":
         where = next((where_words(one) for one in joint.remaining if one.axis == along), "")
         return f"a curve {where or f'over {AXES.get(along, along)}'}"
-    return "friction that varies from stroke to stroke" if code == "scatter" else f"{along} that changes within the log"
+    return "friction that varies between strokes" if code == "scatter" else f"{along} that changes within the log"
 
 
 def where_effect(effect: NamedEffect, joint: JointDiagnosis) -> str:
