@@ -109,7 +109,7 @@ def _cause(joint: JointDiagnosis) -> str:
     if unexplained:
         words = f"most of the residual has no name; {words}"
     if rest:
-        return f"{words}, and {enumerate_words(f'{one.name} ({one.size_nm:.2g} N m rms)' for one in rest)}"
+        return f"{words}; also {enumerate_words(f'{one.name} ({one.size_nm:.2g} N m rms)' for one in rest)}"
     where = where_effect(first, joint)
     return f"{words}, {where}" if where else words
 
@@ -141,7 +141,8 @@ def _check(code: str, along: str, same: Sequence[ResidualCheck], joint: JointDia
         return f"{'spectral lines' if len(same) > 1 else 'a spectral line'} at {numbers} {unit}"
     if code == "curve":
         where = next((where_words(one) for one in joint.remaining if one.axis == along), "")
-        return f"a curve {where or f'over {AXES.get(along, along)}'}"
+        span, _, direction = where.partition(", ")
+        return f"a curve {span} ({direction})" if where else f"a curve over {AXES.get(along, along)}"
     return "friction that varies between strokes" if code == "scatter" else f"{along} that changes within the log"
 
 
