@@ -16,7 +16,7 @@ def test_the_figures_of_the_help_text_are_those_there_are() -> None:
 def test_table_figures_and_exit_code(run: Run, tmp_path: Path) -> None:
     answer = run("reproduce", "--figures", "3,6", "-o", "out", "-q")
     assert (answer.code, answer.err) == (0, "")
-    assert "6 of 6 claims hold" in answer.out
+    assert "6 of 6 claims of the paper hold" in answer.out
     assert answer.out.endswith("out/fig3.png\nout/fig6.png\n")
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig3.png", "fig6.png"]
 
@@ -37,7 +37,7 @@ def test_a_claim_that_does_not_hold_is_a_result(run: Run, monkeypatch: pytest.Mo
     monkeypatch.setattr("friction_audit.reproduce.viscous.BOUND", 0.0)
     answer = run("reproduce", "--figures", "6", "-q")
     assert answer.code == 0
-    assert "0 of 3 claims hold" in answer.out
+    assert "0 of 3 claims of the paper hold" in answer.out
     assert "NO" in answer.out
     assert "6: cycle 4 dissipates" in answer.out
 

@@ -1,14 +1,14 @@
 """What holds for every method."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 
 import pytest
 
 from friction_audit.compensation.comparison import METHODS, SCENES
 from friction_audit.compensation.comparison.margin import amplified
-from friction_audit.compensation.comparison.methods import ByHand, Joint, Method, Tuning
+from friction_audit.compensation.comparison.methods import OBSERVED_SHARE, Joint, Method, Tuning
 from friction_audit.compensation.comparison.trial import Outcome, find_reference, measure
-from friction_audit.compensation.compensators import Compensator, TorqueRegulation
+from friction_audit.compensation.compensators import Compensator, DisturbanceObserver, TorqueRegulation
 from friction_audit.simulation.scenarios import simulate
 from tests.comparison.conftest import short_joint
 
@@ -16,7 +16,7 @@ EACH = pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name
 
 
 def tunings(method: Method) -> list[Tuning]:
-    own = [] if isinstance(method.paper, ByHand) else [method.paper]
+    own = [method.paper] if method.full is None else [method.paper, method.full]
     return [*own, *method.others, *(sweep.at(value) for sweep in method.sweeps for value in sweep.values)]
 
 
@@ -41,15 +41,13 @@ def test_the_same_tuning_is_the_same_compensator(method: Method) -> None:
 def test_sweeps_go_from_careful_to_bold(method: Method) -> None:
     for sweep in method.sweeps:
         assert list(sweep.values) == sorted(sweep.values)
-    if isinstance(method.paper, ByHand):
-        assert method.paper.sweep == method.sweeps[0].name
 
 
 @EACH
 def test_a_trial_has_numbers(method: Method) -> None:
     scene = short_joint()
     tuning = tunings(method)[0]
-    reference = find_reference(simulate(scene.compensated(METHODS[0].paper), 0))  # type: ignore[arg-type]
+    reference = find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
     outcome = measure(simulate(scene.compensated(tuning), 0), reference)
     numbers = [getattr(outcome, item.name) for item in fields(Outcome) if item.name != "lost_s"]
     assert all(number == number for number in numbers)  # noqa: PLR0124 - not NaN
@@ -63,6 +61,15 @@ def test_joints_have_the_limits_of_a_panda() -> None:
     assert isinstance(compensator, TorqueRegulation)
     assert compensator.guard.max_torque_nm == 12.0
     assert compensator.torque_gain == pytest.approx(1.0)
+
+
+def test_the_two_named_settings_differ_in_the_share_of_the_observer_alone() -> None:
+    (method,) = (one for one in METHODS if one.full is not None)
+    assert method.full is not None
+    partly, fully = method.paper.make(joint_six()), method.full.make(joint_six())
+    assert isinstance(fully, DisturbanceObserver)
+    assert fully.compensation_gain == 1.0
+    assert partly == replace(fully, compensation_gain=OBSERVED_SHARE)
 
 
 def joint_six() -> Joint:

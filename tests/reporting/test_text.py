@@ -12,7 +12,7 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
-from friction_audit.reporting.compare import claim_lines, compare_lines
+from friction_audit.reporting.compare import claim_lines, compare_lines, count_line
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message, remainder_words
 from friction_audit.reporting.drift import batch_lines
@@ -321,8 +321,11 @@ def test_claims(monkeypatch: pytest.MonkeyPatch) -> None:
     lines = claim_lines([claim, claim | {"holds": False, "claim": "words and " * 20}])
     assert lines[0].split() == ["fig", "claim", "paper", "ours", "holds"]
     assert [line.split()[-1] for line in lines[2:4]] == ["yes", "NO"]
-    assert lines[-2:] == ["7b: why", "1 of 2 claims hold"]
+    assert lines[-1] == "7b: why"
     assert max(map(len, lines)) <= 60
+    paper, own = claim | {"own": False}, claim | {"own": True, "holds": False}
+    assert count_line([paper]) == "1 of 1 claims of the paper hold"
+    assert count_line([paper, own]).endswith("hold; own experiments, not claims of the paper: 0 of 1")
 
 
 def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:

@@ -12,7 +12,7 @@ from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, OutputOptions
 
 if TYPE_CHECKING:
-    from friction_audit.reproduce import Claim, Reproduction
+    from friction_audit.reproduce import Claim, Reproduction, Simulations
 
 SIMULATION = "Simulation"
 
@@ -54,36 +54,41 @@ def command(
     voice = general.voice
     paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
-    chosen, claims = _reproduce(paths, seeds, voice, overwrite=output.overwrite)
+    chosen, claims = _reproduce(paths, seeds, voice, overwrite=output.overwrite, json=output.json)
     files = [(one.figure, one.title, str(path)) for one in chosen for path in paths[one.figure]]
     _print(claims, files, seeds, json=output.json)
 
 
 def _reproduce(
-    paths: dict[str, list[Path]], seeds: int, voice: Voice, *, overwrite: bool
+    paths: dict[str, list[Path]], seeds: int, voice: Voice, *, overwrite: bool, json: bool
 ) -> "tuple[Sequence[Reproduction], list[Claim]]":
-    """Simulate, check and draw the figures that have paths."""
+    """Simulate, check and draw one figure after the other; print its claims as soon as it is done."""
+    from friction_audit.reporting.compare import claim_lines
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
     chosen = [one for one in REPRODUCTIONS if one.figure in paths]
-    with voice.progress("simulate the paper's figures") as progress:
-        simulations = simulate_figures(chosen, seeds, progress)
     claims: list[Claim] = []
+    simulations: Simulations = {}
     for one in chosen:
+        with voice.progress(f"simulate figure {one.figure}") as progress:
+            simulations = simulate_figures([one], seeds, progress, simulations)
         with voice.step(f"check and draw figure {one.figure}"):
-            claims += one.check(simulations)
+            found = one.check(simulations)
             save_figures(one.draw(simulations), paths[one.figure], overwrite=overwrite)
+        if not json:
+            say("\n".join(claim_lines([asdict(claim) for claim in found])))
+        claims += found
     return chosen, claims
 
 
 def _print(claims: "list[Claim]", files: list[tuple[str, str, str]], seeds: int, *, json: bool) -> None:
-    from friction_audit.reporting.compare import claim_lines, reproduce_document
+    from friction_audit.reporting.compare import count_line, reproduce_document
     from friction_audit.reporting.documents import write_document
 
     rows = [asdict(claim) for claim in claims]
     if json:
         say(write_document(reproduce_document(rows, files, seeds)), nl=False)
         return
-    say("\n".join(claim_lines(rows)))
+    say(count_line(rows))
     for _, _, path in files:
         say(path)

@@ -31,7 +31,6 @@ from friction_audit.compensation.compensators.law import (
 )
 from friction_audit.compensation.records import (
     COMBINED,
-    COULOMB,
     ESTIMATED,
     GAP,
     NET,
@@ -201,17 +200,23 @@ def estimate(settings: Record, memory: Record) -> int:
         path_weight, square_weight = settings.ridge * path_path, settings.ridge * square_square
         net_path += path_weight * memory.usable_coulomb_nm
         net_square += square_weight * memory.usable_viscous_nms_per_rad
-        both = solve(path_path + path_weight, path_square, square_square + square_weight, net_path, net_square)
-        memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = both
-    elif settings.model == VISCOUS:
+        path_path, square_square = path_path + path_weight, square_square + square_weight
+        coulomb, viscous = solve(path_path, path_square, square_square, net_path, net_square)
+        memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = coulomb, viscous
+        # Non-negative least squares: of a pair with a negative coefficient the other alone fits, and less of it.
+        if settings.ridge > 0.0 and coulomb < 0.0:
+            coulomb, viscous = 0.0, net_square / square_square
+        elif settings.ridge > 0.0 and viscous < 0.0:
+            coulomb, viscous = net_path / path_path, 0.0
+        memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad = max(0.0, coulomb), max(0.0, viscous)
+        return ESTIMATED
+    # Friction brakes: a negative estimate is kept and not applied.
+    if settings.model == VISCOUS:
         memory.estimated_viscous_nms_per_rad = net_square / square_square
+        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
     else:
         memory.estimated_coulomb_nm = net_path / path_path
-    # Friction brakes: a negative estimate is kept and not applied.
-    if settings.model != VISCOUS:
         memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
-    if settings.model != COULOMB:
-        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
     return ESTIMATED
 
 

@@ -12,9 +12,10 @@ from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NOTHING
 
 Row = Mapping[str, Any]
-ROLES = {"paper": "*", "best": "+", "other": " "}
+ROLES = {"paper": "*", "full": "=", "best": "+", "other": " "}
 LEGEND = (
-    "* the paper's kind of tuning; + the best stable one of the sweeps, chosen for other persons",
+    "* the setting in which the paper's order comes out; = the same with an observer that compensates all it observes",
+    "+ the best stable tuning of the sweeps, chosen for other persons",
     "slope, peak and rms: means over the persons with whom the loop was stable, with 95 % intervals",
 )
 MARGIN = "margin: factor by which the gain may grow before the loop is unstable, 0 if it is unstable as it is;"
@@ -62,6 +63,7 @@ METHOD = Record(
         Column("tuning_losses", int, "persons of the tuning with whom no setting was stable", null=True),
         Column("energy_slope_w", VALUE, "mean power that the person gives"),
         Column("peak_torque_nm", VALUE, "largest torque of the person"),
+        Column("drawn_peak_nm", VALUE, "the same low-passed at 10 Hz, of the joint that takes most torque"),
         Column("rms_torque_nm", VALUE, "root mean square of it"),
         Column("vibration_nm", VALUE, "torque above the person's band"),
         Column("standstill_rad_s", VALUE, "speed left when the person holds still"),
@@ -126,6 +128,7 @@ COMPARE = Document(
 MEASURES = (
     "energy_slope_w",
     "peak_torque_nm",
+    "drawn_peak_nm",
     "rms_torque_nm",
     "vibration_nm",
     "standstill_rad_s",
@@ -255,6 +258,7 @@ CLAIM = Record(
             title="holds",
             on="jt",
         ),
+        Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
         Column("note", str, "what to know about it, or empty", on="j"),
     )
 )
@@ -286,7 +290,13 @@ def reproduce_document(claims: Sequence[Row], figures: Iterable[tuple[str, str, 
 
 
 def claim_lines(claims: Sequence[Row]) -> list[str]:
-    """Return a row per claim, why those do not hold that do not, and how many hold."""
+    """Return a row per claim, and why those do not hold that do not."""
     reasons = [f"{row['figure']}: {row['note']}" for row in claims if not row["holds"] and row["note"]]
-    count = f"{sum(bool(row['holds']) for row in claims)} of {len(claims)} claims hold"
-    return [*table_lines(CLAIM.people(claims, "t")), *reasons, count]
+    return [*table_lines(CLAIM.people(claims, "t")), *reasons]
+
+
+def count_line(claims: Sequence[Row]) -> str:
+    """Return how many claims of the paper hold, and apart from them how many experiments of this project."""
+    paper, own = ([bool(row["holds"]) for row in claims if row["own"] == kind] for kind in (False, True))
+    apart = f"; own experiments, not claims of the paper: {sum(own)} of {len(own)}" if own else ""
+    return f"{sum(paper)} of {len(paper)} claims of the paper hold{apart}"

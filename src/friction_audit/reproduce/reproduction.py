@@ -28,6 +28,7 @@ class Claim:
         value: The number that decides.
         holds: Whether it holds.
         note: What a reader should know about it, or nothing.
+        own: Whether it is an experiment of this project that the paper does not make.
     """
 
     figure: str
@@ -37,6 +38,7 @@ class Claim:
     value: float
     holds: bool
     note: str = ""
+    own: bool = False
 
 
 def each(simulations: Sequence[Simulation], measure: Callable[[Simulation], float]) -> Float:
@@ -96,19 +98,23 @@ Progress = Callable[[float], None]  # told the share that is done, 0 to 1
 
 
 def simulate_figures(
-    reproductions: Sequence[Reproduction], seeds: int, progress: Progress | None = None
+    reproductions: Sequence[Reproduction],
+    seeds: int,
+    progress: Progress | None = None,
+    known: Simulations | None = None,
 ) -> Simulations:
     """Simulate what the figures need.
 
     Args:
         reproductions: The figures.
         seeds: Number of persons where one moves the joint; their seeds are 0, 1, 2 and so on.
-        progress: Told how far it is.
+        progress: Is given the share that is done.
+        known: Scenarios that another figure has simulated already; returned too.
     """
-    wanted = _count(reproductions, seeds)
+    done: dict[str, tuple[Simulation, ...]] = dict(known or {})
+    wanted = [(scenario, count) for scenario, count in _count(reproductions, seeds) if scenario.name not in done]
     todo = [(scenario, seed) for scenario, count in wanted for seed in range(count)]
     effort = [len(scenario.settings.joints) ** 2 * scenario.settings.duration_s for scenario, _ in todo]
-    done: dict[str, tuple[Simulation, ...]] = {}
     for row, (scenario, seed) in enumerate(todo):
         if progress is not None:
             progress(sum(effort[:row]) / sum(effort))

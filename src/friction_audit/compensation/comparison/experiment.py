@@ -12,11 +12,11 @@ from typing import Any, NamedTuple
 from friction_audit.compensation.comparison.margin import amplified, find_margins
 from friction_audit.compensation.comparison.methods import (
     BEST,
+    FULL,
     METHODS,
     NO_COMPENSATION,
     OTHER,
     PAPER,
-    TUNED_BY_HAND,
     Method,
     Sweep,
     Tuning,
@@ -103,7 +103,7 @@ class _Experiment:
         """Return the number of trials, about."""
         values = sum(len(self._values(sweep)) for _, sweep in self._sweeps())
         others = sum(len(method.others) for method in self.methods) if self.scene.plan.with_others else 0
-        rows = sum(2 if method.sweeps else 1 for method in self.methods) + others
+        rows = sum(1 + bool(method.full) + bool(method.sweeps) for method in self.methods) + others
         references = len(self.seeds) + len(self.tuning_seeds)
         margins = MARGIN_TRIALS * len(self.margin_seeds)
         return references + values * len(self.tuning_seeds) + rows * (len(self.seeds) + margins)
@@ -170,7 +170,9 @@ class _Experiment:
     def _candidates(self, method: Method, curves: Sequence[Curve]) -> Iterator[Candidate]:
         """Yield the tunings of a method that are reported."""
         mine = [curve for curve in curves if curve.method == method.name]
-        chosen = [choose_papers(method, mine)]
+        chosen = [Candidate(method, method.paper, PAPER)]
+        if method.full is not None:
+            chosen.append(Candidate(method, method.full, FULL))
         if mine:
             chosen.append(choose_best(method, mine))
         yield from chosen
@@ -221,19 +223,6 @@ def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
 
 def _holds(trial: _Trial) -> bool:
     return isinf(find_loss(simulate(trial.settings, trial.seed), trial.reference))
-
-
-def choose_papers(method: Method, curves: Sequence[Curve]) -> Candidate:
-    """Return the paper's kind of tuning; by hand from half of the most careful setting if not even that one holds."""
-    if isinstance(method.paper, Tuning):
-        return Candidate(method, method.paper, PAPER)
-    by_hand = method.paper
-    (sweep,) = (sweep for sweep in method.sweeps if sweep.name == by_hand.sweep)
-    (curve,) = (curve for curve in curves if curve.name == by_hand.sweep)
-    boldest, careful = curve.boldest_stable, curve.points[0]
-    tuning = sweep.at(by_hand.back * (careful.value if boldest is None else boldest))
-    by_hand_too = replace(tuning, meaning=f"{tuning.meaning}: {TUNED_BY_HAND}")
-    return Candidate(method, by_hand_too, PAPER, careful.losses if boldest is None else 0)
 
 
 def choose_best(method: Method, curves: Sequence[Curve]) -> Candidate:

@@ -19,8 +19,10 @@ from friction_audit.compensation.settings import PANDA_TORQUE_NM, PANDA_TORQUE_R
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
 from friction_audit.simulation.settings import JointParameters
 
-# Roles of a tuning: the paper's kind, the best stable one of the sweeps, or one beside.
-PAPER, BEST, OTHER = "paper", "best", "other"
+# Roles of a tuning: the setting in which the paper's order comes out, the same but for an observer that compensates all
+# that it observes, the best stable one of the sweeps, or another. The order model > disturbance observer > torque
+# regulation > proposed takes: error of the model > 1 - share of the observer + its lag > B_theta / B > 0.
+PAPER, FULL, BEST, OTHER = "paper", "full", "best", "other"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -92,33 +94,22 @@ class Sweep:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ByHand:
-    """Tuned as on a robot: bolder until it rings or diverges, then back.
-
-    Attributes:
-        sweep: Name of the sweep that is followed.
-        back: The boldest stable value, times this.
-    """
-
-    sweep: str
-    back: float = 0.5
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Method:
     """A way to compensate friction.
 
     Attributes:
         name: As in options and documents.
         label: As in tables and figures.
-        paper: The paper's kind of tuning, or how it is found.
+        paper: That of the setting in which the paper's order comes out.
+        full: That of the other named setting where it differs, or None.
         others: Further tunings that are reported.
         sweeps: What is varied; the best stable tuning of all sweeps is reported.
     """
 
     name: str
     label: str
-    paper: Tuning | ByHand
+    paper: Tuning
+    full: Tuning | None = None
     others: tuple[Tuning, ...] = ()
     sweeps: tuple[Sweep, ...] = ()
 
@@ -132,7 +123,11 @@ OBSERVER_GAINS_PER_S = (2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0, 200.0)
 INERTIA_RATIOS = (0.8, 1.0, 1.2, 0.5, 1.5)
 # Desired motor inertia B_theta over the true one.
 SHAPED_RATIOS = (0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.035)
-TUNED_BY_HAND = "gain raised until it rings, then halved"
+# The setting in which the paper's order comes out: a model identified on another specimen, an observer that compensates
+# a share of what it observes, as keeps a robot stable, and the lightest torque regulation that holds on the arm.
+MODELLED_SHARE, OBSERVED_SHARE, SHAPED_RATIO = 0.6, 0.7, 0.2
+OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s]
+SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
 def _guard(joint: Joint) -> Guard:
@@ -197,17 +192,19 @@ def _modelled(scale: float, make: Make) -> Tuning:
     return Tuning(name=name, meaning=meaning, make=make)
 
 
-def _observer(inertia_ratio: float, gain_per_s: float) -> Tuning:
+def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tuning:
     def make(joint: Joint) -> Compensator:
         return DisturbanceObserver(
             inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
             observer_gain_per_s=gain_per_s,
+            compensation_gain=share,
             guard=_guard(joint),
         )
 
     return Tuning(
-        name=f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s",
-        meaning=f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s",
+        name=f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s, {100 * share:.0f} %",
+        meaning=f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s, {share:g} of "
+        "what is observed compensated",
         make=make,
     )
 
@@ -255,27 +252,42 @@ METHODS: tuple[Method, ...] = (
     Method(
         name="sigmoid",
         label="model-based",
-        paper=Tuning(name="another arm", meaning="as published for another Panda", make=_published),
-        others=(_sigmoid(1.0), _sigmoid(0.8), _sigmoid(1.2)),
+        paper=_sigmoid(MODELLED_SHARE),
+        others=(
+            Tuning(name="another arm", meaning="as published for another Panda", make=_published),
+            *(_sigmoid(1.0), _sigmoid(0.8), _sigmoid(1.2)),
+        ),
         sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_sigmoid),),
     ),
     Method(
         name="lugre",
         label="LuGre",
-        paper=Tuning(name="another arm", meaning="plateaus as published for another Panda", make=_lugre_of_another_arm),
-        others=(_lugre(1.0), _lugre(0.8), _lugre(1.2)),
+        paper=_lugre(MODELLED_SHARE),
+        others=(
+            Tuning(name="another arm", meaning="plateaus as published for another Panda", make=_lugre_of_another_arm),
+            *(_lugre(1.0), _lugre(0.8), _lugre(1.2)),
+        ),
         sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_lugre),),
     ),
     Method(
         name="disturbance_observer",
         label="disturbance observer",
-        paper=ByHand(sweep="0.8 B"),
-        sweeps=tuple(map(_observer_sweep, INERTIA_RATIOS)),
+        paper=_observer(*OBSERVER, OBSERVED_SHARE),
+        full=_observer(*OBSERVER),
+        sweeps=(
+            Sweep(
+                name="share",
+                axis="share of the observed friction",
+                values=SHARES,
+                at=lambda share: _observer(*OBSERVER, share),
+            ),
+            *map(_observer_sweep, INERTIA_RATIOS),
+        ),
     ),
     Method(
         name="torque_regulation",
         label="torque regulation",
-        paper=ByHand(sweep="B_theta"),
+        paper=_regulation(1.0 / SHAPED_RATIO - 1.0),
         sweeps=(
             Sweep(
                 name="B_theta",

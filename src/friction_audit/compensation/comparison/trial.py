@@ -18,6 +18,7 @@ REST_S = 0.3
 # The last ``SETTLED_S`` of rests that last ``REST_S`` without compensation show what does not come to rest.
 SETTLED_S = 0.1
 SECOND = 1  # row of the second cycle
+DRAWN_HZ = 10.0  # low-pass of torques as Figs 8, 11 and 14 draw them: above what a person moves. [Hz]
 FEWEST = 4  # cycles that it takes to see a slope after the second
 
 
@@ -71,6 +72,7 @@ class Outcome:
         lost_s: When it did, or infinity. [s]
         energy_slope_w: Slope of the net energy at the ends of the cycles, from the second on; all joints. [W]
         peak_torque_nm: Largest interaction torque of any joint. [N m]
+        drawn_peak_nm: The same as the paper draws it: low-passed, of the joint that takes most torque. [N m]
         rms_torque_nm: Root of the mean square of the interaction torque, summed over joints. [N m]
         vibration_nm: The same of its part that is faster than a person moves. [N m]
         standstill_rad_s: Rms speed where the joint would have rested without compensation. [rad/s]
@@ -84,6 +86,7 @@ class Outcome:
     lost_s: float
     energy_slope_w: float
     peak_torque_nm: float
+    drawn_peak_nm: float
     rms_torque_nm: float
     vibration_nm: float
     standstill_rad_s: float
@@ -141,6 +144,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
         lost_s=lost,
         energy_slope_w=energy_slope_w(net_energy_j(motion), motion.t, reference),
         peak_torque_nm=float(np.abs(torque[after:]).max()),
+        drawn_peak_nm=drawn_peak_nm(torque[:, np.argmax(reference.rms_torque_nm)], after),
         rms_torque_nm=float(np.hypot.reduce(_rms(torque[after:]))),
         vibration_nm=float(np.hypot.reduce(vibration)),
         standstill_rad_s=_rms_of(motion.inner_dq[resting]),
@@ -169,6 +173,14 @@ def vibration_nm(torque_nm: Float) -> Float:
     from scipy.ndimage import uniform_filter1d
 
     return np.asarray(torque_nm - uniform_filter1d(torque_nm, int(VIBRATION_S * CONTROL_RATE_HZ) + 1, axis=0))
+
+
+def drawn_peak_nm(torque_nm: Float, after: int) -> float:
+    """Return the largest size of a torque, shape (n,), from a tick on, low-passed without phase shift. [N m]"""
+    from scipy.signal import butter, sosfiltfilt
+
+    filtered = sosfiltfilt(butter(2, DRAWN_HZ, fs=CONTROL_RATE_HZ, output="sos"), torque_nm)
+    return float(np.abs(filtered[after:]).max())
 
 
 def feel(motion: TrueMotion, joint: int, after: int) -> Float:

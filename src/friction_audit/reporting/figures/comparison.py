@@ -198,12 +198,12 @@ def lost_neighbours(points: Sequence[Point]) -> list[tuple[Point, Point]]:
 
 
 SHIFTS = {PAPER: -0.14, BEST: 0.14}  # where a role's marker stands, in rows
-SHAPES = {PAPER: ("o", "full", "the paper's kind of tuning"), BEST: ("D", "none", "best stable tuning")}
+SHAPES = {PAPER: ("o", "full", "the setting of the paper's order"), BEST: ("D", "none", "best stable tuning")}
 
 
 @figure_style(mathematics=True)
 def draw_summary(comparison: Comparison) -> "Figure":
-    """Draw the paper's kind of tuning and the best one of every method, with 95 % intervals."""
+    """Draw the setting of the paper's order and the best one of every method, with 95 % intervals."""
     rows = [row for row in comparison.rows if row.role in SHIFTS]
     labels = list(dict.fromkeys(row.label for row in rows))
     figure = new_figure(COLUMN_IN, 0.9 + 0.27 * len(labels))
