@@ -148,6 +148,8 @@ class _Experiment:
     def _sweep(self, references: dict[int, Reference]) -> tuple[Curve, ...]:
         """Make the sweeps of all methods, all trials in one heap."""
         sweeps = self._sweeps()
+        if not sweeps:
+            return ()
         tunings = [sweep.at(value) for _, sweep in sweeps for value in self._values(sweep)]
         heaps = iter(self._trials(tunings, self.tuning_seeds, references))
         curves = []
