@@ -102,7 +102,7 @@ def test_ladder_traces_and_gap_are_one_account() -> None:
     found = with_stribeck()
     assert found.gap is not None
     assert found.traces is not None
-    assert [label for label, _ in found.ladder] == ["nominal model", "+ stribeck", "floor of the noise"]
+    assert [label for label, _ in found.ladder] == ["nominal model", "+ stribeck", "noise floor"]
     assert [size for _, size in found.ladder] == pytest.approx([found.gap.before, found.gap.after, found.gap.floor])
     for simulated, gap in ((found.traces.before, found.gap.before), (found.traces.after, found.gap.after)):
         assert np.sqrt(np.mean((found.traces.measured - simulated) ** 2)) == pytest.approx(gap)

@@ -58,7 +58,7 @@ def _with_rows(joint: JointDiagnosis) -> JointDiagnosis:
         profiles=joint.profiles or (by_hand.profile("time", 0.0),),
         remaining=joint.remaining or (by_hand.profile("time", 0.0),),
         simulation=None,
-        ladder=joint.ladder or (("nominal model", joint.gap.before), ("floor of the noise", joint.gap.floor)),
+        ladder=joint.ladder or (("nominal model", joint.gap.before), ("noise floor", joint.gap.floor)),
     )
 
 

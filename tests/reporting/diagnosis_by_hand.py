@@ -150,7 +150,7 @@ NAMED = JointDiagnosis(
         nominal=np.zeros(2),
         augmented=np.zeros(2),
     ),
-    ladder=(("nominal model", 0.061), ("+ stribeck", 0.021), ("floor of the noise", 0.020)),
+    ladder=(("nominal model", 0.061), ("+ stribeck", 0.021), ("noise floor", 0.020)),
     omnibus_p=0.001,
     remaining_p=0.4,
     detection_limit_nm=0.0043,

@@ -192,7 +192,7 @@ TRACE = ContactTrace(
 TOUCHED = replace(
     NAMED,
     effects=(CONTACTS,),
-    ladder=(("nominal model", 0.02), ("floor of the noise", 0.02)),
+    ladder=(("nominal model", 0.02), ("noise floor", 0.02)),
     gap=by_hand.gap(0.02, 0.02, 0.02),
     contacts=TRACE,
 )

@@ -165,8 +165,8 @@ def _effect(
     before, after = (held_out(gram, some, replaced=state.active).rms for some in (upto, [*upto, block]))
     curve = residual_curves.along_effect(problem, left + torque, block.effect.axis)
     power = float(np.sum(residual_of(gram, ()) ** 2))
-    rivals = (
-        Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
+    competing = (
+        Evidence(name=c.name, delta_bic=c.deficit, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
     )
     return NamedEffect(
         name=block.name,
@@ -174,7 +174,7 @@ def _effect(
         alternatives=one.alternatives,
         parameters=numbers[0],
         p_value=one.gain.p_value,
-        evidence=(Evidence(name=block.name, delta_bic=0.0, correlation=1.0), *rivals),
+        evidence=(Evidence(name=block.name, delta_bic=0.0, correlation=1.0), *competing),
         axis=block.effect.axis,
         gap_before_nm=before,
         gap_after_nm=after,
@@ -195,7 +195,7 @@ def _ladder(state: State, said: Conclusion, before: float, floor: float) -> tupl
     for one in said.named:
         blocks.append(one.block)
         steps.append((f"+ {one.block.name}", held_out(state.gram, blocks, replaced=state.active).rms))
-    return (*steps, ("floor of the noise", floor))
+    return (*steps, ("noise floor", floor))
 
 
 def _without_gravity(state: State, floor: float) -> float:
@@ -213,8 +213,8 @@ def _detection_limit(state: State, left_nm: float) -> float:
     noise = state.gram.noise
     # The information of an effect as broad as the residual itself: its power per independent sample.
     time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0
-    worth = noise.effective_samples * max(1.0 - time, 0.05) ** 2 * (noise.scales[-1] * left_nm) ** 2
-    return float(left_nm * np.sqrt(needed / max(worth, 1.0)))
+    information = noise.effective_samples * max(1.0 - time, 0.05) ** 2 * (noise.scales[-1] * left_nm) ** 2
+    return float(left_nm * np.sqrt(needed / max(information, 1.0)))
 
 
 def _traces(state: State, before: Float, after: Float) -> Traces:

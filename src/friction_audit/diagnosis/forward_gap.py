@@ -21,7 +21,7 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
 SHORTEST = 3
-"""Samples of a cycle that is worth simulating."""
+"""Fewest samples of a cycle that is simulated."""
 LEAST_S = 0.05
 """A joint that its drive alone would bring to its usual speed sooner has hardly any inertia: its velocity would follow
 any error of the torque at once."""
@@ -76,7 +76,7 @@ def simulate_cycles(
 
     Returns:
         The gap; None where no cycle is without a hole, where a model cannot be simulated, or where the joint has no
-        inertia that a motion could be simulated with: the gap in torque is then all that can be told.
+        inertia that a motion could be simulated with: then only the gap in torque is known.
     """
     pieces, models = _whole(data, cycles), [_heavier(model, known_inertia_kg_m2) for model in (nominal, augmented)]
     drive = data.torque + known_inertia_kg_m2 * data.ddq
@@ -110,7 +110,7 @@ def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
 
 
 def _driving(term: FittedTerm, own: float) -> FittedTerm:
-    """A term behind which is more inertia, where it has any behind it; its own is this share of all there is now."""
+    """A term with more inertia on its far side; `own` is the share that the model itself holds."""
     names = [parameter.name for parameter in term.effect.parameters]
     if FAR_SHARE.name not in names:
         return term
@@ -135,7 +135,7 @@ def _whole(data: JointData, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
 
 
 def _traced(signal: Float, pieces: NDArray[np.int64]) -> Float:
-    """Cut the pieces out and put a NaN behind each but the last."""
+    """Cut the pieces out and put a NaN after each but the last."""
     parts = [np.append(signal[first : last + 1], np.nan) for first, last in pieces]
     return np.concatenate(parts)[:-1]
 

@@ -230,7 +230,7 @@ class Training:
         return fit
 
     def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
-        """L = n ln(RSS / RSS with the block) of every block beside an active set, and its coefficients."""
+        """L = n ln(RSS / RSS with the block) of every block given an active set, and its coefficients."""
         blocks = self.gram.blocks
         gains, coefficients = np.zeros(len(blocks)), [np.zeros(0)] * len(blocks)
         names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}

@@ -31,7 +31,7 @@ class Estimates:
     """Numbers with intervals.
 
     Attributes:
-        nominal: Of the nominal columns as fitted beside the effects, by name.
+        nominal: Of the nominal columns as fitted together with the effects, by name.
         effects: Of each effect, by name: coefficients, then nonlinear parameters.
         not_identifiable: Of each effect, names of parameters that the log does not hold; their intervals are infinite.
     """

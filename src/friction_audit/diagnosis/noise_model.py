@@ -1,4 +1,4 @@
-"""Noise of the samples: AR(p) within unbroken stretches, beside a model error that is larger where formulas are worse.
+"""Noise of the samples: AR(p) within unbroken stretches, plus a model error that is larger where formulas are worse.
 
 W. A. Fuller, Introduction to Statistical Time Series (1996), section 8; N. Levinson, J. Math. Phys. 25 (1947) 261.
 """

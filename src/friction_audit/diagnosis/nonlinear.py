@@ -19,7 +19,7 @@ STEPS = 4
 SHORTER = (1.0, 1 / 3, 1 / 9)  # parts of a step that are tried
 LONGEST_STEP = 2.0  # in steps of the grid
 DIFFERENCE = 0.05  # of the spacing of the grid, for finite differences
-DONE = 0.2  # gain in 2 ln of the likelihood below which another step is not worth its columns
+DONE = 0.2  # gain in 2 ln of the likelihood below which another step is left out
 
 
 class Scale:
@@ -115,7 +115,7 @@ def refine(
     baseline: Nominal,
     rebuilt: bool = False,
 ) -> Block | None:
-    """The block at the nonlinear parameters that fit best beside others; None where they are those it has.
+    """The block at the nonlinear parameters that fit best given others; None where they are those it has.
 
     Args:
         dictionary: Builds columns.
@@ -154,7 +154,7 @@ def _line_search(problem: Projection, scale: Scale, point: Point) -> Point | Non
     return None
 
 
-def coefficients_beside(training: Training, others: Sequence[Block], columns: Float) -> Float:
+def coefficients_given(training: Training, others: Sequence[Block], columns: Float) -> Float:
     """Coefficients of the nominal model and nuisances fitted with some effects and more columns."""
     gram = training.gram
     kept = training.fit(others).kept

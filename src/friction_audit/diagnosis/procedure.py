@@ -9,7 +9,7 @@ from friction_audit.diagnosis import contact_events, intervals, residual_checks,
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise_model import NoiseModel
-from friction_audit.diagnosis.nonlinear import coefficients_beside, refine
+from friction_audit.diagnosis.nonlinear import coefficients_given, refine
 from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.contact_event import Contact
@@ -25,7 +25,7 @@ ALTERNATIONS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
-CHANGED = 0.02  # rms of the change of the nominal torque from which columns that lean on it are built again
+CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
 
 @dataclass(eq=False, kw_only=True)
@@ -101,13 +101,13 @@ def _state(
     training = Training(gram)
 
     def moved(block: Block, others: Sequence[Block]) -> Block | None:
-        beside = [*others, block] if block.effect.needs_nominal else others
-        found = refine(dictionary, training, block, others, nominal(problem, training, beside))
-        # What a spring or a play hands on is the inertia and friction behind it, better known with it in the model.
+        together = [*others, block] if block.effect.needs_nominal else others
+        found = refine(dictionary, training, block, others, nominal(problem, training, together))
+        # It transmits inertia and friction of its far side, which are better known with it in the model.
         for _ in range(ALTERNATIONS if block.effect.transmits else 0):
             if found is None:
                 break
-            numbers = coefficients_beside(training, others, found.columns)[: len(problem.X)]
+            numbers = coefficients_given(training, others, found.columns)[: len(problem.X)]
             again = refine(dictionary, training, found, others, _baseline(problem, numbers), rebuilt=True)
             if again is None:
                 break
@@ -121,7 +121,7 @@ def _state(
 
 
 def _refitted(state: State, numbers: int) -> State:
-    """Noise from what the augmented model leaves; columns that lean on the nominal model from its better fit."""
+    """Noise from what the augmented model leaves; columns that need the nominal model from its better fit."""
     problem = state.problem
     baseline = nominal(problem, state.search.training, state.active)
     left = residual_checks.residual_of(state.gram, state.active)
@@ -197,7 +197,7 @@ def sizes(gram: Gram, active: Sequence[Block]) -> Float:
 
 
 def nominal(problem: RegressionProblem, training: Training, active: Sequence[Block]) -> Nominal:
-    """The nominal model as fitted beside some effects."""
+    """The nominal model as fitted together with some effects."""
     return _baseline(problem, training.fit(active).coefficients[: len(problem.X)])
 
 

@@ -16,7 +16,7 @@ FOLDS = 5
 STRETCHES = 24
 """Of the axis, with equally many rows each."""
 MOST_HIDDEN = 0.5
-"""Share of the torque's mean square that may lie beside the curve."""
+"""Share of the torque's mean square that may lie off the curve."""
 ORDER = "ripple_order"  # parameter of an effect that repeats with the position: its waves per revolution
 SOURCE = "gravity_error_source"  # 0 where the error follows the joint's own angle
 OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
@@ -129,12 +129,12 @@ def shows_along(torque: Float, along: Float, dq: Float) -> bool:
         along: The quantity, shape (m,).
         dq: Velocity, shape (m,). [rad/s]
     """
-    beside = sum(_beside(torque[which], along[which]) for which in (dq > 0, dq <= 0))
-    return beside <= MOST_HIDDEN * float(torque @ torque)
+    off_curve = sum(_scatter(torque[which], along[which]) for which in (dq > 0, dq <= 0))
+    return off_curve <= MOST_HIDDEN * float(torque @ torque)
 
 
-def _beside(torque: Float, along: Float) -> float:
-    """Return the sum of squares beside the means of the stretches. [N^2 m^2]"""
+def _scatter(torque: Float, along: Float) -> float:
+    """Return the sum of squares about the means of the stretches. [N^2 m^2]"""
     parts = np.array_split(torque[np.argsort(along, kind="stable")], STRETCHES)
     return float(sum(len(part) * part.var() for part in parts if len(part)))
 

@@ -138,7 +138,7 @@ class NamedEffect:
         name: From the vocabulary.
         label: A few words for people.
         alternatives: Names that this log does not tell apart from it.
-        parameters: Values with 95 % intervals by name, unit behind it: linear factors, then shape.
+        parameters: Values with 95 % intervals by name with its unit: linear factors, then shape.
         p_value: Family-wise p-value of its improvement on cycles that no choice was made on.
         axis: The quantity on which it shows itself.
         gap_before_nm: Residual on locked cycles without it, all stronger effects added. [N m]
@@ -256,12 +256,12 @@ class JointDiagnosis:
         verdict: The one word.
         effects: What is missing, the strongest first.
         nominal: Factors of the nominal model with their intervals; empty where it could not be fitted.
-        augmented: The same factors as fitted beside the effects; those of the augmented model.
+        augmented: The same factors as fitted together with the effects; those of the augmented model.
         from_energy: The coefficients that the energy method gives, for comparison; empty where there are none.
         gap: The gap in torque on locked cycles; None where nothing was fitted.
         simulation: The gap in motion; None where nothing was simulated.
         ladder: Root mean square of the residual on locked cycles: of the nominal model, after each effect, and the
-            floor of the noise, with a label each. [N m]
+            noise floor, with a label each. [N m]
         omnibus_p: That nothing is missing from the nominal model; NaN where not tested.
         remaining_p: That nothing is missing from the augmented model; NaN where not tested.
         detection_limit_nm: Smallest root mean square of an effect that would have been seen with 90 % power. [N m]

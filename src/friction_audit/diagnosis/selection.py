@@ -128,7 +128,7 @@ class Search:
         for k in np.argsort(-factor, kind="stable"):
             by_name.setdefault(blocks[k].name, []).append(int(k))
         found = {}
-        for name in by_name.keys() - {b.name for b in active}:
+        for name in dict.fromkeys(b.name for b in blocks if b.name not in {a.name for a in active}):
             total, best = 0.0, -1
             for k in by_name[name]:
                 if best >= 0 and factor[k] < factor[best] - 25.0:
@@ -173,7 +173,7 @@ class Search:
 
     def best(self, active: Sequence[Block]) -> list[Score]:
         """Effects given an active set, the best first, the best of them refined."""
-        found = sorted(self.scores(active).values(), key=lambda one: -one.evidence)
+        found = ranked(self.scores(active))
         if self.refine is None or not found:
             return found
         least = max(found[0].evidence - CLOSE, 0.5 * found[0].evidence, self.prior / 2)
@@ -185,7 +185,7 @@ class Search:
                 new += [moved] if moved is not None else []
         if new:
             self.gram.add(new)
-            found = sorted(self.scores(active).values(), key=lambda one: -one.evidence)
+            found = ranked(self.scores(active))
         return found
 
     def run(self, active: Sequence[Block] = ()) -> list[Block]:
@@ -254,14 +254,18 @@ class Search:
     def _divide(self, active: list[Block]) -> list[Block]:
         for block in list(active):
             rest = [b for b in active if b is not block]
-            ranked = sorted(self.scores(rest).values(), key=lambda one: -one.evidence)
-            for first in ranked[:6]:
+            for first in ranked(self.scores(rest))[:6]:
                 if first.block.name == block.name:
                     continue
-                second = max(self.scores([*rest, first.block]).values(), key=lambda one: one.evidence, default=None)
+                second = next(iter(ranked(self.scores([*rest, first.block]))), None)
                 if second is not None and self._better([*rest, first.block, second.block], active, 2.0):
                     return [*rest, first.block, second.block]
         return active
+
+
+def ranked(scores: dict[str, Score]) -> list[Score]:
+    """The best first; what differs by rounding only, as an offset and asymmetric friction, in catalogue order."""
+    return sorted(scores.values(), key=lambda one: -round(one.evidence, 6))
 
 
 def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
@@ -310,13 +314,13 @@ class Competing:
 
     Attributes:
         name: Its name.
-        behind: How much less evidence there is for it.
+        deficit: How much less evidence there is for it.
         correlation: Of the two torques given all else, 0..1.
         exact: Whether its formula cannot be wrong, as that of a constant cannot.
     """
 
     name: str
-    behind: float
+    deficit: float
     correlation: float
     exact: bool
 
@@ -339,15 +343,15 @@ def competing_effects(search: Search, active: Sequence[Block], block: Block) -> 
         other = torque(score.block)
         size = float(np.sqrt((own @ own) * (other @ other)))
         correlation = float(own @ other) / max(size, 1e-300)
-        behind, exact = mine - score.evidence, score.block.effect.exact
-        found.append(Competing(name=name, behind=behind, correlation=correlation, exact=exact))
-    return tuple(sorted(found, key=lambda one: one.behind))
+        deficit, exact = mine - score.evidence, score.block.effect.exact
+        found.append(Competing(name=name, deficit=deficit, correlation=correlation, exact=exact))
+    return tuple(sorted(found, key=lambda one: round(one.deficit, 6)))
 
 
 def indistinguishable(competing: Sequence[Competing], block: Block, active: Sequence[Block]) -> tuple[str, ...]:
     """Names that the log cannot separate from a selected effect."""
-    names = [c.name for c in competing if c.behind < INDISTINGUISHABLE and c.correlation > ALIKE]
-    # A constant is within what bends little over the range: an offset may be most of it, whatever else is there.
+    names = [c.name for c in competing if c.deficit < INDISTINGUISHABLE and c.correlation > ALIKE]
+    # A curve that bends little over the range contains a constant: an offset may be most of it.
     names += [c.name for c in competing if c.exact and c.correlation > SAME and c.name not in names]
     names += [name for name in block.effect.indistinguishable if name not in names]
     others = {b.name for b in active if b is not block}
