@@ -124,7 +124,8 @@ def _refitted(state: State, numbers: int) -> State:
     """Noise from what the augmented model leaves; columns that need the nominal model from its better fit."""
     problem = state.problem
     baseline = nominal(problem, state.search.training, state.active)
-    left = residual_checks.residual_of(state.gram, state.active)
+    rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
+    left = problem.y - _ols(rows, problem.y) @ rows
     noise = NoiseModel.fit(problem, [left], np.hypot(problem.model_error(baseline), effect_error(state)))
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
