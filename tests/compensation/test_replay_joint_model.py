@@ -10,6 +10,7 @@ from friction_audit.compensation import replay as replay_module
 from friction_audit.compensation.compensators import JointModelCompensation
 from friction_audit.compensation.counterfactual import MovedJoint, modelled_joint
 from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of, friction_terms, refusal, straighten
+from friction_audit.compensation.measures import dissipation_removed
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
@@ -141,7 +142,9 @@ def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
     joint = run(log_of(with_term(name)), "same-operator", with_term(name), applied=True)
     assert joint.numbers is not None, joint.reason
     assert joint.model_error < 1e-3
-    assert joint.numbers.dissipation_removed > 0.999
+    assert joint.history is not None
+    # By cycles, from rest to rest: the spring of some models holds energy where the log ends.
+    assert dissipation_removed(joint.history) > 0.999
 
 
 @pytest.mark.parametrize(

@@ -36,7 +36,7 @@ def history(friction: list[float], left: list[float], status: list[int] | None =
 
 def test_what_is_given_out_counts_as_left_over() -> None:
     found = history([1.0, 1.0, 2.0], [1.0, -0.5, 0.5])
-    assert dissipation_removed(found) == pytest.approx(0.75)
+    assert dissipation_removed(found) == pytest.approx(0.5)
     assert dissipation_removed(history([1.0], [-0.5])) == pytest.approx(0.5)
     assert np.isnan(dissipation_removed(found, 3))
     assert np.isnan(dissipation_removed(history([-1.0], [0.0])))

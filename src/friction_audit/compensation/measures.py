@@ -55,8 +55,11 @@ def read_history(rows: Float, t: Float) -> ReplayHistory:
 
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
-    """Return the share of the dissipation that compensation removed from a cycle on (0-based); NaN without cycles."""
-    return share_removed(float(history.friction_j[first:].sum()), float(history.net_energy_j[first:].sum()))
+    """Return the share of the dissipation that compensation removed from a cycle on (0-based), NaN without cycles.
+
+    What a single cycle gives out counts as left over: it does not make up for what another one takes.
+    """
+    return share_removed(float(history.friction_j[first:].sum()), float(np.abs(history.net_energy_j[first:]).sum()))
 
 
 def share_removed(without_j: float, with_j: float) -> float:

@@ -144,7 +144,8 @@ class Numbers:
         energy_with_j: Net energy with it. [J]
         dissipation_removed: One less the size of ``energy_with_j`` over ``energy_without_j``: energy that is given out
             counts as left over, so that over-compensation is no merit.
-        dissipation_removed_updated: Likewise of the cycles from the second update of the coefficients on.
+        dissipation_removed_updated: Likewise of the cycles from the second update of the coefficients on, where what a
+            single cycle gives out counts as left over.
         peak_torque_without_nm: Largest interaction torque without a compensator. [N m]
         peak_torque_with_nm: With it. [N m]
         rms_torque_without_nm: Root mean square over the time. [N m]

@@ -171,7 +171,9 @@ JOINT_REPLAY = Record(
         ),
         _number("energy_with", "with it", "J", title="energy with", short="energy\nwith", on=ALL),
         _number("dissipation_removed", "one less the size of `energy_with_j` over `energy_without_j`"),
-        _number("dissipation_removed_updated", "the same of the cycles from the second update of the coefficients on"),
+        _number(
+            "dissipation_removed_updated", "the same cycle by cycle, from the second update of the coefficients on"
+        ),
         Column(
             "removed", float, get=_stable("dissipation_removed"), unit="%", form=_percent, title="removed", on=PEOPLE
         ),
