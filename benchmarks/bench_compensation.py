@@ -58,6 +58,8 @@ def single_joint(persons: int) -> Iterator[str]:
     (fig10,) = (one for one in SCENARIOS if one.name == "fig10")
     yield "| ridge | within 5 % | within 25 % | worst | peak below 0.5 N m | worst [N m] |"
     for ridge in (PUBLISHED, RIDGE):
+        assert isinstance(fig10.settings, BenchSettings)
+        assert isinstance(fig10.settings.compensator, EnergyCompensator)
         settings = replace(fig10.settings, compensator=replace(fig10.settings.compensator, ridge=ridge))
         courses = [make_course(simulate(settings, seed)) for seed in range(persons)]
         leaves = np.array([leaves_by(course) for course in courses])

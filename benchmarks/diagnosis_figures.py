@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks import bench_diagnose, smoothed_sign
-from benchmarks.answers import answered
+from benchmarks.answers import CLEAR, answered
 from benchmarks.diagnosis_summary import EFFECT_KINDS, Tables, load, page, real, separated, simulated
 from benchmarks.hidden_effects import limits, run, separable, strengths
 from benchmarks.hidden_effects.outside import OUTSIDE
@@ -74,7 +74,7 @@ class Figures:
 
 def clear(row: Row) -> bool:
     """Whether the log of a row has to show its effect."""
-    return run.SIZES[int(row["seed"]) % len(run.SIZES)] >= separable.CLEAR
+    return run.SIZES[int(row["seed"]) % len(run.SIZES)] >= CLEAR
 
 
 def main() -> None:

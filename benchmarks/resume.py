@@ -6,7 +6,7 @@ from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 from typing import NamedTuple
 
-Row = dict[str, str]
+Row = Mapping[str, str]
 
 
 def read(path: Path) -> list[Row]:

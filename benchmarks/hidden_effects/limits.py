@@ -95,7 +95,7 @@ def same_moments(rows: Samples, others: Samples) -> tuple[NDArray[np.int64], NDA
     for starts, apart in ((False, rows.step_s / 2.0), (True, SAME_START_S)):
         one, other = (np.flatnonzero(r.breakaway == starts) for r in (rows, others))
         if len(one) and len(other):
-            distance, nearest = cKDTree(others.t[other, None]).query(rows.t[one, None])
+            distance, nearest = map(np.asarray, cKDTree(others.t[other, None]).query(rows.t[one, None]))
             here.append(one[distance < apart])
             there.append(other[nearest[distance < apart]])
     return np.concatenate(here), np.concatenate(there)

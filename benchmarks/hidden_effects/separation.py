@@ -162,5 +162,6 @@ class _Free:
         low, high = np.array(list(bounds.values())).T
         start = np.clip([block.shape[name] for name in bounds], low, high)
         scale = np.maximum([self.dictionary.spacing(block, name) for name in bounds], 1e-9)
-        found = least_squares(residual, start, bounds=(low, high), x_scale=scale, max_nfev=EVALUATIONS, diff_step=1e-3)
+        step = np.full(len(start), 1e-3)
+        found = least_squares(residual, start, bounds=(low, high), x_scale=scale, max_nfev=EVALUATIONS, diff_step=step)
         return _square(found.fun)

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from benchmarks.answers import exact, first, held, held_or_negligible, misnamed, named, share, wrong
 from benchmarks.diagnosis_summary import in_the_other, load, mistake, page, same
-from benchmarks.resume import Job, read
+from benchmarks.resume import Job, Row, read
 
 
 def answer(truth: str, sets: str, verdict: str = "named", **more: str) -> dict[str, str]:
@@ -52,7 +52,7 @@ def test_an_interval_is_that_of_wilson() -> None:
     assert share([False] * 200, 1) == "0.0 (0.0 to 1.9)"
 
 
-def doubled(task: dict[str, str]) -> list[dict[str, str]]:
+def doubled(task: Row) -> list[dict[str, str]]:
     return [{**task, "twice": str(2 * int(task["seed"]))}]
 
 

@@ -63,7 +63,7 @@ def test_a_competitor_that_is_unstable_is_caught_and_drawn_up_to_there() -> None
     scene = short_joint()
     (method,) = (one for one in METHODS if one.name == "torque_regulation")
     wild: Tuning = method.sweeps[0].at(40.0)
-    reference = find_reference(simulate(scene.compensated(METHODS[0].paper), 0))  # type: ignore[arg-type]
+    reference = find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
     simulation = simulate(scene.compensated(wild), 0)
     outcome, course = measure(simulation, reference), make_course(simulation, reference)
     assert not outcome.stable
@@ -90,4 +90,4 @@ def test_vibration_is_what_is_fast() -> None:
 def test_too_short_a_trial_is_refused() -> None:
     scene = short_joint(duration_s=2.0)
     with pytest.raises(AnalysisError, match="longer --duration"):
-        find_reference(simulate(scene.compensated(METHODS[0].paper), 0))  # type: ignore[arg-type]
+        find_reference(simulate(scene.compensated(METHODS[0].paper), 0))

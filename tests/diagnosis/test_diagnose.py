@@ -124,6 +124,7 @@ def test_a_gap_in_sinusoids_is_not_named_a_delay() -> None:
 
 
 @pytest.mark.thorough
+@pytest.mark.xfail(strict=True, reason="its compliance is a quarter too large: the link side is fitted by alternation")
 def test_a_hardening_gear_is_one_spring() -> None:
     found = diagnosed(
         recorded("joint_elasticity:compliance_rad_per_nm=0.003,form=hardening", scenario="joint-sine", seed=3)
@@ -131,7 +132,7 @@ def test_a_hardening_gear_is_one_spring() -> None:
     assert found.verdict == "named"
     assert said(found) == ({"joint_elasticity"},)
     compliance = found.effects[0].parameters["compliance_rad_per_nm"]
-    assert compliance.value == pytest.approx(0.003, rel=0.25)
+    assert compliance.value == pytest.approx(0.003, rel=0.1)
 
 
 def turned(log: JointLog) -> JointLog:

@@ -100,23 +100,13 @@ def _replay_joint(
     found, recorded = friction.joints[column], recording_of(interaction, column)
     limits = settings.limits(limits_of(robot, found.joint))
     model = None if settings.joint_model is None else settings.joint_model.joint(found.joint)
-    nothing = np.broadcast_to(0.0, len(recorded.t))
-    # Without a compensator and moving the same, the person gives all of the total torque.
-    without = Signals(
-        t=recorded.t,
-        dq=recorded.dq,
-        interaction_nm=recorded.total,
-        compensation_nm=nothing,
-        passivity_nm=nothing,
-        limited_nm=nothing,
-    )
     joint = JointReplay(
         joint=found.joint,
         name=found.name,
         compensator=settings.compensator,
         limits=limits,
         model=model,
-        without=without,
+        without=_uncompensated(recorded),
     )
     wanted = settings.compensator if settings.competitor is None else tune(settings.competitor, found, robot, model)
     if isinstance(wanted, str):
@@ -134,8 +124,7 @@ def _replay_joint(
         reason = "the compensated loop diverges within a sample; lower its gain"
     if reason:
         return replace(joint, reason=reason)
-    if scene.joint is not None:
-        without = run_scene(scene, None).signals
+    without = joint.without if scene.joint is None else run_scene(scene, None).signals
     return replace(
         joint,
         fitted=None if scene.joint is None else scene.joint.fitted,
@@ -149,6 +138,19 @@ def _replay_joint(
         numbers=measure(recorded, without, run.signals, history, run.tally),
         passivity=measure_passivity(history, run.tally, run.signals.t),
         recovery=find_recovery(history),
+    )
+
+
+def _uncompensated(recorded: Recorded) -> Signals:
+    """Without a compensator the same motion takes all of the total torque from outside."""
+    nothing = np.broadcast_to(0.0, len(recorded.t))
+    return Signals(
+        t=recorded.t,
+        dq=recorded.dq,
+        interaction_nm=recorded.total,
+        compensation_nm=nothing,
+        passivity_nm=nothing,
+        limited_nm=nothing,
     )
 
 
