@@ -257,7 +257,7 @@ SIGNALS = Record(
 )
 REPLAY: Document = Document(
     "replay",
-    2,
+    3,
     "What a friction compensator would have done on one log",
     Record(
         (
