@@ -41,7 +41,7 @@ LOGS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
 }
 """File, how it is read, what is asked, by name."""
 NO_INERTIA = "panda_no_inertia"
-INJECTED = {"panda": (2, 4), "nnfm_slow": (1,), "tx40": (2, 4), "ur10e_2": (1,)}
+INJECTED = {"panda": (2, 4), "nnfm_slow": (1,), "tx40": (3, 4), "ur10e_2": (1,)}
 EFFECTS = ("stribeck", "torque_bias", "torque_ripple", "position_dependent_friction", "torque_drift",
            "asymmetric_viscous", DELAY)  # fmt: skip
 SEEDS = (0, 1, 2)
