@@ -3,8 +3,8 @@
 python -m benchmarks.diagnosis_figures [KIND ...] [--rows FOLDER] [--first SEED] [--real FOLDER] [--page FILE.md]
 
 Kinds, all if none is given: strengths (the costly search), limits and separations (what the logs hold, without the
-engine), none, effects, pairs, outside, arms, smoothed, stranger_none, stranger, real (with a folder of measured logs),
-time (on an idle machine). Each is a table in the folder of rows, and is gone on with; ``--table`` runs none.
+engine), none, effects, on_arms, pairs, outside, arms, smoothed, stranger_none, stranger, real (of a folder of measured
+logs), time (on an idle machine). Each is a table in the folder of rows, and is gone on with; ``--table`` runs none.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from benchmarks.stranger import run as stranger
 from friction_audit.simulation.effects import EFFECTS
 
 ROWS = Path(__file__).parent / "rows"
-SIMULATED = ("none", "effects", "pairs", "outside", "arms", "smoothed", "stranger_none", "stranger")
+SIMULATED = ("none", "effects", "on_arms", "pairs", "outside", "arms", "smoothed", "stranger_none", "stranger")
 KINDS = ("strengths", "limits", "separations", *SIMULATED, "real", "time")
 ON_ARMS = ("torque_crosstalk", "inertial_coupling")
 NUMBERS = {"none": 200, "smoothed": 200, "stranger_none": 40, "stranger": 2, "effects": 10, "on_arms": 4, "pairs": 50,
@@ -47,12 +47,13 @@ class Figures:
 
     def wanted(self, kind: str) -> list[tuple[str, int]]:
         """Truth and seed of each log of ``hidden_effects``."""
-        if kind != "effects":
-            names = {"outside": ",".join(name for name, _ in OUTSIDE), "arms": "none"}.get(kind, kind)
-            return run.tasks(names, self.first + (1000 if kind == "arms" else 0), NUMBERS[kind])
-        alone = ",".join(effect.name for effect in EFFECTS if effect.name not in ON_ARMS)
-        return [*run.tasks(alone, self.first, NUMBERS[kind]),
-                *run.tasks(",".join(ON_ARMS), self.first + 1, NUMBERS["on_arms"])]  # fmt: skip
+        names = {
+            "outside": ",".join(name for name, _ in OUTSIDE),
+            "arms": "none",
+            "on_arms": ",".join(ON_ARMS),
+            "effects": ",".join(effect.name for effect in EFFECTS if effect.name not in ON_ARMS),
+        }
+        return run.tasks(names.get(kind, kind), self.first + (1000 if kind == "arms" else 0), NUMBERS[kind])
 
     def job(self, kind: str) -> Job:
         """What makes a table."""
@@ -107,7 +108,7 @@ def main() -> None:
 
 def write_documents(tables: Tables, docs: Path) -> None:
     """Write the marked tables of the documentation."""
-    rows = [row for kind in SIMULATED[:5] for row in answered(tables[kind])]
+    rows = [row for kind in SIMULATED[:6] for row in answered(tables[kind])]
     texts = {
         ("diagnosis.md", "hidden effects"): simulated(tables),
         ("diagnosis.md", "separable"): separated(tables),

@@ -34,8 +34,8 @@ from benchmarks.stranger.effects import OUTSIDE, RECORDED
 from friction_audit.effects.registry import effects
 
 CATALOGUE = {effect.name for effect in effects()}
-EFFECT_KINDS = ("effects", "pairs")
-ROW_KINDS = ("none", "arms", "effects", "pairs", "outside", "smoothed", "stranger_none", "stranger", "real")
+EFFECT_KINDS = ("effects", "on_arms", "pairs")
+ROW_KINDS = ("none", "arms", "effects", "on_arms", "pairs", "outside", "smoothed", "stranger_none", "stranger", "real")
 Tables = dict[str, list[Row]]
 Figure = tuple[str, str, str, str, str]
 """What is measured, before, goal, measured with its 95 % interval, number."""
@@ -93,7 +93,7 @@ def clean(tables: Tables) -> list[Figure]:
 
 def one_effect(tables: Tables) -> list[Figure]:
     """Logs with one effect of the catalogue."""
-    clear, weak = at_least(tables["effects"]), small(tables["effects"])
+    clear, weak = at_least((*tables["effects"], *tables["on_arms"])), small((*tables["effects"], *tables["on_arms"]))
     apart = {(r["truth"], r["seed"]) for r in tables["separations"] if r["separates"] == "True"}
     visible = limits.visible(tables["limits"], 2.0)
     plain = [row for row in weak if (row["truth"], row["seed"]) in visible]
@@ -134,7 +134,7 @@ def pairs_and_outside(tables: Tables) -> list[Figure]:
 
 def sizes(tables: Tables) -> list[Figure]:
     """How much is explained, and how near the parameters are."""
-    good = [row for row in at_least(tables["effects"]) if held(row)]
+    good = [row for row in at_least((*tables["effects"], *tables["on_arms"])) if held(row)]
     every = [one for row in good for one in json.loads(row["numbers"] or "[]")]
     known = [one for one in every if one["identifiable"]]
     off = [abs(float(one["estimate"]) / float(one["truth"]) - 1.0) for one in known if one["truth"]]
@@ -270,7 +270,11 @@ def real(tables: Tables) -> str:
 def separated(tables: Tables) -> str:
     """The only name, effect by effect, where the log separates it and elsewhere."""
     known = {(row["truth"], row["seed"]): row for row in tables["separations"]}
-    rows = [row for row in separable.judged(at_least(tables["effects"])) if (row["truth"], row["seed"]) in known]
+    rows = [
+        row
+        for row in separable.judged(at_least((*tables["effects"], *tables["on_arms"])))
+        if (row["truth"], row["seed"]) in known
+    ]
     return separable.by_effect(rows, known)
 
 
