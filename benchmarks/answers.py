@@ -76,6 +76,11 @@ def first(row: Row) -> bool:
     return row["sets"].split(";")[0].split("|")[0] in truth_of(row)
 
 
+def own_name(row: Row) -> bool:
+    """Whether every hidden effect is in the answer under its own name, not as an alternative."""
+    return bool(truth_of(row)) and truth_of(row) <= {one.split("|")[0] for one in row["sets"].split(";")}
+
+
 def wrong(row: Row) -> bool:
     """Whether the answer is sure, and holds a name with none of the hidden effects among its alternatives."""
     return row["verdict"] in SURE and any(not one & truth_of(row) for one in sets_of(row))

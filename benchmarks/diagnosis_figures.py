@@ -29,8 +29,8 @@ ROWS = Path(__file__).parent / "rows"
 SIMULATED = ("none", "effects", "on_arms", "pairs", "outside", "arms", "smoothed", "stranger_none", "stranger")
 KINDS = ("strengths", "limits", "separations", *SIMULATED, "real", "time")
 ON_ARMS = ("torque_crosstalk", "inertial_coupling")
-NUMBERS = {"none": 200, "smoothed": 200, "stranger_none": 40, "stranger": 2, "effects": 10, "on_arms": 4, "pairs": 50,
-           "outside": 12, "arms": 3}  # fmt: skip
+NUMBERS = {"none": 200, "smoothed": 200, "stranger_none": 40, "stranger": 2, "effects": 10, "on_arms": 4, "pairs": 40,
+           "outside": 10, "arms": 2}  # fmt: skip
 """Seeds of each kind, from the first on; of ``effects``, ``outside`` and ``stranger`` for every effect."""
 
 
@@ -59,9 +59,10 @@ class Figures:
         """What makes a table."""
         known, seeds = read(self.path("strengths")), range(self.first, self.first + NUMBERS.get(kind, 0))
         judged = (row for row in known if row["truth"] in separable.EFFECTS and clear(row))
+        doubtful = (row for row in known if "+" in row["truth"] or not clear(row))
         others = {
             "strengths": lambda: strengths.job([task for each in EFFECT_KINDS for task in self.wanted(each)]),
-            "limits": lambda: Job(limits.FIELDS, limits.judged(known), limits.limits_of),
+            "limits": lambda: Job(limits.FIELDS, limits.judged(doubtful), limits.limits_of),
             "separations": lambda: separable.job(judged),
             "smoothed": lambda: smoothed_sign.job(seeds),
             "stranger_none": lambda: stranger.job("none", seeds),

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from benchmarks.answers import exact, first, held, held_or_negligible, misnamed, named, share, wrong
+from benchmarks.answers import exact, first, held, held_or_negligible, misnamed, named, own_name, share, wrong
 from benchmarks.diagnosis_summary import in_the_other, load, mistake, page, same
 from benchmarks.resume import Job, Row, read
 
@@ -18,6 +18,8 @@ def test_an_alternative_is_in_the_answer_and_is_not_the_only_name() -> None:
     assert not misnamed(row)
     assert not exact(row)
     assert not first(row)
+    assert not own_name(row)
+    assert own_name(answer("stribeck", "torque_bias;stribeck"))
     assert exact(answer("stribeck", "stribeck"))
     assert first(answer("stribeck", "stribeck;torque_bias"))
 
