@@ -16,8 +16,9 @@ def share_explained(effect: Effect, data: JointData, torque: Float) -> float:
     def fit(own: Float) -> tuple[Float, float]:
         columns = np.column_stack([nominal, own])
         size = np.sqrt(np.mean(columns**2, axis=0))
-        size[size == 0.0] = 1.0
-        coefficients = np.linalg.lstsq(columns / size, y, rcond=1e-10)[0] / size
+        there = size > 0.0  # rounding of a zero coefficient may have an impossible sign
+        size[~there] = 1.0
+        coefficients = np.where(there, np.linalg.lstsq(columns / size, y, rcond=1e-10)[0] / size, 0.0)
         return coefficients[3:], float(np.sum((y - columns @ coefficients) ** 2))
 
     nothing, best = fit(np.zeros((len(y), 0)))[1], 0.0

@@ -144,7 +144,8 @@ def test_compare_and_reproduce() -> None:
     seeds: dict[str, Any] = {"seeds": [1], "tuning_seeds": [], "margin_seeds": []}
     document = checked(compare_document({**scene, **seeds}, [], [], [("energy", "energy.png")]))
     assert document["figures"] == [{"figure": "energy", "path": "energy.png"}]
-    claim = {"figure": "7b", "claim": "c", "paper": "p", "ours": "o", "value": math.nan, "holds": True, "note": ""}
+    claim = {"figure": "7b", "claim": "c", "paper": "p", "ours": "o", "value": math.nan}
+    claim |= {"holds": True, "note": "", "own": False}
     document = checked(reproduce_document([claim], [("7", "title", "fig7.png")], 3))
     assert document["claims"] == [claim | {"value": None}]
 
