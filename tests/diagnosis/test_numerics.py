@@ -71,7 +71,7 @@ def test_innovations_are_those_of_the_cholesky_factor_of_the_covariance() -> Non
     predictors, errors = levinson_durbin(0.7 ** np.arange(3.0))
     columns = np.random.default_rng(0).standard_normal((2, 40))
     noise = NoiseModel(predictors=predictors, scales=1 / np.sqrt(errors), age=np.minimum(np.arange(40), 2),
-                       weight=np.ones(40), effective_samples=40.0, level_nm=1.0)  # fmt: skip
+                       weight=np.ones(40), effective_samples=40.0)  # fmt: skip
     factor = cholesky(toeplitz(0.7 ** np.arange(40.0)), lower=True)
     assert noise.whiten(columns) == pytest.approx(solve_triangular(factor, columns.T, lower=True).T)
 
@@ -83,7 +83,6 @@ def test_noise_is_an_autoregression_of_its_own_innovations() -> None:
     innovations = noise.whiten(left)[0]
     assert np.std(innovations) == pytest.approx(1.0, abs=0.05)
     assert abs(np.corrcoef(innovations[1:], innovations[:-1])[0, 1]) < 0.05
-    assert noise.level_nm == pytest.approx(np.std(left), rel=0.02)
 
 
 def test_folds_hold_whole_cycles_spread_over_the_log() -> None:

@@ -5,14 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis import intervals, residual_curves, screening
+from friction_audit.diagnosis import intervals, profiles, screening
 from friction_audit.diagnosis.conclusion import Conclusion, Named, conclude
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.forward_gap import gap_in_motion
 from friction_audit.diagnosis.gram import Training
 from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.procedure import State, nominal, select
-from friction_audit.diagnosis.profiles import with_own_axes
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
@@ -90,7 +89,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     found = replace(
         found, simulation=gap_in_motion(found, subject.model, subject.data, test, known_inertia_kg_m2=known)
     )
-    return with_own_axes(replace(found, contacts=residual_curves.contact_trace(state)))
+    return profiles.with_own_axes(replace(found, contacts=profiles.contact_trace(state)))
 
 
 def _unanswered(subject: Subject, verdict: Verdict, reason: str) -> JointDiagnosis:
@@ -116,8 +115,8 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
     )
     tests = screening.wild_cluster_bootstrap(gram, (), settings.seed)
     last = screening.wild_cluster_bootstrap(gram, active, settings.seed) if active else tests
-    profiles = residual_curves.profiles_of(problem, before.residual, tests)
-    remaining = residual_curves.profiles_of(problem, after.residual, last) if active else profiles
+    first = profiles.profiles_of(problem, before.residual, tests)
+    remaining = profiles.profiles_of(problem, after.residual, last) if active else first
     numbers = dict(
         zip([b.name for b in active], zip(estimates.effects, estimates.not_identifiable, strict=True), strict=True)
     )
@@ -125,7 +124,7 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         tuple(_effect(state, one, numbers[one.block.name], k, group) for k, one in enumerate(group))
         for group in (said.named, said.negligible)
     )
-    events = residual_curves.contact_effects(problem, state.contacts, profiles)
+    events = profiles.contact_effects(state, first)
     limit = _detection_limit(state, after.rms)
     slow = f"the residual follows the time, and this log cannot test slow effects: {said.lacking}"
     return JointDiagnosis(
@@ -142,7 +141,7 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         omnibus_p=tests.p_value,
         remaining_p=last.p_value,
         detection_limit_nm=limit,
-        profiles=profiles,
+        profiles=first,
         remaining=remaining,
         untestable={k: v for k, v in state.dictionary.not_testable.items() if k not in {b.name for b in active}},
         findings=subject.findings,
@@ -163,7 +162,7 @@ def _effect(
     left = residual_of(gram, state.active)
     upto = [other.block for other in group[:k]]
     before, after = (held_out(gram, some, replaced=state.active).rms for some in (upto, [*upto, block]))
-    curve = residual_curves.along_effect(problem, left + torque, block.effect.axis)
+    curve = profiles.along_effect(problem, left + torque, block.effect.axis)
     power = float(np.sum(residual_of(gram, ()) ** 2))
     competing = (
         Evidence(name=c.name, delta_bic=c.deficit, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]

@@ -14,7 +14,7 @@ from friction_audit.joint_log import Float
 
 MOST_LAGS = 8
 LOADING = 0.05  # white part of the variance: plain AR weights frequencies that hold nothing but the filter's stop band
-LARGEST_REFLECTION = 0.98
+LARGEST_REFLECTION = 0.98  # autocovariances over broken stretches need not be positive definite
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -27,7 +27,6 @@ class NoiseModel:
         age: Samples before each one in its stretch, at most p, shape (m,).
         weight: Standard deviation of the noise over that with the model error, 0..1, shape (m,).
         effective_samples: Squared innovations of the residual: samples less what filter and loading took.
-        level_nm: Standard deviation of the noise alone. [N m]
     """
 
     predictors: Float
@@ -35,7 +34,6 @@ class NoiseModel:
     age: Index
     weight: Float
     effective_samples: float
-    level_nm: float
 
     def whiten(self, columns: Float) -> Float:
         """Innovations of columns, shape (k, m)."""
@@ -78,7 +76,6 @@ class NoiseModel:
             age=np.minimum(problem.age, p),
             weight=weight,
             effective_samples=float(n),
-            level_nm=float(np.sqrt(variance)),
         )
         squared = float(np.sum(noise.whiten(residual) ** 2))
         object.__setattr__(noise, "effective_samples", min(squared, float(n)))

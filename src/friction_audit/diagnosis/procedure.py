@@ -39,6 +39,7 @@ class State:
     search: selection.Search
     active: list[Block]
     contacts: tuple[Contact, ...] = ()
+    disturbed: RegressionProblem | None = None  # with the samples of the contacts
     folds: dict[str, int] | None = None
 
 
@@ -50,7 +51,7 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     contacts = contact_events.detect(problem, left, state.gram.noise)
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
-        state.contacts = contacts
+        state.contacts, state.disturbed = contacts, problem
     return state
 
 

@@ -129,11 +129,6 @@ def format_slope(slope: Coefficient) -> str:
     return f"{value if float(value) else 0} ± {half:.{digits}f}"  # many sessions: no row of zeros
 
 
-def format_torque(value: float) -> str:
-    """Return a torque to a thousandth. [N m]"""
-    return NOTHING if math.isnan(value) else f"{value:.3f}" if value < 10.0 else f"{value:.1f}"  # noqa: PLR2004
-
-
 def format_p(p: float) -> str:
     """Return a p-value in the cell of a table."""
     return NOTHING if math.isnan(p) else f"< {SMALLEST_P}" if p < SMALLEST_P else f"{p:.2g}"
