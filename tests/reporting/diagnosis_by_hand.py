@@ -72,8 +72,8 @@ def effect(
         gap_after_nm=after,
         torque=np.zeros(4),
         evidence=(
-            Evidence(name=name, delta_bic=0.0, correlation=1.0),
-            Evidence(name="warm_up", delta_bic=41.3, correlation=0.31),
+            Evidence(name=name, two_ln_bayes_factor=0.0, correlation=1.0),
+            Evidence(name="warm_up", two_ln_bayes_factor=41.3, correlation=0.31),
         ),
         curve=profile("speed", 0.7),
         size_nm=0.031,

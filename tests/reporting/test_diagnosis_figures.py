@@ -183,7 +183,7 @@ CONTACTS = effect_of(
         NAMED.effects[0],
         name="contact_event",
         parameters={"contacts": by_hand.coefficient(2.0, 0.0)},
-        evidence=(Evidence(name="contact_event", delta_bic=0.0, correlation=1.0),),
+        evidence=(Evidence(name="contact_event", two_ln_bayes_factor=0.0, correlation=1.0),),
     )
 )
 TRACE = ContactTrace(
@@ -237,7 +237,9 @@ def test_an_effect_with_an_axis_of_its_own_is_drawn_along_it() -> None:
 
 def test_marks_of_competing_effects() -> None:
     (effect,) = AMBIGUOUS.effects
-    competitors = {name: Evidence(name=name, delta_bic=bic, correlation=0.5) for name, bic in (("a", 41.3), ("b", 2.0))}
+    competitors = {
+        name: Evidence(name=name, two_ln_bayes_factor=bic, correlation=0.5) for name, bic in (("a", 41.3), ("b", 2.0))
+    }
     assert mark_of(effect, effect.evidence[0]) == CHOSEN
     assert mark_of(effect, replace(competitors["b"], name=effect.alternatives[0])) == ALIKE
     assert (mark_of(effect, competitors["a"]), mark_of(effect, competitors["b"])) == (BEATEN, ELSEWHERE)
@@ -245,7 +247,7 @@ def test_marks_of_competing_effects() -> None:
 
 def test_evidence_stands_at_its_difference_in_bic_and_the_indistinguishable_stay_on_a_sheet() -> None:
     (effect,) = AMBIGUOUS.effects
-    alike = Evidence(name="asymmetric_coulomb", delta_bic=1.5, correlation=1.0)
+    alike = Evidence(name="asymmetric_coulomb", two_ln_bayes_factor=1.5, correlation=1.0)
     one = replace(effect, evidence=(*effect.evidence, alike))
     figure = draw_evidence(of(replace(AMBIGUOUS, effects=(one,))), 2)
     marks = {str(mark.get_label()): float(np.asarray(mark.get_xdata())[0]) for mark in figure.axes[0].lines}

@@ -174,7 +174,7 @@ def test_a_joint_with_an_effect() -> None:
     assert (effect["residual_share"], effect["folds"], effect["chosen_in"]) == (0.9, 5, 5)
     assert (effect["gap_before_nm"], effect["gap_after_nm"], effect["decide"]) == (0.061, 0.021, None)
     assert effect["curve"]["backwards_nm"] == [-0.05, 0.0, 0.01]
-    assert effect["evidence"][1] == {"name": "warm_up", "delta_bic": 41.3, "correlation": 0.31}
+    assert effect["evidence"][1] == {"name": "warm_up", "two_ln_bayes_factor": 41.3, "correlation": 0.31}
     gap = found["gap"]
     assert (gap["baseline_rms_nm"], gap["final_rms_nm"], gap["noise_floor_rms_nm"]) == (0.061, 0.021, 0.02)
     assert (gap["shrink"], gap["held_out_cycles"]) == (pytest.approx(0.04 / 0.041), LOCKED)

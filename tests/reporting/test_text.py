@@ -200,7 +200,7 @@ def test_details_of_a_diagnosis_are_for_those_who_ask() -> None:
     brief, full = diagnose_lines(diagnosis()), diagnose_lines(diagnosis(), verbose=True)
     more = [line for line in full if line not in brief]
     assert f"joint 1, this log cannot show torque_crosstalk, inertial_coupling: {ALONE}" in more
-    assert "joint 1, warm_up in place of stribeck: BIC +41, correlation 0.31" in more
+    assert "joint 1, warm_up in place of stribeck: 2 ln BF +41, correlation 0.31" in more
     model = ArmModel(names=("a",), joints=(simple_model(inertia_kg_m2=1, coulomb_nm=1, viscous_nms_per_rad=1),))
     assert "nominal model: as given, its friction fitted again" in diagnose_lines(
         diagnosis(settings=DiagnosisSettings(model=model))

@@ -165,7 +165,8 @@ def _effect(
     curve = profiles.along_effect(problem, left + torque, block.effect.axis)
     power = float(np.sum(residual_of(gram, ()) ** 2))
     competing = (
-        Evidence(name=c.name, delta_bic=c.deficit, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
+        Evidence(name=c.name, two_ln_bayes_factor=c.deficit, correlation=c.correlation)
+        for c in one.competing[:COMPETING_SHOWN]
     )
     return NamedEffect(
         name=block.name,
@@ -173,7 +174,7 @@ def _effect(
         alternatives=one.alternatives,
         parameters=numbers[0],
         p_value=one.gain.p_value,
-        evidence=(Evidence(name=block.name, delta_bic=0.0, correlation=1.0), *competing),
+        evidence=(Evidence(name=block.name, two_ln_bayes_factor=0.0, correlation=1.0), *competing),
         axis=block.effect.axis,
         gap_before_nm=before,
         gap_after_nm=after,

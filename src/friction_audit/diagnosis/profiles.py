@@ -237,7 +237,7 @@ def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedE
             gap_after_nm=after,
             torque=np.zeros(len(problem.y)),
             curve=next((one for one in profiles if one.axis == CONTACT.axis), profiles[0]),
-            evidence=(Evidence(name=CONTACT.name, delta_bic=0.0, correlation=1.0),),
+            evidence=(Evidence(name=CONTACT.name, two_ln_bayes_factor=0.0, correlation=1.0),),
             size_nm=size,
             friction_share=float("nan"),
             residual_share=(size / before) ** 2 if before > 0 else 0.0,

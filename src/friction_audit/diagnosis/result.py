@@ -100,14 +100,13 @@ class Evidence:
 
     Attributes:
         name: Name of the candidate; the effect itself stands first.
-        delta_bic: What speaks for the effect less what speaks for this one, of each L - k ln(L / k) with
-            L = n_eff ln(RSS without / RSS with) and k numbers: as a difference in BIC, but that a number costs what is
-            fair at the size that the data show. Above 0 it is worse, from 6 on clearly.
+        two_ln_bayes_factor: 2 ln of the Bayes factor of the effect over this one; from 6 on strong evidence
+            (R. E. Kass, A. E. Raftery, J. Am. Stat. Assoc. 90 (1995) 773).
         correlation: Of its torque with that of the effect, free of all else in the model, 0..1.
     """
 
     name: str
-    delta_bic: float
+    two_ln_bayes_factor: float
     correlation: float
 
 

@@ -152,7 +152,7 @@ def page_tables(found: Diagnosis) -> tuple[Table, ...]:
         ).filled(),
         COMPETITOR.people(
             competitors,
-            caption="Competing effects in the place of each effect: above zero they explain less, from 6 on clearly",
+            caption="Competing effects in the place of each effect: from 6 on the evidence against them is strong",
             folded=True,
         ),
         UNTESTABLE.people(
@@ -237,7 +237,7 @@ def _competing(joint: JointDiagnosis) -> Iterator[str]:
         if effect.alternatives:
             yield f"to decide on {effect.name}: {decide_words(effect)}"
         for one in (one for one in effect.evidence if one.name != effect.name):
-            scores = f"BIC {one.delta_bic:+.0f}, correlation {one.correlation:.2f}"
+            scores = f"2 ln BF {one.two_ln_bayes_factor:+.0f}, correlation {one.correlation:.2f}"
             yield f"{one.name} in place of {effect.name}: {scores}"
     if joint.effects and not math.isnan(joint.detection_limit_nm):
         yield f"detection limit for other effects: {joint.detection_limit_nm:.2g} N m rms"

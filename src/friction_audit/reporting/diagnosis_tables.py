@@ -51,7 +51,11 @@ PROFILE = Record(
 EVIDENCE = Record(
     (
         Column("name", str, "the effect, or another one in its place"),
-        Column("delta_bic", float, "difference in BIC: above 0 it explains less, from 6 on clearly"),
+        Column(
+            "two_ln_bayes_factor",
+            float,
+            "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
+        ),
         Column("correlation", float, "of the two torques"),
     )
 )
@@ -176,7 +180,9 @@ COMPETITOR = Record(
         joint_column("0.joint"),
         Column("effect", str, get="0.effect.name", title="effect", on="p"),
         Column("competitor", str, get="1.name", title="competing effect", on="p"),
-        Column("delta_bic", float, get="1.delta_bic", form="+.0f", title="difference in BIC", on="p"),
+        Column(
+            "two_ln_bayes_factor", float, get="1.two_ln_bayes_factor", form="+.0f", title="2 ln Bayes factor", on="p"
+        ),
         Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
     )
 )

@@ -183,8 +183,8 @@ def explained_words(joint: JointDiagnosis) -> str:
 
 
 ON_SHEET = 4  # competing effects on a sheet, the named one among them
-LINEAR_TO = 10.0  # difference in BIC up to which the axis is linear, logarithmic beyond
-STRONG = 6.0  # difference in BIC that counts as strong evidence (Kass and Raftery 1995)
+LINEAR_TO = 10.0  # 2 ln of a Bayes factor up to which the axis is linear, logarithmic beyond
+STRONG = 6.0  # 2 ln of a Bayes factor that counts as strong evidence (Kass and Raftery 1995)
 CHOSEN = Mark("o", AUGMENTED, AUGMENTED, "the effect named")
 ALIKE = Mark("o", FITTED, "white", "indistinguishable")
 BEATEN = Mark("x", BORDER, BORDER, "rejected")
@@ -208,7 +208,7 @@ def draw_evidence(found: "Diagnosis", joint: int | None) -> "Figure":
     for axes, draw in zip(grid_axes, panels, strict=True):
         draw(axes)
     add_legend(figure)
-    figure.supxlabel("BIC above that of the effect named; r: correlation")
+    figure.supxlabel("2 ln Bayes factor, effect named over this one; r: correlation")
     return figure
 
 
@@ -224,7 +224,7 @@ def mark_of(effect: NamedEffect, competitor: Evidence) -> Mark:
         return CHOSEN
     if competitor.name in effect.alternatives:
         return ALIKE
-    return ELSEWHERE if competitor.delta_bic < STRONG else BEATEN
+    return ELSEWHERE if competitor.two_ln_bayes_factor < STRONG else BEATEN
 
 
 def _draw_competitors(
@@ -234,19 +234,19 @@ def _draw_competitors(
     axes.set_xscale("symlog", linthresh=LINEAR_TO, linscale=1.0)
     axes.axvline(STRONG, color=MUTED, lw=0.7, ls=":", label=f"strong evidence ({STRONG:g})")
     for place, competitor in enumerate(competitors):
-        axes.hlines(place, 0.0, competitor.delta_bic, color=MUTED, lw=0.5)
-        _draw_mark(axes, mark_of(effect, competitor), competitor.delta_bic, place)
+        axes.hlines(place, 0.0, competitor.two_ln_bayes_factor, color=MUTED, lw=0.5)
+        _draw_mark(axes, mark_of(effect, competitor), competitor.two_ln_bayes_factor, place)
         if place:
             axes.annotate(
                 f"r = {competitor.correlation:.2f}", (1.0, place), (2, 0), xycoords=("axes fraction", "data"),
                 textcoords="offset points", va="center", fontsize=6.5, color=MUTED,
             )  # fmt: skip
     label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {effect.name}")
-    _scale_bic(axes, [competitor.delta_bic for competitor in competitors])
+    _scale_evidence(axes, [competitor.two_ln_bayes_factor for competitor in competitors])
     _name_rows(axes, [competitor.name for competitor in competitors])
 
 
-def _scale_bic(axes: "Axes", worse: Sequence[float]) -> None:
+def _scale_evidence(axes: "Axes", worse: Sequence[float]) -> None:
     from matplotlib.ticker import FuncFormatter, SymmetricalLogLocator
 
     axes.set_xlim(min(-2.0, 1.6 * min(worse)), 1.6 * max(*worse, LINEAR_TO))
