@@ -129,9 +129,8 @@ def test_a_stamp_nearer_to_the_next_tick_goes_back_to_its_own(rate: int) -> None
     steady = steady_clock(tick + late)
     apart = np.abs(steady - tick - np.median(steady - tick))
     assert np.mean(late > 0.5 / rate) > 2e-3
-    # A late stamp whose next tick was lost cannot be distinguished from a stamp of that tick.
-    next_lost = np.diff(np.round(tick * rate), append=np.inf) > 1
-    assert not np.any(apart[~next_lost] > 0.4 / rate)
+    # One whose next tick was lost cannot be seen to be late by that, but it would be far earlier than any other.
+    assert not np.any(apart > 0.4 / rate)
     assert np.median(apart) < 2e-5
 
 

@@ -26,6 +26,8 @@ CLOCK_WINDOW_S = 0.5  # over which the phase of a clock is averaged
 FEWEST_STAMPS = 100  # for a clock to be seen
 CLOCK_LAGS = (8, 64)  # stamps over which the period is measured: over the first, the usual step may be off by 6 %
 LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps exactly on ticks
+# Nearly all stamps are early by less than this quantile; twice as early happens only by a wrong tick.
+COMMON_EARLINESS, EARLIEST = 0.99, 2.0
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
 
 
@@ -148,7 +150,7 @@ def steady_clock(t: Float) -> Float:
     A robot samples at even ticks; a stamp is late by the time that some other computer took to notice. A stamp that is
     0.1 ms late moves a joint at 1 rad/s by 0.1 mrad, far more than the noise of its encoder. The phase of the clock is
     averaged over half a second. A stamp so late that it is nearer to the next tick goes to its own tick where the next
-    one has a stamp of its own.
+    one has a stamp of its own, or where it would be far earlier than any other.
     """
     from scipy.ndimage import uniform_filter1d
 
@@ -164,6 +166,9 @@ def steady_clock(t: Float) -> Float:
     tick = np.round(t / period - phase)
     order = np.arange(len(t))
     own: Float = np.minimum.accumulate((tick - order)[::-1])[::-1] + order
+    earliest = EARLIEST * np.quantile(own + phase - t / period, COMMON_EARLINESS)
+    while np.any(early := (np.diff(own, prepend=-np.inf) > 1.0) & (own + phase - t / period > earliest)):
+        own -= early
     return np.asarray((own + phase) * period) if np.mean(own < tick) <= MOST_MOVED else t
 
 
