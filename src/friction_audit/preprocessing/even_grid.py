@@ -26,7 +26,8 @@ CLOCK_WINDOW_S = 0.5  # over which the phase of a clock is averaged
 FEWEST_STAMPS = 100  # for a clock to be seen
 CLOCK_LAGS = (8, 64)  # stamps over which the period is measured: over the first, the usual step may be off by 6 %
 LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps exactly on ticks
-# Nearly all stamps are early by less than this quantile; twice as early happens only by a wrong tick.
+# Nearly all stamps are early by less than this quantile; twice as early happens only by a wrong tick. Without the rule
+# late stamps before a lost tick are contacts or a delay (rows stranger_none 30001 and 30007).
 COMMON_EARLINESS, EARLIEST = 0.99, 2.0
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
 
