@@ -39,7 +39,8 @@ def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) 
     joints = list(unknown if nominal is None else nominal.joints)
     lacking = []
     for joint in (joint for joint in found.joints if joint.augmented):
-        origin = Provenance(method=METHOD, log=log.source.path, sha256=log.source.sha256, cycles=_count_cycles(joint))
+        cycles = 0 if joint.traces is None else len(np.unique(joint.traces.cycle))
+        origin = Provenance(method=METHOD, log=log.source.path, sha256=log.source.sha256, cycles=cycles)
         try:
             joints[joint.joint - 1] = augment_model(joint, joints[joint.joint - 1], origin)
         except AnalysisError as error:
@@ -101,7 +102,3 @@ def _nonlinear(term: Effect, nominal: JointModel | None) -> tuple[float, ...]:
 def _without_term(joint: JointDiagnosis) -> list[str]:
     known = {term.name for term in terms()}
     return [effect.name for effect in (*joint.effects, *joint.negligible) if effect.name not in known]
-
-
-def _count_cycles(joint: JointDiagnosis) -> int:
-    return 0 if joint.traces is None else len(np.unique(joint.traces.cycle))
