@@ -8,7 +8,7 @@ from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
 RATE_HZ = 1000.0
 
 
-def choice(*, gravity: str = "absent") -> TorqueChoice:
+def choice(*, gravity: str = "removed") -> TorqueChoice:
     return TorqueChoice(
         source="interaction",
         gravity=gravity,
@@ -25,7 +25,7 @@ def choice(*, gravity: str = "absent") -> TorqueChoice:
 
 
 def interaction(
-    t: Float, dq: Float, torque: Float, *, q: Float | None = None, u: Float | None = None, gravity: str = "absent"
+    t: Float, dq: Float, torque: Float, *, q: Float | None = None, u: Float | None = None, gravity: str = "removed"
 ) -> Interaction:
     """Make an Interaction of one joint (arrays of shape (n,)) or several (shape (n, j))."""
     dq, torque = (np.atleast_2d(x.T).T for x in (dq, torque))

@@ -391,7 +391,7 @@ ESTIMATE_ONLY = [
     ("--thresholds 0.1,0.5", r"expected initiation above termination"),
     ("--thresholds inf,0.5", r"expected initiation above termination"),
     ("--min-path nan", r"--min-path nan: expected an angle"),
-    ("--gravity-vector 0,0,0", r"--gravity-vector 0,0,0: .*use --gravity none"),
+    ("--gravity-vector 0,0,0", r"--gravity-vector 0,0,0: .*use --gravity removed"),
     ("--torque tau_ext", r"has no tau_ext"),
     ("--urdf absent.urdf", r"absent.urdf"),
     ("--config absent.toml", r"absent.toml: cannot be read"),

@@ -6,6 +6,7 @@ import subprocess
 import sys
 from dataclasses import fields, replace
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import pytest
@@ -13,7 +14,6 @@ import pytest
 import friction_audit
 from friction_audit import api as options
 from friction_audit.api import replay_settings
-from friction_audit.cli.choices import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
 from friction_audit.compensation.compensators import EnergyCompensator
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.settings import DiagnosisSettings
@@ -22,6 +22,7 @@ from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.readers import ReadOptions
 from friction_audit.joint_log import JointLog
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting import diagnosis, estimate, replay
 from tests.reporting.conftest import build_estimate
 from tests.test_docs import DOCS
 
@@ -107,15 +108,19 @@ def test_a_misspelt_option_suggests_the_near_one(call: str, wrong: dict[str, Any
         getattr(friction_audit, call)(log, **wrong)
 
 
+def names(*results: ModuleType) -> tuple[str, ...]:
+    return tuple(table.name for result in results for table in result.TABLES)
+
+
 def test_results_become_frames(log: JointLog, tmp_path: Path) -> None:
-    estimate = friction_audit.estimate_log(log)
-    frames = friction_audit.to_frames(estimate)
-    assert tuple(frames) == ESTIMATE_TABLES
-    assert frames["coefficients"]["coulomb_nm"][0] == estimate.friction.joints[0].coulomb.value
+    result = friction_audit.estimate_log(log)
+    frames = friction_audit.to_frames(result)
+    assert tuple(frames) == names(estimate)
+    assert frames["coefficients"]["coulomb_nm"][0] == result.friction.joints[0].coulomb.value
     assert len(frames["interaction"]) == len(log.t)
-    assert tuple(friction_audit.to_frames(friction_audit.replay_log(estimate))) == REPLAY_TABLES
-    report = friction_audit.report_log(estimate, tmp_path / "run.md")
-    assert tuple(friction_audit.to_frames(report)) == REPORT_TABLES
+    assert tuple(friction_audit.to_frames(friction_audit.replay_log(result))) == names(replay)
+    report = friction_audit.report_log(result, tmp_path / "run.md")
+    assert tuple(friction_audit.to_frames(report)) == names(estimate, replay, diagnosis)
     assert (tmp_path / "run.md").read_text().startswith("# Joint friction")
 
 

@@ -26,7 +26,7 @@ ERRORS = {"coulomb_nm": 0.0095, "viscous_nms_per_rad": 0.061}
 SPREAD = 0.3
 """Of the logarithm of the errors."""
 PER_K = {"coulomb_nm": -0.01, "viscous_nms_per_rad": -0.019}
-CONDITIONS = Conditions(drive="hand", torque="interaction", gravity="absent", inertia="none")
+CONDITIONS = Conditions(drive="hand", torque="interaction", gravity="removed", inertia="none")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -28,5 +28,5 @@ def test_page_and_command_agree(module: "ModuleType") -> None:
     name = name_of(module)
     prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
     named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
-    assert options_of(name) - {"--help"} <= named
+    assert options_of(name) - {"--help", "--help-all"} <= named
     assert named <= options_of(name)

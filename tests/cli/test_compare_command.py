@@ -8,8 +8,8 @@ from friction_audit.cli.compare import ARMS, METHOD_NAMES
 from friction_audit.compensation.comparison import METHODS, SCENES
 from tests.cli.conftest import Run
 
-NO_MARGINS = ("--margin-seeds", "0", "-q")
-SHORT = ("--seeds", "2", "--duration", "12", "--methods", "none,oracle", "-q")
+NO_MARGINS = ("--margin-persons", "0", "-q")
+SHORT = ("--persons", "2", "--duration", "12", "--methods", "none,oracle", "-q")
 
 
 def test_names_are_those_of_the_package() -> None:
@@ -60,7 +60,7 @@ def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
 
 
 def test_margins_only_if_wanted(run: Run) -> None:
-    document = run("compare", *SHORT, "--margin-seeds", "0", "--json").document()
+    document = run("compare", *SHORT, "--margin-persons", "0", "--json").document()
     assert document["margin_seeds"] == []
     assert [row["stability_margins"] for row in document["methods"]] == [[], []]
 
@@ -70,8 +70,8 @@ def test_help_tells_the_lengths_as_they_are(run: Run) -> None:
     lengths = [scene.settings.duration_s for scene in SCENES]
     margins = [scene.plan.margin_seeds for scene in SCENES]
     text = " ".join(answer.out.replace("│", " ").split())
-    assert f"Default: {lengths[0]:g} s of the joint, {lengths[1]:g} s of the arm" in text
-    assert f"Default: {margins[0]} of the joint, {margins[1]} of the arm" in text
+    assert f"Default: {lengths[0]:g} s for the joint, {lengths[1]:g} s for the arm" in text
+    assert f"Default: {margins[0]} for the joint, {margins[1]} for the arm" in text
 
 
 def test_older_figures_are_kept(run: Run, tmp_path: Path) -> None:
@@ -91,7 +91,7 @@ def test_older_figures_are_kept(run: Run, tmp_path: Path) -> None:
         (("--arm", "ur5"), "expected one of joint, panda"),
         (("--set", "operator.inertia=1"), "operator.inertia_kg_m2"),
         (("--effect", "stribek"), "stribeck"),
-        (("--seeds", "1"), "2"),
+        (("--persons", "1"), "2"),
         (("--set", "driven=true"), "driven"),
     ],
 )
@@ -109,6 +109,6 @@ def test_too_short_a_trial_is_an_analysis_error(run: Run) -> None:
 
 
 def test_dump_config(run: Run) -> None:
-    answer = run("compare", "--seeds", "7", "--dump-config")
+    answer = run("compare", "--persons", "7", "--dump-config")
     assert answer.code == 0
-    assert "seeds = 7" in answer.out
+    assert "persons = 7" in answer.out

@@ -2,15 +2,20 @@
 
 import re
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
+import typer
 
 from friction_audit import __version__
 from friction_audit.cli import main
-from friction_audit.cli.app import COMMANDS, name_of
+from friction_audit.cli.app import COMMANDS, app, name_of
+from friction_audit.cli.grouped_help import HEADINGS
 from tests.cli.conftest import Run
 
+GROUP = cast("Any", typer.main.get_command(app))
 NAMES = [name_of(module) for module in COMMANDS]
+MOST_OPTIONS = 15
 
 TABLE = [
     # asked for
@@ -79,11 +84,16 @@ def test_table(words: str, code: int, stream: str, text: str, run: Run, logs: Pa
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_command_has_help_with_groups_and_examples(name: str, run: Run) -> None:
-    text = run(name, "--help").out
-    firsts = {"simulate": ("Simulation:",), "reproduce": (), "compare": ()}
-    for heading in (*firsts.get(name, ("Reading the log:",)), "Output:", "General:", "Examples:"):
-        assert heading in text
-    assert max(map(len, text.splitlines())) <= 100
+    plain, full = run(name, "--help").out, run(name, "--help-all").out
+    for text in (plain, full):
+        headings = [line.removesuffix(":") for line in text.splitlines() if line.endswith(":") and line[0] != " "]
+        assert headings == [heading for heading in HEADINGS if heading in headings]
+        assert {"Common options"} <= set(headings) <= set(HEADINGS)
+        assert "Examples:" in text
+        assert max(map(len, text.splitlines())) <= 100
+    count = [len(re.findall(r"^  (?:-\w, )?--", text, re.MULTILINE)) for text in (plain, full)]
+    assert count[0] <= MOST_OPTIONS
+    assert count[1] == sum(param.param_type_name == "option" for param in GROUP.commands[name].params) + len(["--help"])
 
 
 def test_an_option_without_effect_is_said(run: Run, logs: Path) -> None:

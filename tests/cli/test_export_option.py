@@ -7,14 +7,17 @@ import pandas as pd
 import pytest
 from mcap.reader import make_reader
 
-from friction_audit.cli import choices
+from friction_audit.reporting import diagnosis, estimate, replay
 from tests.cli.conftest import Run
 
 TABLES = {
-    "estimate": choices.ESTIMATE_TABLES,
-    "replay": choices.REPLAY_TABLES,
-    "diagnose": choices.DIAGNOSE_TABLES,
-    "report": choices.REPORT_TABLES,
+    command: [table.name for result in results for table in result.TABLES]
+    for command, results in {
+        "estimate": (estimate,),
+        "replay": (replay,),
+        "diagnose": (diagnosis,),
+        "report": (estimate, replay, diagnosis),
+    }.items()
 }
 
 

@@ -20,7 +20,9 @@ def test_the_table_names_the_assumption(run: Run, logs: Path) -> None:
 
 
 def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
-    answer = run("replay", logs / "moved2.csv", "--joints", "2", "--json", "--window", "5", "--max-torque", "50")
+    answer = run(
+        "replay", logs / "moved2.csv", "--joints", "2", "--json", "--compensator-window", "5", "--max-torque", "50"
+    )
     document = answer.document()
     assert answer.err == ""
     assert document["assume"] == "same-motion"
@@ -67,20 +69,20 @@ def test_damage_is_said(run: Run, logs: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--fixed", "coulomb=0.2", "--window", "3"], "nothing is estimated"),
-        (["--fixed", "coulomb=0.2", "--factor", "2"], "leave --factor away"),
-        (["--fixed", "stiction=0.2"], "expected coulomb=NUMBER,viscous=NUMBER"),
-        (["--fixed", "coulomb=x"], "expected coulomb=NUMBER"),
-        (["--fixed", "coulomb=0.2,viscous=-0.1"], "would brake the joint"),
-        (["--no-passivity", "--max-damping", "3"], "nothing is damped"),
-        (["--compensator", "sigmoid", "--fixed", "coulomb=0.2"], "has no use for --fixed"),
-        (["--compensator", "lugre", "--observer-gain", "5"], "has no use for --observer-gain"),
+        (["--coefficients", "coulomb=0.2", "--compensator-window", "3"], "nothing is estimated"),
+        (["--coefficients", "coulomb=0.2", "--factor", "2"], "remove --factor"),
+        (["--coefficients", "stiction=0.2"], "expected coulomb=NUMBER,viscous=NUMBER"),
+        (["--coefficients", "coulomb=x"], "expected coulomb=NUMBER"),
+        (["--coefficients", "coulomb=0.2,viscous=-0.1"], "would brake the joint"),
+        (["--no-passivity", "--max-damping", "3"], "only the controller damps"),
+        (["--compensator", "sigmoid", "--coefficients", "coulomb=0.2"], "does not use --coefficients"),
+        (["--compensator", "lugre", "--observer-gain", "5"], "does not use --observer-gain"),
         (["--compensator", "disturbance_observer"], "feeds the motion back"),
         (["--operator", "0.3,9,60"], "ask for --assume same-operator"),
         (["--assume", "same-operator", "--operator", "0.3,9"], "expected 3"),
         (["--assume", "same-operator", "--operator", "0,0,0"], "at least one of them"),
         (["--assume", "nothing"], "expected one of same-motion"),
-        (["--model", "viscous", "--window", "0"], "window 0"),
+        (["--compensator-model", "viscous", "--compensator-window", "0"], "window 0"),
         (["--max-torque", "-1"], "above zero"),
         (["--cycles-from", "hand"], ""),
     ],

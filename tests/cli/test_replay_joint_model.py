@@ -114,7 +114,7 @@ def test_a_joint_without_a_model_does_not_stop_the_others(run: Run, logs: Path) 
         (["--joint-model", "one.toml"], "not used with --assume same-motion"),
         (["--joint-model", "absent.toml", "--assume", "same-torque"], "absent.toml"),
         (["--joint-model", "two.toml", "--assume", "same-torque"], "two.toml: 2 joints;"),
-        (["--joint-model", "one.toml", "--compensator", "model", "--factor", "2"], "has no use for --factor"),
+        (["--joint-model", "one.toml", "--compensator", "model", "--factor", "2"], "does not use --factor"),
     ],
 )
 def test_wrong_usage(words: list[str], message: str, run: Run, logs: Path) -> None:

@@ -23,7 +23,7 @@ def test_table_figures_and_exit_code(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("sketched")
 def test_document(run: Run, tmp_path: Path) -> None:
-    answer = run("reproduce", "--figures", "7", "--figure-format", "svg", "--seeds", "2", "--json")
+    answer = run("reproduce", "--figures", "7", "--figure-format", "svg", "--persons", "2", "--json")
     document = answer.document()
     assert document["seeds"] == 2
     assert [claim["figure"] for claim in document["claims"]] == ["7a", "7b", "7b", "7c", "7c"]
@@ -56,7 +56,7 @@ def test_older_figures_are_refused_before_anything_is_simulated(run: Run, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("words", "message"), [(("--figures", "15"), "15: expected one of 3, 6, 7"), (("--seeds", "0"), "--seeds")]
+    ("words", "message"), [(("--figures", "15"), "15: expected one of 3, 6, 7"), (("--persons", "0"), "--persons")]
 )
 def test_wrong_usage(words: tuple[str, str], message: str, run: Run) -> None:
     answer = run("reproduce", *words)

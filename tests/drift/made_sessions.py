@@ -11,7 +11,7 @@ from friction_audit.friction.history import Coefficient
 A_DAY_S = 86400.0
 FIRST_S = 1772323200.0  # 2026-03-01 00:00 UTC
 
-HAND = Conditions(drive="hand", torque="interaction", gravity="absent", inertia="none", rate_hz=1000.0)
+HAND = Conditions(drive="hand", torque="interaction", gravity="removed", inertia="none", rate_hz=1000.0)
 
 
 def about(value: float, error: float) -> Coefficient:

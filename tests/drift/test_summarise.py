@@ -134,5 +134,5 @@ def test_a_model_without_a_coefficient_has_no_change_of_it(log: JointLog) -> Non
 
 def test_conditions(estimate: Estimate) -> None:
     found = conditions_of(estimate.log, estimate.interaction, payload="0.7 kg")
-    assert (found.drive, found.torque, found.gravity, found.payload) == ("hand", "interaction", "absent", "0.7 kg")
+    assert (found.drive, found.torque, found.gravity, found.payload) == ("hand", "interaction", "removed", "0.7 kg")
     assert found.rate_hz == pytest.approx(250.0, rel=0.01)

@@ -246,7 +246,7 @@ def two_joints(coupling: float) -> Interaction:
     first = 0.3 * np.sign(v1) + 0.1 * v1 + 0.2 * a1 + 0.8 * np.sin(q1)
     second = 0.3 * np.sign(v2) + 0.1 * v2 + 0.2 * a2 + 0.8 * np.cos(q2)
     torque = np.stack([first + coupling * (np.sign(v2) + v2), second], axis=1) + noise
-    return interaction(t, np.stack([v1, v2], axis=1), torque, q=np.stack([q1, q2], axis=1), gravity="none")
+    return interaction(t, np.stack([v1, v2], axis=1), torque, q=np.stack([q1, q2], axis=1), gravity="in-torque")
 
 
 def test_excitation_without_a_closed_cycle_is_answered_by_a_regression() -> None:
@@ -273,7 +273,8 @@ def test_no_other_method_than_the_one_asked_for(settings: dict[str, Any]) -> Non
 
 def test_a_torque_of_noise_is_not_answered_by_a_regression() -> None:
     t, q, v, _ = excitation(0.0)
-    (joint,) = estimated(interaction(t, v, np.random.default_rng(0).normal(size=len(t)), q=q, gravity="none")).joints
+    noise = np.random.default_rng(0).normal(size=len(t))
+    (joint,) = estimated(interaction(t, v, noise, q=q, gravity="in-torque")).joints
     assert "No torque regression either" in joint.reason
 
 

@@ -52,7 +52,7 @@ COMMANDS = {
     "diagnose bench_rig": f"diagnose {SAMPLES}/bench_rig.csv --json",
     "report bench_rig": f"report {SAMPLES}/bench_rig.csv --format json --json -o report.json",
     "batch-report": "batch-report rig --baseline 3 --json -o drift",
-    "compare": "compare --seeds 2 --duration 10 --margin-seeds 0 --json",
+    "compare": "compare --persons 2 --duration 10 --margin-persons 0 --json",
     "reproduce": "reproduce --figures 3,7 --json",
     "damaged": "estimate cut.csv --json",
     "no such column": "estimate strange.csv --json",

@@ -90,17 +90,17 @@ def rms(torque: Float) -> float:
         (
             log_of("unknown", tau_ext_hat_filtered=-friction()),
             {},
-            "tau_ext absent none hand - none",
+            "tau_ext removed none hand - none",
             ["tau_ext_filtered"],
         ),
         (
             log_of("unknown", tau_ext_hat_filtered=friction()),
             {},
-            "tau_ext absent none robot + none",
+            "tau_ext removed none robot + none",
             ["tau_ext_filtered", "sign_turned"],
         ),
-        (log_of("unknown", tau_interaction=friction()), {}, "interaction absent none hand + none", []),
-        (log_of("unknown", tau_interaction=-friction()), {}, "interaction absent none hand - none", ["sign_turned"]),
+        (log_of("unknown", tau_interaction=friction()), {}, "interaction removed none hand + none", []),
+        (log_of("unknown", tau_interaction=-friction()), {}, "interaction removed none hand - none", ["sign_turned"]),
         (hand_log(tau_ext_hat_filtered=-friction()), {}, "tau_J model none hand - panda", []),
     ],
 )
@@ -146,11 +146,11 @@ def test_auto_trusts_the_vendor_s_estimate_if_a_payload_is_missing_from_the_mode
 
 def test_no_robot_is_assumed_that_neither_log_nor_user_names() -> None:
     found = extract(robot_log("unknown"), drive="robot")
-    assert (found.choice.robot, found.choice.gravity, found.choice.inertia) == ("none", "none", "none")
+    assert (found.choice.robot, found.choice.gravity, found.choice.inertia) == ("none", "in-torque", "none")
     assert found.choice.gravity_in_torque
     (caution,) = [one for one in found.warnings if one.code == "gravity_in_torque"]
     assert "`friction-audit estimate made.csv --drive robot --robot panda`" in caution.message
-    assert "`friction-audit estimate made.csv --drive robot --map tau_interaction=COLUMN`" in caution.message
+    assert "`friction-audit estimate made.csv --gravity removed --drive robot`" in caution.message
     named = extract(robot_log("unknown"), drive="robot", robot="panda")
     assert (named.choice.robot, named.choice.gravity, named.choice.inertia) == ("panda", "model", "model")
 
@@ -181,7 +181,7 @@ def test_a_model_further_from_the_torque_than_none_is_refused_with_the_numbers(d
         extract(other, robot="panda", drive=drive)
     assert f"friction-audit estimate made.csv --drive {drive} --robot none" in str(refused.value)
     assert len(re.findall(r"\d+\.\d\d", str(refused.value))) == 14
-    with pytest.raises(UsageError, match=r"already removed from tau_J: .*--map tau_interaction=COLUMN"):
+    with pytest.raises(UsageError, match=r"already removed from tau_J: .*--gravity removed"):
         extract(log_of("panda", tau_J=friction()), drive=drive)
     log = robot_log()
     assert log.tau_J is not None
@@ -203,7 +203,7 @@ def test_a_current_gets_no_gravity_of_a_model() -> None:
     log = robot_log()
     current = replace(log, source=replace(log.source, torque_unit="A"))
     found = extract(current, drive="robot")
-    assert (found.choice.gravity, found.choice.robot) == ("none", "none")
+    assert (found.choice.gravity, found.choice.robot) == ("in-torque", "none")
     with pytest.raises(UsageError, match="is a motor current"):
         extract(current, gravity="model")
 

@@ -51,13 +51,13 @@ def test_the_sign_is_proved_on_all_seven_joints_and_the_model_is_right() -> None
     assert error[4:].max() < 0.06
 
 
-@pytest.mark.parametrize(("robot", "gravity"), [("panda", "model"), ("none", "none")])
+@pytest.mark.parametrize(("robot", "gravity"), [("panda", "model"), ("none", "in-torque")])
 def test_auto_finds_out_that_the_arm_moved_by_itself(robot: str, gravity: str) -> None:
     found = extract_interaction(excitation(), TorqueSettings(robot=robot))
     assert (found.choice.drive, found.choice.gravity, found.choice.sign_turned) == ("robot", gravity, True)
     assert found.choice.sign_proved
     assert {"dq_late", "sign_turned"} <= codes(found)
-    assert ("gravity_in_torque" in codes(found)) == (gravity == "none")
+    assert ("gravity_in_torque" in codes(found)) == (gravity == "in-torque")
 
 
 def test_one_way_motion_proves_no_sign() -> None:

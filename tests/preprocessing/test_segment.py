@@ -79,7 +79,7 @@ def test_a_joint_that_never_comes_back_has_no_closed_cycle() -> None:
 
 def test_with_gravity_in_the_torque_only_closed_paths_count() -> None:
     t, v, torque = rubbed([0.8, -0.8, 0.6, -0.9], [1.0, 1.0, 1.0, 1.0])
-    cycles = segment_cycles(interaction(t, v, torque, gravity="none"), DEFAULT)
+    cycles = segment_cycles(interaction(t, v, torque, gravity="in-torque"), DEFAULT)
     assert cycles.reason.tolist() == [KEPT, OPEN, OPEN]
     assert abs(cycles.sums.displacement_rad[0]) < 1e-4
     assert cycles.sums.path_rad[0] == pytest.approx(1.6, rel=1e-4)
@@ -88,7 +88,7 @@ def test_with_gravity_in_the_torque_only_closed_paths_count() -> None:
 def test_a_path_is_closed_only_if_every_joint_returns() -> None:
     t, v, torque = rubbed([0.8, -0.8], [1.0, 1.0])
     other = np.where(t > 1.4, 0.3 * np.sin(t - 1.4) ** 2, 0.0)
-    log = interaction(t, np.stack([v, other], 1), np.stack([torque, other], 1), gravity="none")
+    log = interaction(t, np.stack([v, other], 1), np.stack([torque, other], 1), gravity="in-torque")
     assert segment_cycles(log, DEFAULT).of_joint(0).reason.tolist() == [OPEN, OPEN]
 
 

@@ -186,7 +186,7 @@ def build_estimate(joints: int = 7, *, count: int = 16, rate: float = 200.0, dam
     )
     choice = TorqueChoice(
         source="interaction",
-        gravity="absent",
+        gravity="removed",
         inertia="none",
         drive="hand",
         sign=1,

@@ -11,10 +11,9 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from friction_audit.cli import choices
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.io.writers.tables import to_frame, write_rows
-from friction_audit.reporting import drift
+from friction_audit.reporting import diagnosis, drift, estimate, replay
 from friction_audit.reporting.diagnosis import diagnose_tables
 from friction_audit.reporting.drift import BatchSummary, session_columns
 from friction_audit.reporting.report import LogReport, report_tables
@@ -36,6 +35,9 @@ UNITLESS = {
 UNIT = re.compile(r"_(s|rad|rad_s|nm|nm_s|nms_per_rad|j)$")
 
 
+TABLES = tuple(table.name for module in (estimate, replay, diagnosis) for table in module.TABLES)
+
+
 @cache
 def report() -> LogReport:
     return by_hand.report()
@@ -46,7 +48,7 @@ def every() -> dict[str, TidyTable]:
     return {table.name: table for table in report_tables(report())}
 
 
-@pytest.mark.parametrize("name", choices.REPORT_TABLES)
+@pytest.mark.parametrize("name", TABLES)
 def test_columns_are_complete_of_their_kind_and_name_their_units(name: str) -> None:
     table = every()[name]
     assert [column for column in table.types if not (UNIT.search(column) or column in UNITLESS)] == []
@@ -59,9 +61,9 @@ def test_columns_are_complete_of_their_kind_and_name_their_units(name: str) -> N
 
 
 def test_tables_are_those_of_the_options() -> None:
-    assert tuple(every()) == choices.REPORT_TABLES
+    assert tuple(every()) == TABLES
     alone = LogReport(estimate=report().estimate)
-    assert tuple(table.name for table in report_tables(alone)) == choices.ESTIMATE_TABLES
+    assert tuple(table.name for table in report_tables(alone)) == tuple(table.name for table in estimate.TABLES)
 
 
 def test_coefficients_and_cycles_are_the_estimate_s() -> None:

@@ -17,7 +17,8 @@ from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, remark, say
-from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFormats, MinEffect
+from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS
+from friction_audit.cli.options import PNG, EstimateOptions, FigureFormats, LogOptions, MinEffect, folder_option
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
     from friction_audit.drift.fail_on import Limit
     from friction_audit.drift.settings import DriftSettings
     from friction_audit.reporting.drift import BatchSummary
-
-SESSIONS, DRIFT, RUNNING = "Sessions", "Drift", "Running"
 
 EXAMPLES = """Examples:
   friction-audit batch-report logs/
@@ -60,8 +59,8 @@ class SessionOptions:
         Path | None,
         option(
             SESSIONS,
-            "Table with the columns path, start, robot, temperature, payload, note; paths relative to it. The "
-            "logs that it names are read too.",
+            "Table with the columns path, start, robot, temperature, payload, note; paths are relative to it. Its "
+            "logs are read too.",
             metavar="FILE.csv",
             exists=True,
             dir_okay=False,
@@ -69,20 +68,20 @@ class SessionOptions:
     ] = None
     diagnose: Annotated[
         bool,
-        option(SESSIONS, "Also name what the model misses in each session (slow).", "--diagnose"),
+        option(SESSIONS, "Also diagnose each session (slow).", "--diagnose"),
     ] = False
     min_effect: MinEffect = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriftOptions:
-    """What is asked of the sessions together."""
+    """How drift is tested."""
 
     baseline: Annotated[
         str,
         option(
             DRIFT,
-            "Sessions of the reference: the first K of each arm, or their numbers, e.g. 3-8,10.",
+            "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.",
             metavar="K|LIST",
         ),
     ] = "5"
@@ -90,8 +89,8 @@ class DriftOptions:
         list[str] | None,
         option(
             DRIFT,
-            "Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions are too "
-            "few or too scattered to test it. Repeatable.",
+            "Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions cannot test "
+            "this limit. Repeatable.",
             metavar="COEFFICIENT=LIMIT",
         ),
     ] = None
@@ -108,12 +107,12 @@ class RunningOptions:
     scheduler: Annotated[
         str | None,
         option(
-            RUNNING, "Scheduler of a Dask cluster, e.g. tcp://host:8786, that does the work instead.", metavar="ADDRESS"
+            RUNNING, "Scheduler of a Dask cluster that does the work instead, e.g. tcp://host:8786.", metavar="ADDRESS"
         ),
     ] = None
     rebuild: Annotated[
         bool,
-        option(RUNNING, "Compute everything anew; the ledger that is there is kept under another name.", "--rebuild"),
+        option(RUNNING, "Compute everything again; the existing ledger is kept under another name.", "--rebuild"),
     ] = False
 
     def __post_init__(self) -> None:
@@ -129,44 +128,45 @@ def command(
     sessions: SessionOptions,
     drift: DriftOptions,
     running: RunningOptions,
-    shared: AuditOptions,
+    friction: EstimateOptions,
+    shared: LogOptions,
     logs: Annotated[
         list[str] | None,
         typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs."),
     ] = None,
     folder: Annotated[
         Path,
-        option(OUTPUT, f"Folder of the ledger, {', '.join(RESULTS)} and the figures.", "--output", "-o", metavar="DIR"),
+        folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures."),
     ] = Path("friction-drift"),
     formats: FigureFormats = PNG,
 ) -> None:
-    """Follow the friction of each joint over many recordings: what changed, when, and how sure we are."""
+    """Friction drift across sessions: what changed, when, with confidence intervals."""
     from friction_audit.batch.remote import as_text
 
     voice = shared.general.voice
-    output, settings = shared.output, _settings(sessions, shared)
+    settings = _settings(sessions, friction, shared)
     drift_settings, limits = _drift_settings(drift)
     found = _find(logs or [], sessions.manifest, folder)
     with _ledger(folder, running, voice) as (ledger, alone), _processes(running) as processes:
-        if not (output.overwrite or running.rebuild):
+        if not (shared.overwrite or running.rebuild):
             check_results(folder, formats, ledger, settings)
         standing = _catch_up(found, settings, ledger, _cluster(running) or processes, voice, alone=alone)
         request = (standing.digest(), settings.text(), drift_settings, limits, formats, __version__)
-        answer = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
+        answer = None if shared.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
         if answer is None:
             again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
             answer = write_results(summary, warnings, request, folder, formats, ledger, settings, processes, voice)
-    if not output.json:
+    if not shared.general.json:
         voice.warn(answer.warnings)
-    for text in answer.document_of(standing) if output.json else (answer.text_of(standing),):
+    for text in answer.document_of(standing) if shared.general.json else (answer.text_of(standing),):
         say(text, nl=False)
     if answer.code:
         raise typer.Exit(answer.code)
 
 
-def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings":
+def _settings(sessions: SessionOptions, friction: EstimateOptions, shared: LogOptions) -> "BatchSettings":
     from friction_audit.batch.manifest import BatchSettings
 
     diagnosis = None
@@ -175,7 +175,7 @@ def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings"
 
         diagnosis = DiagnosisSettings(min_effect_nm=sessions.min_effect)
     reading = read_options(shared.reading, shared.selection)
-    return BatchSettings(audit=audit_settings(shared), reading=reading, diagnosis=diagnosis)
+    return BatchSettings(audit=audit_settings(shared, friction), reading=reading, diagnosis=diagnosis)
 
 
 def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, ...]]":

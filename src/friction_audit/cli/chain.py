@@ -13,7 +13,14 @@ import typer
 
 from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, Voice, remark
-from friction_audit.cli.options import AuditOptions, CycleOptions, ReadingOptions, SelectionOptions, TorqueOptions
+from friction_audit.cli.options import (
+    CycleOptions,
+    EstimateOptions,
+    LogOptions,
+    ReadingOptions,
+    SelectionOptions,
+    TorqueOptions,
+)
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.io.files import check_place, keep_input
 
@@ -188,12 +195,12 @@ def cycle_settings(cycles: CycleOptions) -> "CycleSettings":
     )
 
 
-def audit_settings(options: AuditOptions) -> "AuditSettings":
+def audit_settings(options: LogOptions, estimate: EstimateOptions | None = None) -> "AuditSettings":
     """Return the settings of the whole chain."""
     from friction_audit.friction.settings import FrictionSettings
     from friction_audit.pipeline import AuditSettings
 
-    selection, estimate = options.selection, options.estimate
+    selection, estimate = options.selection, estimate or EstimateOptions()
     return AuditSettings(
         joints=parse_joints(selection.joints),
         t_start_s=selection.t_start,

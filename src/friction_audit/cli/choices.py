@@ -1,6 +1,7 @@
-"""Names that options accept, written down again so that ``--help`` loads no numerics.
+"""Options with a choice of names, and values that several options share.
 
-A test holds them equal to the tuples of the steps, figures and formats that they belong to.
+Names come from the registries and settings that they belong to; those whose module loads numerics are asked for when a
+shell completes them.
 """
 
 import difflib
@@ -9,90 +10,42 @@ from typing import Any
 
 import typer
 
-from friction_audit.effects.registry import NAMES
+from friction_audit.effects import registry
 from friction_audit.errors import UsageError, printable
 from friction_audit.joint_numbers import parse_joint_numbers
+from friction_audit.reporting.figures import style
 from friction_audit.reporting.figures.registry import figure_names
 
-TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
-GRAVITIES = ("auto", "logged", "model", "none")
-INERTIAS = ("auto", "model", "none")
-DRIVES = ("auto", "hand", "robot")
-ROBOTS = ("auto", "panda", "fr3", "none")
-CYCLES_FROM = ("joint", "hand")
-ESTIMATORS = ("weighted", "paper")
-MODELS = ("combined", "coulomb", "viscous")
-ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
+# Their modules load numerics, and the help shows them: a test holds them equal.
 COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation", "model")
+ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
+REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}
+"""Formats of a report and the endings of their files."""
 FIGURES, REPLAY_FIGURES = figure_names("estimate"), figure_names("replay")
 DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drift")
 PLOTTED = figure_names("estimate", "replay", "diagnosis")
 ALL = "all"
-IMAGE_FORMATS = ("png", "svg", "pdf")
-REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}
-"""Formats of a report and the endings of their files."""
+EFFECTS, IMAGE_FORMATS = registry.NAMES, style.FORMATS
 EXPORTS = ("mcap", "csv", "parquet")
-ESTIMATE_TABLES = ("coefficients", "coefficient_history", "cycles", "interaction")
-REPLAY_TABLES = ("replay_joints", "replay_cycles", "replay_signals")
-DIAGNOSE_TABLES = (
-    "verdicts",
-    "effects",
-    "negligible_effects",
-    "effect_parameters",
-    "residual_checks",
-    "gap_ladder",
-    "residual_profiles",
-    "residual",
-    "simulated_motion",
-)
-REPORT_TABLES = (*ESTIMATE_TABLES, *REPLAY_TABLES, *DIAGNOSE_TABLES)
-"""Tables of each command's result."""
-EFFECTS = NAMES
-SCENARIOS = (
-    "joint",
-    "joint-sine",
-    "joint-slow",
-    "joint-loaded",
-    "joint-driven",
-    "panda-joint",
-    "panda",
-    "panda-driven",
-    "fig3",
-    "fig6",
-    "fig7-unprotected",
-    "fig7",
-    "fig8",
-    "fig9-friction",
-    "fig9-compensated",
-    "fig10",
-    "fig10-published",
-    "fig12",
-    "fig13",
-)
-DIALECTS = (
-    "parquet",
-    "parquet-lists",
-    "csv",
-    "csv-long",
-    "csv-rostopic",
-    "csv-bag",
-    "csv-libfranka",
-    "csv-libfranka-0.9",
-    "npz",
-    "rosbag1-joint-state",
-    "rosbag1-franka-state",
-    "rosbag2-sqlite3",
-    "rosbag2-mcap",
-    "rosbag2-db3",
-    "rosbag2-db3-franka-state",
-    "mcap",
-    "mcap-franka-robot-state",
-    "mcap-franka-robot-state-flat",
-    "mcap-franka-state",
-    "mcap-ros1",
-    "mcap-json",
-    "mcap-protobuf",
-)
+
+
+def scenarios() -> list[str]:
+    """Return the names of the scenarios."""
+    from friction_audit.simulation.scenarios import SCENARIOS
+
+    return [scenario.name for scenario in SCENARIOS]
+
+
+def dialects() -> list[str]:
+    """Return the names of the dialects that logs are written in."""
+    from friction_audit.io.writers import WRITERS
+
+    return [writer.name for writer in WRITERS]
+
+
+def completed_by(names: Callable[[], Sequence[str]]) -> Callable[[str], list[str]]:
+    """Return what a shell completes an option of one name with."""
+    return lambda incomplete: [name for name in names() if name.startswith(incomplete)]
 
 
 def option(
@@ -114,15 +67,13 @@ def option(
         settings: Of ``typer.Option``.
     """
     known = tuple(one_of or some_of)
-    if known:
-        check, offer = (_one, offer_one) if one_of else (_some, _offer_some)
-        settings = {"metavar": "|".join(known), "callback": check(known), "autocompletion": offer(known), **settings}
+    if one_of:
+        offer = completed_by(lambda: known)
+        settings = {"metavar": "|".join(known), "callback": _one(known), "autocompletion": offer, **settings}
+    elif some_of:
+        shown = f"{'|'.join(known)},..."
+        settings = {"metavar": shown, "callback": _some(known), "autocompletion": _offer_some(known), **settings}
     return typer.Option(*names, help=text, rich_help_panel=panel, **settings)
-
-
-def offer_one(names: Sequence[str]) -> Callable[[str], list[str]]:
-    """Return what a shell completes an option of one name with."""
-    return lambda incomplete: [name for name in names if name.startswith(incomplete)]
 
 
 def _offer_some(names: Sequence[str]) -> Callable[[str], list[str]]:

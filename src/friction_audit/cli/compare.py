@@ -9,19 +9,18 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_figures
-from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, OutputOptions, figures_option
+from friction_audit.cli.grouped_help import COMPARISON
+from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, Overwrite, figures_option
 
 if TYPE_CHECKING:
     from friction_audit.compensation.comparison import Comparison
     from friction_audit.compensation.comparison.scene import Scene
 
-COMPARISON = "Comparison"
-
 EXAMPLES = """Examples:
   friction-audit compare
   friction-audit compare --arm panda -o panda --figure-format pdf
   friction-audit compare --methods sigmoid,energy --effect stribeck:excess_nm=0.15
-  friction-audit compare --seeds 50 --set operator.stiffness_nm_per_rad=120 --json"""
+  friction-audit compare --persons 50 --set operator.stiffness_nm_per_rad=120 --json"""
 
 ARMS = ("joint", "panda")
 FIGURES = ("energy", "velocity-torque", "sweep", "summary")
@@ -37,7 +36,7 @@ class ComparisonOptions:
         str,
         option(
             COMPARISON,
-            "What the methods are tried on: one joint moved by a person, or a Panda guided by a hand.",
+            "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.",
             one_of=ARMS,
         ),
     ] = "joint"
@@ -45,21 +44,18 @@ class ComparisonOptions:
         list[str],
         option(
             COMPARISON,
-            "Methods compared with none; repeatable, or separated by commas. Default: all.",
+            "Methods compared with no compensation; oracle: compensates the true friction. Default: all.",
             "--methods",
             some_of=METHOD_NAMES,
         ),
     ] = METHOD_NAMES  # type: ignore[assignment] # a dataclass takes no list
-    seeds: Annotated[
-        int,
-        option(COMPARISON, "Persons simulated.", metavar="INT", min=2, max=1000),
-    ] = 20
-    margin_seeds: Annotated[
+    persons: Annotated[int, option(COMPARISON, "Simulated persons.", metavar="INT", min=2, max=1000)] = 20
+    margin_persons: Annotated[
         int | None,
         option(
             COMPARISON,
-            "So many of them are asked for the stability margin too, about eight trials each. Default: 20 of the "
-            "joint, 6 of the arm; 0 for none.",
+            "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for "
+            "the arm; 0: no margin.",
             metavar="INT",
             min=0,
             max=1000,
@@ -68,49 +64,52 @@ class ComparisonOptions:
     duration: Annotated[
         float | None,
         option(
-            COMPARISON, "Length of a trial. Default: 40 s of the joint, 30 s of the arm.", metavar="SECONDS", min=1.0
+            COMPARISON,
+            "Duration of a trial. Default: 40 s for the joint, 30 s for the arm.",
+            metavar="SECONDS",
+            min=1.0,
         ),
     ] = None
     effects: Annotated[
         list[str] | None,
         option(
             COMPARISON,
-            "Hide an effect that no method knows of, as in simulate. Repeatable.",
+            "Add an effect that no method models, as in simulate. Repeatable.",
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
-            autocompletion=choices.offer_one(choices.EFFECTS),
+            autocompletion=choices.completed_by(lambda: choices.EFFECTS),
         ),
     ] = None
     assignments: Annotated[
         list[str] | None,
         option(
             COMPARISON,
-            "Another value for a setting of the simulation, as in simulate. Repeatable.",
+            "Change a setting of the simulation, as in simulate. Repeatable.",
             "--set",
             metavar="NAME=VALUE[@JOINTS]",
         ),
     ] = None
-    ideal: Annotated[bool, option(COMPARISON, "Sensors without noise or resolution.", "--ideal")] = False
+    ideal: Annotated[bool, option(COMPARISON, "Sensors without noise and quantisation.", "--ideal")] = False
 
 
 def command(
     comparison: ComparisonOptions,
-    output: OutputOptions,
     general: GeneralOptions,
     figures: Annotated[list[str], figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
     formats: FigureFormats = PNG,
     folder: FigureFolder = Path("compared"),
+    overwrite: Overwrite = False,
 ) -> None:
-    """Try the compensation methods side by side in the simulator: same person, same arm, same noise."""
+    """Compare compensation methods in simulation: same person, same arm, same noise."""
     voice = general.voice
     paths = {
         name: [folder / f"{name}.{suffix}" for suffix in formats] for name in choices.some_figures(figures, FIGURES)
     }
-    chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
+    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
     scene = _scene(comparison)
     result = _compare(scene, comparison, voice)
-    files = _draw(result, paths, voice, overwrite=output.overwrite)
-    _print(result, scene, files, json=output.json)
+    files = _draw(result, paths, voice, overwrite=overwrite)
+    _print(result, scene, files, json=general.json)
 
 
 def _scene(options: ComparisonOptions) -> "Scene":
@@ -128,8 +127,8 @@ def _scene(options: ComparisonOptions) -> "Scene":
         settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
     settings = hide(assign_texts(settings, options.assignments or ()), options.effects or ())
     plan = scene.plan
-    if options.margin_seeds is not None:
-        plan = replace(plan, margin_seeds=options.margin_seeds)
+    if options.margin_persons is not None:
+        plan = replace(plan, margin_seeds=options.margin_persons)
     return replace(scene, settings=settings, plan=plan)
 
 
@@ -139,7 +138,7 @@ def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Compa
 
     chosen = [method for method in METHODS if method.name in (NONE, *options.methods)]
     with voice.progress("compare") as progress:
-        return compare(scene, options.seeds, chosen, progress)
+        return compare(scene, options.persons, chosen, progress)
 
 
 def _draw(

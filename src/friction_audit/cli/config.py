@@ -12,7 +12,8 @@ from friction_audit.cli.choices import near_misses
 from friction_audit.errors import printable, shortened
 from friction_audit.io.files import read_toml
 
-NOT_IN_FILES = ("config", "dump_config", "help")
+NOT_IN_FILES = ("config", "dump_config", "help", "help_all")
+NOT_DUMPED = ("json", "overwrite", "quiet")  # of one call, and not of a set of settings
 MOST_NAMED, LONGEST_KEY = 5, 40  # unknown keys that a message names, and characters of one
 
 
@@ -46,7 +47,9 @@ def load_config(context: typer.Context, path: Path | None) -> Path | None:
 def dump_config(context: typer.Context) -> str:
     """Return the options in force as TOML; those without a value as comments."""
     options = _options(context)
-    lines = [_line(key, context.params.get(parameter.name)) for key, parameter in options.items()]
+    lines = [
+        _line(key, context.params.get(parameter.name)) for key, parameter in options.items() if key not in NOT_DUMPED
+    ]
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -72,9 +75,8 @@ def _translate(values: dict[str, Any], path: Path, options: dict[str, Any]) -> d
     if unknown:
         few = [f"{key}{near_misses(key, tuple(options))}" for key in unknown[:MOST_NAMED]]
         more = f" and {len(unknown) - len(few)} more" if len(unknown) > len(few) else ""
-        raise typer.BadParameter(
-            f"{path}: no option {', '.join(few)}{more} (options of this command: {', '.join(options)})"
-        )
+        listed = "" if "?" in "".join(few) else f" (options of this command: {', '.join(options)})"
+        raise typer.BadParameter(f"{path}: no option {', '.join(few)}{more}{listed}")
     return {options[key].name: _as_given(value, repeatable=options[key].multiple) for key, value in named.items()}
 
 

@@ -9,7 +9,8 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import read_options
 from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.options import OUTPUT, GeneralOptions, LogPath, OutputOptions, ReadingOptions, SelectionOptions
+from friction_audit.cli.grouped_help import OUTPUT
+from friction_audit.cli.options import GeneralOptions, LogPath, Overwrite, ReadingOptions, SelectionOptions
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -41,30 +42,30 @@ def command(
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The new log; its suffix chooses the format.")],
     selection: SelectionOptions,
     reading: ReadingOptions,
-    output: OutputOptions,
     general: GeneralOptions,
     dialect: Annotated[
         str | None,
         option(
             OUTPUT,
-            "One of --list-dialects. Default: the first one of OUT's suffix.",
+            "One of --list-dialects. Default: the first one with OUT's suffix.",
             metavar="NAME",
-            autocompletion=choices.offer_one(choices.DIALECTS),
+            autocompletion=choices.completed_by(choices.dialects),
         ),
     ] = None,
     list_dialects: Annotated[  # noqa: ARG001 - its callback acts on it
         bool,
-        option(OUTPUT, "List them and stop.", "--list-dialects", callback=_list_dialects, is_eager=True),
+        option(OUTPUT, "List the dialects and stop.", "--list-dialects", callback=_list_dialects, is_eager=True),
     ] = False,
+    overwrite: Overwrite = False,
 ) -> None:
-    """Write any log as a tidy Parquet, CSV or MCAP file, or in the form of another program."""
+    """Convert a log to Parquet, CSV, MCAP, NumPy or a ROS bag."""
     voice = general.voice
     options, joints = read_options(reading, selection), parse_joints(selection.joints)
     writer = _choose_writer(out, dialect)
-    chain.check_outputs([out], overwrite=output.overwrite, log=log, folder=not writer.suffix)
+    chain.check_outputs([out], overwrite=overwrite, log=log, folder=not writer.suffix)
     kept = _take(chain.read(log, options, voice), joints)
-    _write(kept, out, writer, voice, overwrite=output.overwrite)
-    _report(kept, out, writer, voice, json=output.json)
+    _write(kept, out, writer, voice, overwrite=overwrite)
+    _report(kept, out, writer, voice, json=general.json)
     chain.exit_if_damaged(kept)
 
 

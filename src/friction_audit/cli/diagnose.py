@@ -9,10 +9,9 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice
+from friction_audit.cli.grouped_help import DIAGNOSIS
 from friction_audit.cli.options import (
-    DIAGNOSIS,
     NO_EXPORT,
-    OUTPUT,
     PNG,
     Exports,
     FigureFormats,
@@ -20,6 +19,8 @@ from friction_audit.cli.options import (
     LogPath,
     MinEffect,
     figures_option,
+    folder_option,
+    joint_model_option,
 )
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.errors import AnalysisError
@@ -47,30 +48,22 @@ class DiagnosisOptions:
         list[str],
         option(
             DIAGNOSIS,
-            "Effects that may be named; repeatable, or separated by commas. Default: all.",
+            "Effects to consider. Default: all.",
             some_of=choices.EFFECTS,
-            metavar="NAME",
+            metavar="NAME,...",
         ),
     ] = ()  # type: ignore[assignment] # a dataclass takes no list
     min_effect: MinEffect = 0.0
     seed: Annotated[
         int,
-        option(
-            DIAGNOSIS,
-            "Of the screening test; no name and no verdict depends on it.",
-            metavar="INT",
-            min=0,
-        ),
+        option(DIAGNOSIS, "Seed of the screening test; no effect and no verdict depends on it.", metavar="INT", min=0),
     ] = 0
     joint_model: Annotated[
         Path | None,
-        option(
+        joint_model_option(
             DIAGNOSIS,
-            "Nominal model of the joints, e.g. of an earlier diagnosis. "
+            "Nominal model of the joints, e.g. model.toml of an earlier diagnosis. "
             "Default: inertia, Coulomb and viscous friction.",
-            metavar="FILE.toml",
-            exists=True,
-            dir_okay=False,
         ),
     ] = None
 
@@ -81,13 +74,7 @@ def command(
     shared: LogOptions,
     folder: Annotated[
         Path | None,
-        option(
-            OUTPUT,
-            f"Also write {DOCUMENT}, the augmented {MODEL} and the figures there.",
-            "--output",
-            "-o",
-            metavar="DIR",
-        ),
+        folder_option(f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR."),
     ] = None,
     figures: Annotated[list[str], figures_option(choices.DIAGNOSIS_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
     formats: FigureFormats = PNG,
@@ -95,22 +82,22 @@ def command(
 ) -> None:
     """Find what the model of each joint misses, name it, and show how much of the residual it explains."""
     voice = shared.general.voice
-    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
+    audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)
     settings = _settings(options)
-    kinds, again = choices.some_figures(figures, choices.DIAGNOSIS_FIGURES), output.overwrite
+    kinds, again = choices.some_figures(figures, choices.DIAGNOSIS_FIGURES), shared.overwrite
     out = ResultFolder(folder=folder, name="diagnose", figures=kinds, formats=formats, exports=export, overwrite=again)
-    out.check(log, (DOCUMENT, MODEL), choices.DIAGNOSE_TABLES)
+    out.check(log, (DOCUMENT, MODEL), "diagnosis")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, reading, stages)
         if settings.model is not None:
             chain.check_joint_model(options.joint_model, settings.model, recorded)
         found = _diagnose(recorded, audit, settings, stages)
-        if not output.json:
+        if not shared.general.json:
             _warn(found, stages)
         _require_an_answer(found)
         text = _write(found, chain.reading_settings(reading), out, recorded, stages)
-    show(text, lambda: _lines(found, verbose=voice.verbose), json=output.json)
+    show(text, lambda: _lines(found, verbose=voice.verbose), json=shared.general.json)
     chain.exit_for_bugs(joint_bugs(found), voice)
     chain.exit_if_damaged(recorded)
 

@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
     NO_EXPORT,
-    OUTPUT,
     PNG,
-    AuditOptions,
+    EstimateOptions,
     Exports,
     FigureFormats,
+    LogOptions,
     LogPath,
     figures_option,
+    folder_option,
 )
 from friction_audit.cli.outputs import ResultFolder, show
 
@@ -36,30 +36,28 @@ DOCUMENT, HISTORY = "estimate.json", "history.csv"
 
 def command(
     log: LogPath,
-    shared: AuditOptions,
-    folder: Annotated[
-        Path | None,
-        option(OUTPUT, f"Also write {DOCUMENT}, {HISTORY} and the figures there.", "--output", "-o", metavar="DIR"),
-    ] = None,
+    friction: EstimateOptions,
+    shared: LogOptions,
+    folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")] = None,
     figures: Annotated[list[str], figures_option(choices.FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
     formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Estimate friction coefficients per joint over time, with their uncertainty."""
     voice = shared.general.voice
-    settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
-    kinds, again = choices.some_figures(figures, choices.FIGURES), output.overwrite
+    settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
+    kinds, again = choices.some_figures(figures, choices.FIGURES), shared.overwrite
     out = ResultFolder(folder=folder, name="estimate", figures=kinds, formats=formats, exports=export, overwrite=again)
-    out.check(log, (DOCUMENT, HISTORY), choices.ESTIMATE_TABLES)
+    out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
             recorded = chain.read(log, options, stages)
         result = chain.estimate(recorded, settings, stages)
-        if not output.json:
+        if not shared.general.json:
             chain.warn_about(result, stages)
         chain.require_an_estimate(result)
         text = _write(result, chain.reading_settings(options), out, recorded, stages)
-    show(text, lambda: _lines(result), json=output.json)
+    show(text, lambda: _lines(result), json=shared.general.json)
     chain.exit_if_damaged(result.log)
 
 

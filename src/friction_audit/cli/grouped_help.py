@@ -1,7 +1,7 @@
 """Help text with the options under headings, without loading rich."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -12,15 +12,46 @@ from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import say
 from friction_audit.errors import UsageError
 
-GENERAL = "General"
 CONTEXT = "context"
 """Parameter of a command that takes Typer's context."""
+ARGUMENTS, REPLAY, SIMULATION, COMPARISON = "Arguments", "Replay", "Simulation", "Comparison"
+SESSIONS, DRIFT, ESTIMATE, DIAGNOSIS = "Sessions", "Drift", "Estimate", "Diagnosis"
+OUTPUT, COMMON, FIGURE_FILES = "Output", "Common options", "Figure files"
+READING, SELECTION, TORQUE, CYCLES = "Reading the log", "Part of the log", "Interaction torque", "Energy cycles"
+TUNING, RUNNING, GENERAL = "Compensator", "Processes", "General"
+EVERY = "friction_audit.every_option"  # key in the context of a help that shows every option
 
-
+HEADINGS: dict[str, Collection[str] | None] = {
+    ARGUMENTS: None,
+    REPLAY: None,
+    SIMULATION: None,
+    COMPARISON: None,
+    SESSIONS: None,
+    DRIFT: None,
+    ESTIMATE: ("estimate",),
+    DIAGNOSIS: ("diagnose",),
+    OUTPUT: None,
+    FIGURE_FILES: ("plot", "compare", "reproduce"),
+    COMMON: None,
+    READING: ("info", "convert"),
+    SELECTION: ("info", "convert"),
+    TORQUE: (),
+    CYCLES: (),
+    TUNING: (),
+    RUNNING: (),
+    GENERAL: (),
+}
+"""Headings of the help in their order -> the commands whose ``--help`` shows them, None: every one that has options
+there; ``--help-all`` shows all."""
 RENAMED = {
     ("diagnose", "--model"): "--joint-model",
     ("simulate", "--model"): "--joint-model",
     ("plot", "--kind"): "--figures",
+    ("replay", "--fixed"): "--coefficients",
+    ("replay", "--window"): "--compensator-window",
+    ("replay", "--model"): "--compensator-model",
+    ("compare", "--margin-seeds"): "--margin-persons",
+    **{(command, "--seeds"): "--persons" for command in ("compare", "reproduce")},
     **{(command, "--format"): "--figure-format" for command in ("plot", "compare", "reproduce")},
 }
 
@@ -37,21 +68,31 @@ class GroupedCommand(TyperCommand):
         return super().parse_args(ctx, args)
 
     def format_options(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - types of Typer's private copy of click
-        """Write arguments, then the options of each group in the order of declaration."""
-        groups: dict[str, list[tuple[str, str]]] = {}
+        """Write arguments and options under their headings; with ``--help`` only those that the command shows."""
+        records: dict[str, list[tuple[str, str]]] = {heading: [] for heading in HEADINGS}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
             if record is not None:
-                groups.setdefault(_heading(parameter), []).append(record)
-        for heading, records in groups.items():
-            with formatter.section(heading):
-                formatter.write_dl(records)
+                records[_heading(parameter)].append(record)
+        for heading, commands in HEADINGS.items():
+            shown = commands is None or self.name in commands or ctx.meta.get(EVERY)
+            if records[heading] and shown:
+                with formatter.section(heading):
+                    formatter.write_dl(records[heading])
 
 
 def _heading(parameter: Any) -> str:  # noqa: ANN401 - as above
     if parameter.param_type_name == "argument":
-        return "Arguments"
-    return str(getattr(parameter, "rich_help_panel", None) or GENERAL)
+        return ARGUMENTS
+    return str(getattr(parameter, "rich_help_panel", None) or COMMON)
+
+
+def show_every_option(context: typer.Context, wanted: bool) -> None:
+    """Print the help with every option and stop."""
+    if wanted and not context.resilient_parsing:
+        context.meta[EVERY] = True
+        say(context.get_help())
+        raise typer.Exit
 
 
 def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:

@@ -8,10 +8,9 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli.chain import cycle_settings, read_options, torque_settings
-from friction_audit.cli.choices import option, parse_joints
+from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.options import (
-    OUTPUT,
     CycleOptions,
     GeneralOptions,
     ReadingOptions,
@@ -41,15 +40,14 @@ def command(
     torque: TorqueOptions,
     cycles: CycleOptions,
     general: GeneralOptions,
-    json: Annotated[bool, option(OUTPUT, "Print one JSON document and nothing else.", "--json")] = False,
 ) -> None:
-    """Show what is in some logs: format, topics, channels as mapped, clock, joints, cycles."""
+    """Summarise logs: format, topics, mapping of channels, clock, joints, cycles."""
     voice = general.voice
     options = read_options(reading, selection)
     view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles))
     failures: list[FrictionAuditError] = []
     entries = [_entry(path, options, view, voice, failures) for path in logs]
-    _print(entries, voice, json=json)
+    _print(entries, voice, json=general.json)
     if len(failures) == len(entries):
         raise typer.Exit(max(error.exit_code for error in failures))
     if failures or any(entry.summary is not None and chain.is_damaged(entry.summary.log) for entry in entries):

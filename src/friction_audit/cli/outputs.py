@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,10 +40,12 @@ class ResultFolder:
     exports: Sequence[str] = ()
     overwrite: bool
 
-    def check(self, log: Path, files: Sequence[str], tables: Sequence[str]) -> None:
-        """Refuse what could not be written, before anything long is done: files, figures and tables by name."""
+    def check(self, log: Path, files: Sequence[str], *results: str) -> None:
+        """Refuse what could not be written, before anything long is done: files by name, figures, tables of results."""
         if self.folder is not None:
             paths = [self.folder / file for file in files] + possible_files(self.folder, self.figures, self.formats)
+            modules = [import_module(f"friction_audit.reporting.{result}") for result in results if self.exports]
+            tables = [table.name for module in modules for table in module.TABLES]
             check_outputs([*paths, *self.exported(tables)], overwrite=self.overwrite, log=log)
         elif self.exports:
             raise UsageError(f"--export {','.join(self.exports)}: no folder to write to; name one with --output DIR")

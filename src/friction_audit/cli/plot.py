@@ -10,9 +10,10 @@ from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
 from friction_audit.cli.options import (
     PNG,
-    AuditOptions,
+    EstimateOptions,
     FigureFolder,
     FigureFormats,
+    LogOptions,
     LogPath,
     MinEffect,
     figures_option,
@@ -29,7 +30,8 @@ EXAMPLES = """Examples:
 
 def command(
     log: LogPath,
-    shared: AuditOptions,
+    friction: EstimateOptions,
+    shared: LogOptions,
     figures: Annotated[list[str], figures_option(choices.PLOTTED)] = ["velocity-torque"],  # noqa: B006 - Typer copies it
     formats: FigureFormats = PNG,
     folder: FigureFolder = Path("figures"),
@@ -37,11 +39,11 @@ def command(
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
     voice = shared.general.voice
-    settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
+    settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     kinds = choices.some_figures(figures, choices.PLOTTED)
-    chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite, log=log)
+    chain.check_outputs(possible_files(folder, kinds, formats), overwrite=shared.overwrite, log=log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
-    if not output.json:
+    if not shared.general.json:
         chain.warn_about(result, voice)
     files = write_figures(
         _results(result, kinds, min_effect, voice),
@@ -49,12 +51,12 @@ def command(
         result.interaction.joint_numbers,
         folder,
         formats,
-        overwrite=output.overwrite,
+        overwrite=shared.overwrite,
         voice=voice,
         unit=result.log.source.torque_unit,
         each_joint=True,
     )
-    if output.json:
+    if shared.general.json:
         _print_document(result, files, chain.reading_settings(options))
     else:
         for file in files:

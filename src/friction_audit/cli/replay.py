@@ -6,17 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
     NO_EXPORT,
-    OUTPUT,
     PNG,
     Exports,
     FigureFormats,
     LogOptions,
     LogPath,
     figures_option,
+    folder_option,
 )
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
@@ -29,9 +28,9 @@ if TYPE_CHECKING:
 
 EXAMPLES = """Examples:
   friction-audit replay run.mcap
-  friction-audit replay run.csv --model coulomb --window 4 -o results
+  friction-audit replay run.csv --compensator-model coulomb -o results
   friction-audit replay run.parquet --factor 1.5 --no-passivity
-  friction-audit replay run.parquet --fixed coulomb=0.25,viscous=0.1 --joints 1 --json
+  friction-audit replay run.parquet --coefficients coulomb=0.25,viscous=0.1 --joints 1 --json
   friction-audit replay next.parquet --compensator model --joint-model results/model.toml
   friction-audit replay run.mcap -o results --export mcap"""
 
@@ -43,10 +42,7 @@ def command(
     log: LogPath,
     options: ReplayOptions,
     shared: LogOptions,
-    folder: Annotated[
-        Path | None,
-        option(OUTPUT, f"Also write {DOCUMENT}, {HISTORY} and the figures there.", "--output", "-o", metavar="DIR"),
-    ] = None,
+    folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")] = None,
     figures: Annotated[list[str], figures_option(choices.REPLAY_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
     formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
@@ -54,22 +50,22 @@ def command(
     """Show what a friction compensator with a passivity controller would have done."""
     voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
-    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
-    kinds, again = choices.some_figures(figures, choices.REPLAY_FIGURES), output.overwrite
+    audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)
+    kinds, again = choices.some_figures(figures, choices.REPLAY_FIGURES), shared.overwrite
     out = ResultFolder(folder=folder, name="replay", figures=kinds, formats=formats, exports=export, overwrite=again)
-    out.check(log, (DOCUMENT, HISTORY), choices.REPLAY_TABLES)
+    out.check(log, (DOCUMENT, HISTORY), "replay")
     with voice.stages(3 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
             recorded = chain.read(log, reading, stages)
         if settings.joint_model is not None:
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
         found = _replay(chain.estimate(recorded, audit, stages), settings, stages)
-        if not output.json:
+        if not shared.general.json:
             _warn(found, stages)
             _warn_of_moments(settings.joint_model, recorded, stages)
         _require_a_joint(found)
         text = _write(found, chain.reading_settings(reading), out, recorded, stages)
-    show(text, lambda: _lines(found), json=output.json)
+    show(text, lambda: _lines(found), json=shared.general.json)
     chain.exit_if_damaged(recorded)
 
 

@@ -7,103 +7,105 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from friction_audit.cli import choices
 from friction_audit.cli.choices import option, parse_numbers
-from friction_audit.cli.options import CycleOptions
+from friction_audit.cli.grouped_help import REPLAY, TUNING
+from friction_audit.cli.options import CycleOptions, joint_model_option
 from friction_audit.errors import UsageError
+from friction_audit.friction.settings import MODELS
 
 if TYPE_CHECKING:
     from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
     from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
 
-REPLAY = "Replay"
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ReplayOptions:
-    """What would have run, and what is assumed of the person."""
+    """Compensator that is replayed, and what is assumed of the person."""
 
     assume: Annotated[
-        str,
-        option(REPLAY, "What would have stayed as recorded.", one_of=choices.ASSUMPTIONS),
+        str, option(REPLAY, "Assumption about the person: what stays as recorded.", one_of=choices.ASSUMPTIONS)
     ] = "same-motion"
     compensator: Annotated[
         str,
         option(
             REPLAY,
-            "energy: the paper's; fixed: the log's own coefficients; model: the friction of --joint-model; "
-            "the others: methods of the literature.",
+            "energy: energy-based, as published; fixed: the coefficients of this log; model: the friction of "
+            "--joint-model; others: baseline compensators.",
             one_of=choices.COMPENSATORS,
         ),
     ] = "energy"
-    model: Annotated[
-        str | None,
-        option(REPLAY, "Friction model of the compensator. Default: combined.", one_of=choices.MODELS),
-    ] = None
     joint_model: Annotated[
         Path | None,
-        option(
+        joint_model_option(
             REPLAY,
-            "Model of the joints, e.g. of a diagnosis: they move with same-torque and same-operator in place of "
-            "those fitted to the log; --compensator model applies their friction.",
-            metavar="FILE.toml",
-            exists=True,
-            dir_okay=False,
+            "Joint model, e.g. model.toml of a diagnosis; it replaces the joint fitted to the log in same-torque and "
+            "same-operator, and is what --compensator model compensates.",
+        ),
+    ] = None
+    factor: Annotated[float, option(REPLAY, "Scale factor on the estimated friction.", metavar="FACTOR")] = 1.0
+    model: Annotated[
+        str | None,
+        option(
+            TUNING,
+            "Friction model of the energy compensator. Default: combined.",
+            "--compensator-model",
+            one_of=MODELS,
         ),
     ] = None
     window: Annotated[
         int | None,
-        option(REPLAY, "Cycles per estimate. Default: 4 (with one coefficient 2); the paper has 2.", metavar="K"),
+        option(
+            TUNING,
+            "Cycles per estimate of the energy compensator. Default: 4 (2 with one coefficient); paper: 2.",
+            "--compensator-window",
+            metavar="K",
+        ),
     ] = None
-    factor: Annotated[
-        float,
-        option(REPLAY, "Apply so many times the estimate.", metavar="FACTOR"),
-    ] = 1.0
-    fixed: Annotated[
+    coefficients: Annotated[
         str | None,
         option(
-            REPLAY,
-            "Apply these coefficients throughout [N m, N m s/rad], in place of the estimate.",
+            TUNING,
+            "Constant coefficients of the energy compensator in place of its estimate [N m, N m s/rad].",
             metavar="coulomb=NM,viscous=NMS",
         ),
     ] = None
-    no_passivity: Annotated[bool, option(REPLAY, "Without the passivity controller.", "--no-passivity")] = False
+    no_passivity: Annotated[bool, option(TUNING, "No passivity controller.", "--no-passivity")] = False
     max_damping: Annotated[
         float | None,
-        option(REPLAY, "Largest damping it injects [N m s/rad]. Default: 5.", metavar="NMS"),
+        option(TUNING, "Maximum damping of the passivity controller [N m s/rad]. Default: 5.", metavar="NMS"),
     ] = None
     max_torque: Annotated[
         float | None,
-        option(
-            REPLAY,
-            "Largest torque of the compensator [N m]. Default: what the joints of a Panda bear, else no limit.",
-            metavar="NM",
-        ),
+        option(TUNING, "Maximum compensator torque [N m]. Default: Panda joint torque limits, or none.", metavar="NM"),
     ] = None
     max_rate: Annotated[
         float | None,
-        option(REPLAY, "Fastest change of it [N m/s]. Default: 1000 for a Panda, else no limit.", metavar="NM/S"),
+        option(TUNING, "Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S"),
     ] = None
     observer_gain: Annotated[
-        float | None,
-        option(REPLAY, "Of the disturbance observer [1/s]. Default: 20.", metavar="1/S"),
+        float | None, option(TUNING, "Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
     ] = None
     motor_inertia: Annotated[
         float | None,
         option(
-            REPLAY,
-            "That disturbance_observer and torque_regulation assume [kg m^2]. Default: as fitted to the log.",
+            TUNING,
+            "Motor inertia of disturbance_observer and torque_regulation [kg m^2]. Default: fitted to the log.",
             metavar="KG_M2",
         ),
     ] = None
     desired_inertia: Annotated[
         float | None,
-        option(REPLAY, "That torque_regulation shapes [kg m^2]. Default: half the motor's.", metavar="KG_M2"),
+        option(
+            TUNING,
+            "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.",
+            metavar="KG_M2",
+        ),
     ] = None
     operator: Annotated[
         str | None,
         option(
-            REPLAY,
-            "With same-operator: the person's impedance at the joint [kg m^2, N m s/rad, N m/rad]. "
-            "Default: fitted from the log where it can be.",
+            TUNING,
+            "Person's impedance at the joint with --assume same-operator [kg m^2, N m s/rad, N m/rad]. Default: "
+            "fitted to the log.",
             metavar="MASS,DAMPING,STIFFNESS",
         ),
     ] = None
@@ -111,23 +113,27 @@ class ReplayOptions:
     def __post_init__(self) -> None:
         """Refuse options that contradict each other, before any log is read."""
         idle = (
-            ("--model", self.model is not None),
-            ("--window", self.window is not None),
+            ("--compensator-model", self.model is not None),
+            ("--compensator-window", self.window is not None),
             ("--factor", self.factor != 1.0),
         )
         unused = [name for name, given in idle if given]
-        if self.fixed is not None and unused:
-            raise UsageError(f"--fixed {self.fixed}: nothing is estimated, so leave {', '.join(unused)} away")
+        if self.coefficients is not None and unused:
+            raise UsageError(f"--coefficients {self.coefficients}: nothing is estimated; remove {', '.join(unused)}")
         self._check_competitor(unused)
         if self.no_passivity and self.max_damping is not None:
-            raise UsageError("--no-passivity --max-damping: without the controller nothing is damped; leave one away")
+            raise UsageError("--no-passivity --max-damping: only the controller damps; remove one of them")
 
     def _check_competitor(self, unused: list[str]) -> None:
         """Refuse options that the compensator chosen has no use for."""
-        paper = (*unused, *(["--fixed"] if self.fixed else []), *(["--max-damping"] if self.max_damping else []))
+        paper = (
+            *unused,
+            *(["--coefficients"] if self.coefficients else []),
+            *(["--max-damping"] if self.max_damping else []),
+        )
         paper = (*paper, *(["--no-passivity"] if self.no_passivity else []))
         if self.compensator != "energy" and paper:
-            raise UsageError(f"--compensator {self.compensator}: has no use for {', '.join(paper)}; leave it away")
+            raise UsageError(f"--compensator {self.compensator}: does not use {', '.join(paper)}; remove it")
         inertial = ("disturbance_observer", "torque_regulation")
         tuning = (
             ("--observer-gain", self.observer_gain, inertial[:1]),
@@ -136,7 +142,7 @@ class ReplayOptions:
         )
         idle = [name for name, given, users in tuning if given is not None and self.compensator not in users]
         if idle:
-            raise UsageError(f"--compensator {self.compensator}: has no use for {', '.join(idle)}; leave it away")
+            raise UsageError(f"--compensator {self.compensator}: does not use {', '.join(idle)}; remove it")
 
 
 def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySettings":
@@ -192,7 +198,7 @@ def _compensator(options: ReplayOptions, cycles: CycleOptions) -> "EnergyCompens
     from friction_audit.compensation.settings import DEFAULT_MODEL, energy_compensator
 
     default = EnergyCompensator()
-    forced = None if options.fixed is None else parse_coefficients(options.fixed)
+    forced = None if options.coefficients is None else parse_coefficients(options.coefficients)
     return energy_compensator(
         model=options.model or DEFAULT_MODEL,
         window=options.window,
@@ -224,8 +230,8 @@ def parse_coefficients(text: str) -> "Coefficients":
         except ValueError:
             value = float("nan")
         if not equals or name not in ("coulomb", "viscous") or name in values or not isfinite(value):
-            raise UsageError(f"--fixed {text}: {part.strip()!r}: expected coulomb=NUMBER,viscous=NUMBER")
+            raise UsageError(f"--coefficients {text}: {part.strip()!r}: expected coulomb=NUMBER,viscous=NUMBER")
         if value < 0:
-            raise UsageError(f"--fixed {text}: {part.strip()!r} would brake the joint; expected zero or more")
+            raise UsageError(f"--coefficients {text}: {part.strip()!r} would brake the joint; expected zero or more")
         values[name] = value
     return Coefficients(coulomb_nm=values.get("coulomb", 0.0), viscous_nms_per_rad=values.get("viscous", 0.0))

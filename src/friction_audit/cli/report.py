@@ -12,7 +12,17 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.diagnose import joint_bugs
-from friction_audit.cli.options import NO_EXPORT, OUTPUT, AuditOptions, CycleOptions, Exports, LogPath, MinEffect
+from friction_audit.cli.grouped_help import OUTPUT
+from friction_audit.cli.options import (
+    NO_EXPORT,
+    CycleOptions,
+    EstimateOptions,
+    Exports,
+    LogOptions,
+    LogPath,
+    MinEffect,
+    folder_option,
+)
 from friction_audit.cli.outputs import ResultFolder
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 
@@ -37,51 +47,46 @@ NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config")
 def command(
     context: typer.Context,
     log: LogPath,
-    shared: AuditOptions,
+    friction: EstimateOptions,
+    shared: LogOptions,
     formats: Annotated[
         list[str],
         option(
             OUTPUT,
-            "Formats of the report; repeatable, or separated by commas. Default: html.",
+            "Formats of the report. Default: html.",
             "--format",
             some_of=FORMATS,
         ),
     ] = [],  # noqa: B006 - Typer copies it
     folder: Annotated[
         Path | None,
-        option(
-            OUTPUT,
-            "Folder of the report, whose file is called as the log is, e.g. run.report.html. Default: where you "
-            "are; with --json alone no file is written.",
-            "--output",
-            "-o",
-            metavar="DIR",
+        folder_option(
+            "Folder of the report, a file named after the log, e.g. run.report.html. Default: the current folder; "
+            "with --json alone no file is written."
         ),
     ] = None,
     min_effect: MinEffect = 0.0,
     export: Exports = NO_EXPORT,
 ) -> None:
-    """Write all that a log says on one HTML page: friction, compensator, what the model misses, how sure we are."""
+    """HTML report of one log: friction, compensator, what the model misses, with confidence intervals."""
     voice = shared.general.voice
-    settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
-    files = _files(log, folder, formats, printed=output.json)
+    settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
+    json, again = shared.general.json, shared.overwrite
+    files = _files(log, folder, formats, printed=json)
     name = f"{_stem(log)}.report"
-    out = ResultFolder(
-        folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=output.overwrite
-    )
-    outputs = *files.values(), *out.exported(choices.REPORT_TABLES)
-    chain.check_outputs(outputs, overwrite=output.overwrite, log=log)
+    out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
+    out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
     with voice.stages(PARTS + len(files) + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)
-        if not output.json:
+        if not json:
             chain.warn_about(estimate, stages)
-        again = command_line(context, leave_out=NOT_PART_OF_IT)
-        report = _report(estimate, shared.cycles, min_effect, chain.reading_settings(options), again, stages)
-        _write(report, files, stages, overwrite=output.overwrite)
+        given = command_line(context, leave_out=NOT_PART_OF_IT)
+        report = _report(estimate, shared.cycles, min_effect, chain.reading_settings(options), given, stages)
+        _write(report, files, stages, overwrite=again)
         exported = _export(report, out, recorded, stages)
-    _print(report, (*files.values(), *exported), json=output.json)
+    _print(report, (*files.values(), *exported), json=json)
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)

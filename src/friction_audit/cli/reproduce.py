@@ -9,39 +9,37 @@ from friction_audit.cli import chain
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_figures
-from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, OutputOptions
+from friction_audit.cli.grouped_help import SIMULATION
+from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, Overwrite
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Claim, Reproduction, Simulations
 
-SIMULATION = "Simulation"
-
 EXAMPLES = """Examples:
   friction-audit reproduce
   friction-audit reproduce --figures 3,6,7 --figure-format pdf -o paper
-  friction-audit reproduce --figures 10 --seeds 100 --json"""
+  friction-audit reproduce --figures 10 --persons 100 --json"""
 
 PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 """Written down again, as in ``choices``, so that the help text loads no numerics."""
 
 
 def command(
-    output: OutputOptions,
     general: GeneralOptions,
     figures: Annotated[
         list[str],
         option(
             SIMULATION,
-            "Figures of the paper; repeatable, or separated by commas. Default: all.",
+            "Figures of the paper to draw. Default: all.",
             "--figures",
             some_of=PAPER_FIGURES,
         ),
     ] = list(PAPER_FIGURES),  # noqa: B006 - Typer copies it
-    seeds: Annotated[
+    persons: Annotated[
         int,
         option(
             SIMULATION,
-            "Persons simulated where one moves the joint, at most 5 for the whole arm.",
+            "Simulated persons where a person moves the joint, at most 5 for the whole arm.",
             metavar="INT",
             min=1,
             max=1000,
@@ -49,14 +47,15 @@ def command(
     ] = 20,
     formats: FigureFormats = PNG,
     folder: FigureFolder = Path("reproduced"),
+    overwrite: Overwrite = False,
 ) -> None:
-    """Simulate the figures of the paper, draw them, and hold each of its claims against a number."""
+    """Simulate the figures of the paper and compare each of its claims with a number."""
     voice = general.voice
     paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
-    chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
-    chosen, claims = _reproduce(paths, seeds, voice, overwrite=output.overwrite, json=output.json)
+    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
+    chosen, claims = _reproduce(paths, persons, voice, overwrite=overwrite, json=general.json)
     files = [(one.figure, one.title, str(path)) for one in chosen for path in paths[one.figure]]
-    _print(claims, files, seeds, json=output.json)
+    _print(claims, files, persons, json=general.json)
 
 
 def _reproduce(

@@ -11,7 +11,8 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
+from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
+from friction_audit.cli.options import GeneralOptions, Overwrite
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from friction_audit.joint_log import JointLog
     from friction_audit.reporting.documents import SimulatedLog
     from friction_audit.simulation.scenarios import Scenario
-
-SIMULATION = "Simulation"
 
 EXAMPLES = """Examples:
   friction-audit simulate --list
@@ -43,11 +42,11 @@ class SimulationOptions:
 
     seed: Annotated[
         int,
-        option(SIMULATION, "Same seed, same log, to the bit.", metavar="INT", min=0),
+        option(SIMULATION, "Seed; the same seed gives the same log, bit for bit.", metavar="INT", min=0),
     ] = 0
     duration: Annotated[
         float | None,
-        option(SIMULATION, "Length of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite),
+        option(SIMULATION, "Duration of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite),
     ] = None
     rate: Annotated[
         float | None,
@@ -57,8 +56,8 @@ class SimulationOptions:
         Path | None,
         option(
             SIMULATION,
-            "Joints of this model, e.g. of a diagnosis, in the place of the scenario's; --set and --effect come"
-            " on top.",
+            "Joint model that replaces the scenario's joints, e.g. model.toml of a diagnosis; --set and --effect apply "
+            "to it.",
             metavar="FILE.toml",
         ),
     ] = None
@@ -66,17 +65,17 @@ class SimulationOptions:
         list[str] | None,
         option(
             SIMULATION,
-            "Hide an effect, in all joints that move or in some, e.g. stribeck:excess_nm=0.2@2,5. Repeatable.",
+            "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.",
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
-            autocompletion=choices.offer_one(choices.EFFECTS),
+            autocompletion=choices.completed_by(lambda: choices.EFFECTS),
         ),
     ] = None
     assignments: Annotated[
         list[str] | None,
         option(
             SIMULATION,
-            "Another value for a setting of the scenario, e.g. joints.coulomb_nm=0.4@2,5. Repeatable.",
+            "Change a setting of the scenario: joints.coulomb_nm=0.4@2,5. Repeatable.",
             "--set",
             metavar="NAME=VALUE[@JOINTS]",
         ),
@@ -85,7 +84,7 @@ class SimulationOptions:
         bool,
         option(
             SIMULATION,
-            "Sensors and clock without noise, resolution or loss; --set may bring some of it back.",
+            "Sensors and clock without noise, quantisation and dropped samples; --set may restore some of it.",
             "--ideal",
         ),
     ] = False
@@ -97,23 +96,24 @@ class ListOptions:
 
     scenarios: Annotated[
         bool,
-        option(SIMULATION, "List the scenarios and stop; with SCENARIO, its settings and their values.", "--list"),
+        option(SIMULATION, "List the scenarios, or the settings of SCENARIO, and stop.", "--list"),
     ] = False
     effects_there_are: Annotated[
         bool,
-        option(SIMULATION, "List the effects and their parameters and stop.", "--list-effects"),
+        option(SIMULATION, "List the effects with their parameters and stop.", "--list-effects"),
     ] = False
 
 
 def command(
     scenario: Annotated[
         str | None,
-        typer.Argument(metavar="SCENARIO", autocompletion=choices.offer_one(choices.SCENARIOS), help="One of --list."),
+        typer.Argument(
+            metavar="SCENARIO", autocompletion=choices.completed_by(choices.scenarios), help="One of --list."
+        ),
     ] = None,
     *,
     simulation: SimulationOptions,
     lists: ListOptions,
-    output: OutputOptions,
     general: GeneralOptions,
     out: Annotated[
         Path | None,
@@ -122,28 +122,29 @@ def command(
     dialect: Annotated[
         str | None,
         option(
-            OUTPUT,
-            "One of convert --list-dialects. Default: the first one of FILE's suffix.",
+            GENERAL,
+            "One of convert --list-dialects. Default: the first one with FILE's suffix.",
             metavar="NAME",
-            autocompletion=choices.offer_one(choices.DIALECTS),
+            autocompletion=choices.completed_by(choices.dialects),
         ),
     ] = None,
     truth: Annotated[
         Path | None,
-        option(OUTPUT, "Also write what the log does not say: settings, effects.", metavar="FILE.json"),
+        option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json"),
     ] = None,
+    overwrite: Overwrite = False,
 ) -> None:
-    """Make a synthetic log whose friction and hidden effects are known."""
+    """Simulate a log whose friction and effects are known."""
     if lists.scenarios or lists.effects_there_are:
-        _list(scenario, lists, json=output.json)
+        _list(scenario, lists, json=general.json)
         return
     chosen = _find_scenario(scenario)
-    path, writer = _choose_output(out, dialect, truth, overwrite=output.overwrite)
+    path, writer = _choose_output(out, dialect, truth, overwrite=overwrite)
     run = _Run(replace(chosen, settings=_settings(chosen, simulation)), simulation.seed)
     voice = general.voice
     log = run.simulate(path, voice)
-    simulated = run.write(log, path, writer, truth, voice, overwrite=output.overwrite)
-    _report(simulated, log, path, writer, truth, voice, json=output.json)
+    simulated = run.write(log, path, writer, truth, voice, overwrite=overwrite)
+    _report(simulated, log, path, writer, truth, voice, json=general.json)
 
 
 @dataclass(frozen=True, slots=True)

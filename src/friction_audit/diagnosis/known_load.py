@@ -41,7 +41,7 @@ class KnownLoad:
         """Torque to subtract from the sensors' readings where links' inertia is part of it, else None. [N m]"""
         if self.inertial is None:
             return None
-        return choice.sign * self.inertial if choice.gravity == "none" or load is None else load
+        return choice.sign * self.inertial if choice.gravity not in ("logged", "model") or load is None else load
 
 
 def know_load(log: JointLog, choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion) -> KnownLoad:

@@ -87,7 +87,7 @@ def _disagree(a: Coefficient, b: Coefficient) -> bool:
 ADVICE = {
     GAP: "a hole in the log lies in every one of these; record without dropping samples",
     OPEN: "gravity is taken to be still in the torque and no path returns to where it began; name the arm (--robot or "
-    "--urdf), log gravity, say that it is removed already (--map tau_interaction=COLUMN), or move back and forth "
+    "--urdf), log gravity, say that it is removed already (--gravity removed), or move back and forth "
     "between the same postures",
     SMALL: "in none of these did every selected joint move far enough; move all joints, select fewer (--joints), or "
     "lower --min-path",

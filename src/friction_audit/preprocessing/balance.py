@@ -44,8 +44,8 @@ class Balance:
         source, gravity = self.plan.source, self.plan.gravity
         if source != "tau_J":
             return f"F_m = {'-' if self.sign < 0 else ''}{CHANNELS[source]}"
-        removed = (["M ddq", "c"] if self.inertia else []) + (["g"] if gravity != "none" else [])
-        inside = "" if gravity != "none" else ", gravity still inside"
+        removed = (["M ddq", "c"] if self.inertia else []) + (["g"] if gravity in ("logged", "model") else [])
+        inside = ", gravity still inside" if gravity == "in-torque" else ""
         if self.drive == "hand":
             return f"F_m = {''.join(f'{name} ' for name in removed)}-{' ' if removed else ''}tau_J{inside}"
         listed = " + ".join(removed)

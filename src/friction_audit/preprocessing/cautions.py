@@ -63,7 +63,7 @@ def _sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *,
     if balance.inertia_left:
         # Where gravity is left too, its caution has the commands.
         model = with_a_model(log, replace(settings, inertia="auto"))
-        advice = "" if balance.plan.gravity == "none" else f"; {model}"
+        advice = "" if balance.plan.gravity == "in-torque" else f"; {model}"
         message = (
             "the arm moves by itself and its inertial and Coriolis torque is still in F_m; joints that move together "
             f"spoil each other's energy{advice}"
@@ -138,7 +138,7 @@ def gravity_cautions(
     """
     gravity = balance.plan.gravity
     mixed = not balance.proved or balance.inertia_left
-    if gravity == "none" or mixed or log.source.torque_unit != "N m":
+    if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
         return ()
     if index is not None and direction is not None:
         direction = direction[np.searchsorted(log.t[index], coarse.t).clip(max=len(index) - 1)]

@@ -46,7 +46,7 @@ class TorqueChoice:
 
     Attributes:
         source: ``"interaction"``, ``"tau_ext"`` or ``"tau_J"``.
-        gravity: ``"logged"``, ``"model"``, ``"none"`` (still in the torque) or ``"absent"`` (the source has none).
+        gravity: ``"logged"``, ``"model"``, ``"in-torque"`` (still in F_m) or ``"removed"`` (the source has none).
         inertia: ``"model"`` or ``"none"``.
         drive: ``"hand"`` or ``"robot"``.
         sign: +1 or -1, the factor on the source torque.
@@ -77,7 +77,7 @@ class TorqueChoice:
     @property
     def gravity_in_torque(self) -> bool:
         """True if gravity is still in F_m."""
-        return self.gravity == "none"
+        return self.gravity == "in-torque"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

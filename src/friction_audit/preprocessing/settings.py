@@ -61,7 +61,7 @@ class CycleSettings:
 
 
 TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
-GRAVITIES = ("auto", "logged", "model", "none")
+GRAVITIES = ("auto", "in-torque", "removed", "logged", "model")
 INERTIAS = ("auto", "model", "none")
 DRIVES = ("auto", "hand", "robot")
 ROBOTS = ("auto", "panda", "fr3", "none")
@@ -112,7 +112,7 @@ class TorqueSettings:
         if not all(map(isfinite, self.gravity_vector)) or not any(self.gravity_vector):
             raise UsageError(
                 f"--gravity-vector {','.join(f'{g:g}' for g in self.gravity_vector)}: expected three finite numbers, "
-                "not all zero, in m/s^2; where nothing weighs, use --gravity none"
+                "not all zero, in m/s^2; where nothing weighs, use --gravity removed"
             )
 
     def command(self, log: str, *more: str, **changed: str | None) -> str:

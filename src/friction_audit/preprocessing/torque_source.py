@@ -13,6 +13,7 @@ from friction_audit.robot import Arm, load_arm
 
 # Source of the torque -> channel of the log, in the order in which ``auto`` prefers them.
 CHANNELS = {"interaction": "tau_interaction", "tau_ext": "tau_ext_hat_filtered", "tau_J": "tau_J"}
+FROM_TAU_J = ("removed", "logged", "model")  # choices of gravity that are about tau_J
 PANDA_JOINTS = 7
 # Median difference from the vendor's own model beyond which a payload must be missing: identified inertias and the
 # vendor's differ by a few tenths of a N m, a forgotten hand makes 2 to 3 N m.
@@ -36,7 +37,7 @@ class Plan:
 
     Attributes:
         source: Key of CHANNELS.
-        gravity: ``"logged"``, ``"model"``, ``"none"`` or ``"absent"``.
+        gravity: ``"logged"``, ``"model"``, ``"in-torque"`` or ``"removed"``.
         drives: Rows of the balance to try, in order; one if the user chose.
         inertia: True if the robot row removes inertial and Coriolis torque.
         arm: The rigid-body model, or None.
@@ -66,9 +67,9 @@ def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Pla
     arm = _arm_for_torque(log, settings, robot) if source == "tau_J" else None
     if reason == "unfiltered" and arm is not None and _payload_missing(log, coarse, settings, robot, arm):
         source, reason, arm = "tau_ext", "payload", None
-    gravity = "absent" if source != "tau_J" else settings.gravity
+    gravity = "removed" if source != "tau_J" else settings.gravity
     if gravity == "auto":
-        gravity = "logged" if log.gravity is not None else "none" if arm is None else "model"
+        gravity = "logged" if log.gravity is not None else "in-torque" if arm is None else "model"
     drives = ("hand", "robot") if settings.drive == "auto" else (settings.drive,)
     return Plan(
         source=source,
@@ -91,7 +92,7 @@ def _in_newton_metres(log: JointLog, settings: TorqueSettings) -> TorqueSettings
             f"{log.source.path}: the torque column is a motor current [{unit}], gravity and inertia are in N m; leave "
             "--gravity and --inertia away, or multiply the column by torque constant and gear ratio"
         )
-    return replace(settings, gravity="none", inertia="none")
+    return replace(settings, gravity="removed" if settings.gravity == "removed" else "in-torque", inertia="none")
 
 
 def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
@@ -106,7 +107,7 @@ def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
             "--inertia model with --drive hand: when a hand moves the arm the link's inertia is on the link side of "
             "the sensor and not in its balance with friction; leave --inertia away, or say --drive robot"
         )
-    wants_tau_J = settings.gravity in ("logged", "model") or settings.inertia == "model"
+    wants_tau_J = settings.gravity in FROM_TAU_J or settings.inertia == "model"
     if wants_tau_J and settings.torque in ("interaction", "tau_ext"):
         raise UsageError(
             f"--torque {settings.torque} with --gravity {settings.gravity} and --inertia {settings.inertia}: that "
@@ -129,7 +130,7 @@ def _source(log: JointLog, settings: TorqueSettings, robot: str) -> tuple[str, s
     """Choose the channel; the second word is a key of REASONS."""
     if settings.torque != "auto":
         return settings.torque, "asked"
-    if settings.gravity in ("logged", "model") or settings.inertia == "model":
+    if settings.gravity in FROM_TAU_J or settings.inertia == "model":
         return "tau_J", "asked"
     known, external = robot in ("urdf", "panda"), log.tau_ext_hat_filtered is not None
     ranking = (
@@ -198,16 +199,16 @@ def _cautions(
             "vendor's own estimate does not; give what the arm carried as --payload mass,x,y,z (the hand: "
             "0.73,-0.01,0,0.03) to use tau_J"
         )
-    if gravity == "none" and robot == "fr3":
+    if gravity == "in-torque" and robot == "fr3":
         found["fr3_no_model"] = (
             f"{where}: an FR3; the built-in model is a Panda's and is not applied unasked: give the FR3's --urdf, or "
             "--robot panda to use the Panda's all the same"
         )
-    if gravity == "none":
+    if gravity == "in-torque":
         model = replace(settings, gravity="auto")
         command = model.command(where) if robot in ("urdf", "panda") else with_a_model(log, model)
         by_model = f". To remove it by a model, {command}" if log.source.torque_unit == "N m" else ""
-        asked = " (--gravity none)" if settings.gravity == "none" else ""
+        asked = " (--gravity in-torque)" if settings.gravity == "in-torque" else ""
         found["gravity_in_torque"] = (
             f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles that return to their start count. "
             f"If gravity is already removed from it: {removed_command(log, settings)}{by_model}"
@@ -225,9 +226,7 @@ def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
 
 def removed_command(log: JointLog, settings: TorqueSettings) -> str:
     """Return the command that reads tau_J as a torque from which gravity is removed already."""
-    column = log.source.channels.get("tau_J", "COLUMN")
-    plain = {"torque": "auto", "gravity": "auto", "inertia": "auto"}
-    return settings.command(log.source.path, "--map", f"tau_interaction={column}", **plain)
+    return settings.command(log.source.path, torque="auto", gravity="removed", inertia="auto")
 
 
 def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:

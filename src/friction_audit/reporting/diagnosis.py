@@ -117,6 +117,9 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIO
     )
 
 
+TABLES = (JOINT_DIAGNOSIS, EFFECT, NEGLIGIBLE, PARAMETER, CHECK, STEP, BIN, RESIDUAL, SIMULATED)
+
+
 def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     """Return the tables of a diagnosis for files."""
     joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit

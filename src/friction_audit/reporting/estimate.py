@@ -182,6 +182,9 @@ def estimate_document(estimate: Estimate, reading: Mapping[str, object] = NO_OPT
     )
 
 
+TABLES = (FRICTION, HISTORY, CYCLES, INTERACTION)
+
+
 def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
     """Return the tables of an estimate for files: coefficients, their history, cycles, interaction torque."""
     seen, joints, unit = estimate.interaction, estimate.friction.joints, estimate.log.source.torque_unit

@@ -296,6 +296,9 @@ def replay_values(found: LogReplay) -> dict[str, Any]:
     return {"assume": counterfactual.name, "assumes": counterfactual.assumes, "joints": found.replay.joints}
 
 
+TABLES = (JOINT_REPLAY, HISTORY, SIGNALS)
+
+
 def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     """Return the tables of a replay for files: joints, cycles, signals."""
     joints, unit = found.replay.joints, found.estimate.log.source.torque_unit
