@@ -37,14 +37,14 @@ def test_what_is_dumped_can_be_read_back(run: Run, logs: Path, tmp_path: Path) -
         "--t-start",
         "1.5",
         "--figure-format",
-        "pdf,svg",
+        "pdf",
     )
     first = run("estimate", logs / "absent.csv", *words, "--dump-config")
     assert first.code == 0
     values = tomllib.loads(first.out)
     assert values["map"] == ["dq=a", 'q=b"c']
     assert values["t-start"] == 1.5
-    assert values["figure-format"] == ["pdf", "svg"]
+    assert values["figure-format"] == ["pdf"]
     path = write(tmp_path, first.out)
     assert run("estimate", logs / "absent.csv", "--config", path, "--dump-config").out == first.out
 
