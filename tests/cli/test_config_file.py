@@ -27,18 +27,7 @@ def test_values_come_from_the_file_and_the_command_line_wins(run: Run, logs: Pat
 
 
 def test_what_is_dumped_can_be_read_back(run: Run, logs: Path, tmp_path: Path) -> None:
-    words = (
-        "--payload",
-        "0.5,0,0,0.1",
-        "--map",
-        "dq=a",
-        "--map",
-        'q=b"c',
-        "--t-start",
-        "1.5",
-        "--figure-format",
-        "pdf",
-    )
+    words = (*"--payload 0.5,0,0,0.1 --map dq=a --t-start 1.5 --figure-format pdf".split(), "--map", 'q=b"c')
     first = run("estimate", logs / "absent.csv", *words, "--dump-config")
     assert first.code == 0
     values = tomllib.loads(first.out)
