@@ -42,15 +42,7 @@ class Case:
     figures: tuple[str, ...]
 
 
-CASES = (
-    Case(
-        name="named",
-        scenario="joint",
-        effects=("stribeck",),
-        figures=("simulation", "residual", "ladder", "effects", "evidence"),
-    ),
-    Case(name="ambiguous", scenario="joint-sine", effects=("torque_bias",), figures=("evidence",)),
-)
+CASES = (Case(name="named", scenario="joint", effects=("stribeck",), figures=("residual",)),)
 
 
 def simulated(case: Case) -> JointLog:

@@ -1,7 +1,7 @@
 """The generated parts of the pages of the effects: ``python docs/make_effect_pages.py [EFFECT...]``.
 
-Title, summary, parameters and what separates an effect from others come from the effect and from the simulator. The
-rest of a page is written by hand and stays.
+Title, summary, parameters and what separates an effect from others come from the effect and from the simulator, and so
+does the table of all effects in ``effects/index.md``. The rest of a page is written by hand and stays.
 """  # noqa: INP001
 
 import re
@@ -16,7 +16,8 @@ from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 
 FOLDER = Path(__file__).parent / "effects"
 HIDDEN = {effect.name: effect for effect in EFFECTS}
-SKELETON = "# {name}\n\n\n\n## Equation\n\n## Parameters\n\n## Separated by\n\n## In `diagnose`\n\n## Example\n"
+SKELETON = "# {name}\n\n\n\n## Equation\n\n## Parameters\n\n## In `diagnose`\n\nNot tested where\n\n## Example\n"
+BEGIN, END = "<!-- effects -->", "<!-- end of effects -->"
 
 
 def page_of(text: str, name: str) -> str:
@@ -26,43 +27,46 @@ def page_of(text: str, name: str) -> str:
     lines[0] = f"# {name}"
     lines[2] = f"*{hidden.summary[0].upper()}{hidden.summary[1:]}.* Family: {effect.family}. Label: {effect.label}."
     text = "\n".join(lines) + "\n"
-    text = _section(text, "Parameters", parameter_section(effect, hidden))
-    return _section(text, "Separated by", separation(effect))
+    condition = re.search(r"^Not tested where.*$", text, re.MULTILINE)
+    text = _section(text, "Parameters", parameter_section(hidden))
+    return _section(text, "In `diagnose`", "\n\n".join([condition[0] if condition else "", separation(effect)]))
 
 
-def parameter_section(effect: Effect, hidden: type[HiddenEffect]) -> str:
-    """Return the table of parameters of the simulator, and the parameters of a joint model."""
-    rows = ["| `--effect` | usual | unit | allowed | meaning |", "| --- | --- | --- | --- | --- |"]
-    rows += [
-        f"| `{one.name}` | {one.default:g} | {_unit(one)} | {_allowed(one)} | {one.meaning} |"
-        for one in hidden.parameters()
-    ]
+def parameter_section(hidden: type[HiddenEffect]) -> str:
+    """Return the table of parameters of the simulator."""
+    rows = ["| `--effect` | usual, allowed | meaning |", "| --- | --- | --- |"]
+    rows += [f"| `{one.name}` | {_number(one)} ({_allowed(one)}) | {one.meaning} |" for one in hidden.parameters()]
     if hidden.forms:
-        words = ", ".join(f"`{word}`" for word in hidden.forms)
-        rows.append(f"| `form` | `{hidden.forms[0]}` | | {words} | functional form |")
-    rows += ["", f"`{hidden.strength_name()}=0` changes nothing, to the bit."]
-    if effect.parameters:
-        listed = ", ".join(
-            f"`{one.name}` ({', '.join(filter(None, (_unit(one), _allowed(one))))})" for one in effect.parameters
-        )
-        rows += ["", f"In a [joint model](../model.md): {listed}."]
+        rows.append(f"| `form` | {', '.join(f'`{word}`' for word in hidden.forms)} | the first is usual |")
     return "\n".join(rows)
 
 
 def separation(effect: Effect) -> str:
-    """Return the table of the effects that are easily confused with one, and the motion that separates them."""
-    pairs = {**effect.separate, **{o.name: o.separate[effect.name] for o in effects() if effect.name in o.separate}}
-    rows = [f"| [{other}]({other}.md) | {pairs[other]} |" for other in NAMES if other in pairs]
-    best = f"To record: {effect.record}."
-    return "\n".join([best, "", "| from | motion |", "| --- | --- |", *rows])
+    """Return the axis, the motion to record, and what separates an effect from those that it names."""
+    lines = [f"Axis: {effect.axis}. To record: {effect.record}."]
+    own = [name for name in NAMES if name in effect.separate]
+    others = [one.name for one in effects() if effect.name in one.separate and one.name not in own]
+    if own:
+        lines += ["", "| separated from | by this motion |", "| --- | --- |"]
+        lines += [f"| [{name}]({name}.md) | {effect.separate[name]} |" for name in own]
+    if others:
+        lines += ["", f"See also {', '.join(f'[{name}]({name}.md)' for name in others)}."]
+    return "\n".join(lines)
+
+
+def index(text: str) -> str:
+    """Return the page of all effects with its table as it is to be."""
+    rows = [f"| [{one.name}]({one.name}.md) | {HIDDEN[one.name].summary} | {one.record} |" for one in effects()]
+    table = "\n".join(["| effect | in a line | motion to record |", "| --- | --- | --- |", *rows])
+    return re.sub(rf"(?s)({BEGIN}\n).*(?={END})", lambda found: f"{found[1]}\n{table}\n\n", text)
 
 
 def _section(text: str, title: str, body: str) -> str:
     return re.sub(rf"(?ms)^## {title}\n.*?(?=^## )", lambda _: f"## {title}\n\n{body}\n\n", text)
 
 
-def _unit(parameter: Parameter) -> str:
-    return "" if parameter.unit == "1" else parameter.unit
+def _number(parameter: Parameter) -> str:
+    return f"{parameter.default:g}" + ("" if parameter.unit == "1" else f" {parameter.unit}")
 
 
 def _allowed(parameter: Parameter) -> str:
@@ -78,6 +82,8 @@ def main() -> None:
         path = FOLDER / f"{name}.md"
         text = path.read_text() if path.exists() else SKELETON.format(name=name)
         path.write_text(page_of(text, name))
+    path = FOLDER / "index.md"
+    path.write_text(index(path.read_text()))
 
 
 if __name__ == "__main__":

@@ -1,10 +1,9 @@
 """What the documentation says is so: commands, outputs, links, codes, formats, keys."""
 
-import ast
 import io
 import json
 import re
-from collections.abc import Iterator
+import runpy
 from contextlib import chdir, redirect_stdout
 from pathlib import Path
 from types import SimpleNamespace
@@ -26,16 +25,14 @@ from friction_audit.reporting.estimate import estimate_document
 from friction_audit.reporting.figures.registry import FIGURES
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
-from tests.source_tree import nodes
 
 DOCS = ROOT / "docs"
-COEFFICIENTS = ("coulomb", "viscous")
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 COMMANDS = DOCS / "commands"
 CONTRIBUTING = ROOT / "CONTRIBUTING.md"
-LONG = (DOCS / "paper.md", DOCS / "recording.md", COMMANDS / "compare.md", COMMANDS / "report.md", DOCS / "tables.md")
+LONG = (DOCS / "paper.md", DOCS / "recording.md", COMMANDS / "compare.md", COMMANDS / "report.md")
 """Pages whose commands take long and are held elsewhere: figures of the paper, logs of several lengths, a comparison,
-reports as in ``index.md``, tables of results."""
+reports as in ``index.md``."""
 EFFECTS = {DOCS / "effects" / f"{name}.md" for name in choices.EFFECTS}
 """Pages whose one command ``test_docs_effects.py`` runs."""
 REPEATED = (DOCS / "index.md", COMMANDS / "diagnose.md", COMMANDS / "replay.md")
@@ -130,76 +127,11 @@ def test_pages_name_no_machine() -> None:
         assert not re.search(r"(?<![\w.*])/(?:home|tmp|work|root|usr)\b", page.read_text()), page
 
 
-def spelled(code: ast.expr) -> Iterator[str]:
-    """Yield a code as it stands, or for every coefficient where it is put together."""
-    if isinstance(code, ast.Constant):
-        yield str(code.value)
-    elif isinstance(code, ast.JoinedStr):
-        for name in COEFFICIENTS:
-            yield "".join(str(part.value) if isinstance(part, ast.Constant) else name for part in code.values)
-
-
-def paired_codes() -> Iterator[str]:
-    """Yield the codes that stand with their message in a pair or a dict, where cautions are made of those."""
-    files = {
-        file
-        for file, node in nodes()
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Caution"
-        if any(keyword.arg == "code" and isinstance(keyword.value, ast.Name) for keyword in node.keywords)
-    }
-    for file, node in nodes():
-        if file not in files:
-            continue
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
-            yield from spelled(node.targets[0].slice)
-        elif isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple):
-            yield from spelled(node.value.elts[0])
-        elif isinstance(node, ast.List):
-            yield from (code for one in node.elts if isinstance(one, ast.Tuple) for code in spelled(one.elts[0]))
-
-
-def codes_in_the_source() -> set[str]:
-    found = set(paired_codes())
-    for _, node in nodes():
-        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
-            continue
-        if node.func.id in ("Finding", "Caution"):
-            given = [keyword.value for keyword in node.keywords if keyword.arg == "code"]
-            found |= {code for value in given for code in spelled(value)}
-        elif node.func.id in ("Notice", "caution") and isinstance(node.args[0], ast.Constant):
-            found.add(str(node.args[0].value))
-    return found
-
-
-def codes_in_the_pages() -> set[str]:
-    told: set[str] = set()
-    for name in ("formats.md", "troubleshooting.md"):
-        in_table = False
-        for line in (DOCS / name).read_text().splitlines():
-            in_table = line.startswith(("| code | what it means", "| `", "| ---")) and (in_table or "| code" in line)
-            if in_table and line.startswith("| `"):
-                told |= set(re.findall(r"`(\w+)`", line.split(" | ")[0]))
-    return told
-
-
-def test_every_code_is_documented_and_exists() -> None:
-    assert codes_in_the_pages() == codes_in_the_source()
-
-
-def test_damage_is_marked() -> None:
-    marked = {row[0].split("`")[1] for row in cells(DOCS / "formats.md") if row[0].endswith("` *")}
-    source = "".join(path.read_text() for path in sorted((ROOT / "src/friction_audit/io").rglob("*.py")))
-    calls = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
-    damaged = {
-        code
-        for call in calls
-        if isinstance(call.func, ast.Name) and call.func.id == "Finding"
-        if any(k.arg == "damaged" and isinstance(k.value, ast.Constant) and k.value.value for k in call.keywords)
-        for k in call.keywords
-        if k.arg == "code"
-        for code in spelled(k.value)
-    }
-    assert marked == damaged
+def test_the_table_of_messages_is_that_of_the_source() -> None:
+    """The script that writes it would change nothing; a code without a meaning ends it."""
+    page = runpy.run_path(str(DOCS / "make_message_page.py"))["page_of"]
+    text = (DOCS / "troubleshooting.md").read_text()
+    assert page(text) == text, "run python docs/make_message_page.py"
 
 
 def test_every_reader_is_documented() -> None:
@@ -264,19 +196,13 @@ def test_the_document_shown_is_the_document() -> None:
 
 def test_exit_codes_are_the_program_s() -> None:
     codes = {0, 1, DAMAGED, *(error.exit_code for error in (UsageError, InputError, AnalysisError))}
-    for page in (ROOT / "README.md", DOCS / "troubleshooting.md"):
-        assert {int(row[0]) for row in cells(page) if row[0].isdecimal()} == codes
+    page = (DOCS / "troubleshooting.md").read_text().partition("## No estimate")[0]
+    assert {int(code) for code in re.findall(r"^\| (\d) \|", page, re.MULTILINE)} == codes
 
 
 def test_figures_are_documented() -> None:
     for figure in FIGURES:
         assert figure.result == "drift" or f"`{figure.name}`" in (DOCS / "commands" / "plot.md").read_text()
-
-
-def test_readme_shows_the_help() -> None:
-    assert "friction-audit --help" in [
-        e.command for b in blocks((ROOT / "README.md").read_text(), "console") for e in examples(b)
-    ]
 
 
 def test_readme_tells_the_truth_of_its_log() -> None:

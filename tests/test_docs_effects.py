@@ -10,7 +10,6 @@ import pytest
 from PIL import Image
 
 from friction_audit.cli import main
-from friction_audit.effects.registry import effect_of
 from friction_audit.simulation import EFFECTS, SCENARIOS
 from friction_audit.simulation.effects import HiddenEffect
 from tests.documented_commands import ROOT, blocks, commands
@@ -20,7 +19,7 @@ PAGES = DOCS / "effects"
 IMAGES = DOCS / "images" / "effects"
 COLUMN_PX = 748
 LARGEST_BYTES = 60_000
-SECTIONS = ["Equation", "Parameters", "Separated by", "In `diagnose`", "Example"]
+SECTIONS = ["Equation", "Parameters", "In `diagnose`", "Example"]
 EVERY_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
 
 
@@ -46,21 +45,13 @@ def test_every_page_is_that_of_an_effect() -> None:
     assert {image.stem for image in IMAGES.iterdir()} == {effect.name for effect in EFFECTS}
 
 
-def test_the_index_lists_the_effects_by_family() -> None:
-    rows = re.findall(r"^\| \[(\w+)\]\((\w+)\.md\) \| (.*) \|$", (PAGES / "index.md").read_text(), re.MULTILINE)
-    assert rows == [(effect.name, effect.name, effect.summary) for effect in EFFECTS]
-
-
 @EVERY_EFFECT
 def test_a_page_has_all_sections_and_an_equation_for_every_form(effect: type[HiddenEffect]) -> None:
     assert re.findall(r"^## (.*)$", read(effect), re.MULTILINE) == SECTIONS
     equation = read(effect).partition("## Equation")[2].partition("## Parameters")[0]
     assert re.findall(r"^\| `(\w+)` \| `.+` \|", equation, re.MULTILINE) == list(effect.forms)
     assert effect.forms or blocks(equation.replace("```text", "```sh"), "sh")
-    seen = read(effect).partition("## In `diagnose`")[2]
-    rows = dict(re.findall(r"^\| (axis|untestable where) \| (.+) \|$", seen, re.MULTILINE))
-    assert set(rows) == {"axis", "untestable where"}
-    assert rows["axis"] == effect_of(effect.name).axis
+    assert re.search(r"^Not tested where .+\.$", read(effect).partition("## In `diagnose`")[2], re.MULTILINE)
 
 
 @EVERY_EFFECT
@@ -87,7 +78,6 @@ def test_example_runs(effect: type[HiddenEffect], tmp_path: Path, monkeypatch: p
         main([*words, "--duration", "2", "-q"])
     assert left.value.code == 0
     assert (tmp_path / "log.parquet").exists()
-    assert f'"{effect.name}"' in (tmp_path / "truth.json").read_text()
 
 
 def test_scenarios_are_documented() -> None:

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import choices
-from friction_audit.diagnosis import data_audit
 from friction_audit.effects.model_file import load_model
 from friction_audit.effects.registry import effects
 from friction_audit.io.writers import write_log
@@ -22,12 +21,6 @@ WRITTEN = {"diagnose.json", "model.toml", *(f"{name}.png" for name in choices.DI
 
 def test_names_of_the_effects_are_those_of_the_catalogue() -> None:
     assert tuple(candidate.name for candidate in effects()) == choices.EFFECTS
-
-
-def test_the_page_explains_every_fault_and_limit_of_the_data() -> None:
-    judged = set(data_audit.RULES)
-    page = Path(__file__).parents[2] / "docs" / "commands" / "diagnose.md"
-    assert set(re.findall(r"^\| `(\w+)` \| (?:fault|limit) \|", page.read_text(), re.MULTILINE)) == judged
 
 
 def test_the_table_has_a_row_and_a_sentence_per_joint(run: Run, logs: Path) -> None:

@@ -1,0 +1,140 @@
+"""The table of codes on the page of messages: ``python docs/make_message_page.py``.
+
+Codes and messages come from the source, what a code means and what to do from ``messages.toml``.
+"""  # noqa: INP001
+
+import ast
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import friction_audit
+
+FOLDER = Path(__file__).parent
+SOURCE = Path(friction_audit.__file__).parent
+MAKERS = ("Finding", "Caution", "Notice", "caution")
+COEFFICIENTS = ("coulomb", "viscous")
+PUT_IN = "..."
+BEGIN, END = "<!-- codes -->", "<!-- end of codes -->"
+MOST_WORDS = 9
+
+Found = tuple[ast.expr, ast.expr | None, bool]
+"""Expressions of a code and of its message, and whether the code means that input is lost."""
+
+
+def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
+    """Return the messages and the mark of damage of every code of a warning in the source."""
+    found: dict[str, tuple[tuple[str, ...], bool]] = {}
+    for path in sorted(SOURCE.rglob("*.py")):
+        module = ast.parse(path.read_text())
+        for function in (*(node for node in module.body if isinstance(node, ast.FunctionDef)), module):
+            for code, message, damaged in _made(function, pairs=_pairs_codes(module)):
+                for spelt in _spelt(code):
+                    texts, lost = found.get(spelt, ((), False))
+                    text = beginning(_text(message, function, module))
+                    found[spelt] = texts if text in (*texts, "") else (*texts, text), lost or damaged
+    return dict(sorted(found.items()))
+
+
+def _pairs_codes(module: ast.Module) -> bool:
+    """Return True where codes stand with their message in a pair or a dict, of which cautions are made."""
+    calls = [node for node in ast.walk(module) if isinstance(node, ast.Call)]
+    made = [call for call in calls if isinstance(call.func, ast.Name) and call.func.id == "Caution"]
+    return any(one.arg == "code" and isinstance(one.value, ast.Name) for call in made for one in call.keywords)
+
+
+def _made(scope: ast.AST, *, pairs: bool) -> Iterator[Found]:
+    for node in ast.walk(scope):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MAKERS:
+            given = {one.arg: one.value for one in node.keywords}
+            positional = [*node.args, None, None]
+            code, message = given.get("code", positional[0]), given.get("message", node.args[-1] if node.args else None)
+            damaged = given.get("damaged")
+            if code is not None:
+                yield code, message, isinstance(damaged, ast.Constant) and bool(damaged.value)
+        elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict) and _is_rules(node.targets[0]):
+            rules = zip(node.value.keys, node.value.values, strict=True)
+            yield from ((key, rule.args[2], False) for key, rule in rules if key and isinstance(rule, ast.Call))
+        elif pairs and isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
+            yield node.targets[0].slice, node.value, False
+        elif pairs and isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple):
+            yield node.value.elts[0], node.value.elts[1], False
+        elif pairs and isinstance(node, ast.List):
+            tuples = (one for one in node.elts if isinstance(one, ast.Tuple))
+            yield from ((one.elts[0], one.elts[-1], False) for one in tuples)
+
+
+def _is_rules(target: ast.expr) -> bool:
+    return isinstance(target, ast.Name) and target.id == "RULES"
+
+
+def _spelt(code: ast.expr) -> Iterator[str]:
+    if isinstance(code, ast.Constant) and isinstance(code.value, str):
+        yield code.value
+    elif isinstance(code, ast.JoinedStr):
+        for name in COEFFICIENTS:
+            yield "".join(str(part.value) if isinstance(part, ast.Constant) else name for part in code.values)
+
+
+def _text(node: ast.AST | None, scope: ast.AST, module: ast.Module) -> str:  # noqa: PLR0911 - a kind of node each
+    """Return a message as it stands in the source, ``...`` where a value is put in."""
+    match node:
+        case ast.Constant(value=str(text)):
+            return re.sub(r"\{[^}]*\}", PUT_IN, text)
+        case ast.JoinedStr(values=parts):
+            return "".join(_text(part, scope, module) for part in parts)
+        case ast.BinOp(left=left, right=right):
+            return _text(left, scope, module) + _text(right, scope, module)
+        case ast.IfExp(body=body):
+            return _text(body, scope, module)
+        case ast.Name(id=name, lineno=line):
+            values = [value for target, value in _assigned(scope, module) if target == name and value.lineno < line]
+            return _text(max(values, key=lambda value: value.lineno), ast.Pass(), module) if values else PUT_IN
+        case ast.Call(func=ast.Attribute(attr="format", value=text)):
+            return _text(text, scope, module)
+        case ast.Call(func=ast.Name(id=name)):
+            functions = (one for one in module.body if isinstance(one, ast.FunctionDef) and one.name == name)
+            returns = [(one, f) for f in functions for one in ast.walk(f) if isinstance(one, ast.Return)]
+            return max((_text(one.value, f, module) for one, f in returns), key=len, default=PUT_IN)
+    return PUT_IN
+
+
+def _assigned(scope: ast.AST, module: ast.Module) -> Iterator[tuple[str, ast.expr]]:
+    for node in (*ast.walk(scope), *module.body):
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            yield node.targets[0].id, node.value
+
+
+def beginning(message: str) -> str:
+    """Return the first words of a message that are its own, enough to find it by."""
+    text = re.sub(r"(\.\.\.)+", PUT_IN, message).replace("|", r"\|")
+    text = re.sub(r"^(joint \.\.\. \(\.\.\.\): |\.\.\.: )+", "", text)
+    words = re.split(r"[;:] ", text)[0].split()[:MOST_WORDS]
+    return " ".join(words) if {*words} - {PUT_IN} else ""
+
+
+def table() -> str:
+    """Return the rows of the page, one table per group of ``messages.toml``."""
+    found = messages()
+    groups = tomllib.loads((FOLDER / "messages.toml").read_text())
+    written: list[str] = []
+    for title, meanings in groups.items():
+        written += [f"## {title}", "", "| code | message | meaning, what to do |", "| --- | --- | --- |"]
+        for code, meaning in meanings.items():
+            texts, damaged = found.pop(code)
+            written.append(f"| `{code}`{' *' if damaged else ''} | {'<br>'.join(texts)} | {meaning} |")
+        written.append("")
+    if found:
+        raise SystemExit(f"messages.toml lacks {', '.join(found)}")
+    return "\n".join(written)
+
+
+def page_of(text: str) -> str:
+    """Return the page with its table as it is to be."""
+    return re.sub(rf"(?s)({BEGIN}\n).*(?={END})", lambda found: f"{found[1]}\n{table()}\n", text)
+
+
+if __name__ == "__main__":
+    path = FOLDER / "troubleshooting.md"
+    path.write_text(page_of(path.read_text()))
