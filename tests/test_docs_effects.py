@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from friction_audit.cli import main
-from friction_audit.simulation import EFFECTS, SCENARIOS
+from friction_audit.simulation import EFFECTS
 from friction_audit.simulation.effects import HiddenEffect
 from tests.documented_commands import ROOT, blocks, commands
 
@@ -78,10 +78,3 @@ def test_example_runs(effect: type[HiddenEffect], tmp_path: Path, monkeypatch: p
         main([*words, "--duration", "2", "-q"])
     assert left.value.code == 0
     assert (tmp_path / "log.parquet").exists()
-
-
-def test_scenarios_are_documented() -> None:
-    rows = re.findall(r"^\| `([\w-]+)` \| (.*) \|$", (DOCS / "simulator.md").read_text(), re.MULTILINE)
-    assert [row for row in rows if row[0] in {scenario.name for scenario in SCENARIOS}] == [
-        (scenario.name, scenario.summary) for scenario in SCENARIOS
-    ]
