@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import tarfile
 import tempfile
 from dataclasses import dataclass, field
@@ -22,10 +23,8 @@ ARCHIVES = {
 }
 """Files of the package that are used, with their SHA-256: the browser, libraries and fonts that a machine may lack."""
 FONTS = '<fontconfig><dir prefix="relative">fonts</dir><cachedir prefix="xdg">fontconfig</cachedir></fontconfig>'
-PROBE_S = 20.0
-"""Where the registry does not answer within this, the tests that want a browser are skipped."""
-LONGEST_S = 300.0
-"""Limit of the download and of the unpacking, once the registry has answered."""
+PROBE_S, DOWNLOAD_S, UNPACK_S = 8.0, 22.0, 120.0
+"""Limits of the registry's answer and of the download, 30 s together; after them the tests of the page are skipped."""
 UNPACK = """
 const fs = require("fs"), zlib = require("zlib");
 for (const [from, to] of JSON.parse(process.argv[1]))
@@ -96,7 +95,8 @@ def _fetch(workshop: Path) -> None:
     wanted = f"{PACKAGE}@{VERSION}"
     _run([npm, "view", wanted, "version", "--fetch-retries=0"], PROBE_S)
     command = [npm, "install", "--prefix", str(workshop), "--no-audit", "--no-fund", "--ignore-scripts"]
-    _run([*command, wanted], LONGEST_S)
+    sys.__stderr__.write(f"fetching {wanted} for the tests of the page, at most {DOWNLOAD_S:g} s\n")
+    _run([*command, wanted], DOWNLOAD_S)
     brought = workshop / "node_modules" / PACKAGE / "bin"
     for name, expected in ARCHIVES.items():
         if hashlib.sha256((brought / name).read_bytes()).hexdigest() != expected:
@@ -110,7 +110,7 @@ def _unpack(brought: Path, unpacked: Path) -> None:
     node = shutil.which("node")
     if node is None:
         raise NoChromiumError("no node beside npm")
-    _run([node, "-e", UNPACK, json.dumps(pairs)], LONGEST_S)
+    _run([node, "-e", UNPACK, json.dumps(pairs)], UNPACK_S)
     for tar in unpacked.glob("*.tar"):
         target = unpacked / "fonts" if tar.stem == "fonts" else unpacked
         with tarfile.open(tar) as archive:
