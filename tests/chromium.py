@@ -95,7 +95,7 @@ def _fetch(workshop: Path) -> None:
     wanted = f"{PACKAGE}@{VERSION}"
     _run([npm, "view", wanted, "version", "--fetch-retries=0"], PROBE_S)
     command = [npm, "install", "--prefix", str(workshop), "--no-audit", "--no-fund", "--ignore-scripts"]
-    print(f"fetching {wanted} for the tests of the page, at most {DOWNLOAD_S:g} s", file=sys.__stderr__)  # noqa: T201
+    print(f"fetching {wanted} for the tests of the page, at most {DOWNLOAD_S:g} s", file=sys.__stderr__)
     _run([*command, wanted], DOWNLOAD_S)
     brought = workshop / "node_modules" / PACKAGE / "bin"
     for name, expected in ARCHIVES.items():
