@@ -59,7 +59,7 @@ def test_a_heavier_tip_is_in_the_columns_of_the_last_link() -> None:
     for joint in (1, 3, 6):
         body = known.rigid[joint]
         assert body.tip is not None
-        assert _unexplained(body.at(T, body.tip), (extra - weight)[:, joint]) < 1e-3
+        assert _unexplained(body.on(T).tip, (extra - weight)[:, joint]) < 1e-3
 
 
 def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inertia() -> None:

@@ -95,13 +95,14 @@ class Gram:
         m = len(self.y)
         room = np.empty((max(AT_ONCE // max(m, 1), *(b.p for b in blocks), 1), m))
         some: list[Block] = []
+        columns = 0
         for block in (*blocks, None):
-            columns = sum(b.p for b in some)
             if some and (block is None or columns + block.p > len(room)):
                 yield some, np.concatenate([b.stored for b in some], out=room[:columns])
-                some = []
+                some, columns = [], 0
             if block is not None:
                 some.append(block)
+                columns += block.p
 
     def _products(self, left: Float, blocks: Sequence[Block]) -> Float:
         out = np.empty((FOLDS, len(left), sum(b.p for b in blocks)))

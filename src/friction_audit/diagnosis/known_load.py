@@ -58,10 +58,10 @@ def know_load(log: JointLog, choice: TorqueChoice, arm: Arm | None, t: Float, mo
         return KnownLoad(gravity=None, inertial=None, rigid=None)
     every = max(int(1.0 / (RATE_HZ * (t[1] - t[0])) + 0.5), 1)
     times, coarse = t[::every], (motion[0][::every], motion[1][::every], motion[2][::every])
-    gravity = arm.gravity(coarse[0])
-    inertial = arm.inverse_dynamics(*coarse) - gravity if choice.drive == "robot" else None
+    logged, driven = log.gravity is not None and choice.gravity != "model", choice.drive == "robot"
+    gravity = np.zeros(0) if logged and not driven else arm.gravity(coarse[0])
+    inertial = arm.inverse_dynamics(*coarse) - gravity if driven else None
     taken = inertial if choice.inertia == "model" else None
-    logged = log.gravity is not None and choice.gravity != "model"
     return KnownLoad(
         gravity=None if logged else _on(t, times, gravity),
         inertial=None if taken is None else _on(t, times, taken),
@@ -81,13 +81,13 @@ def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float
     still = np.zeros_like(motion[0])
     tilt = sign * tilt_torque(arm, motion[0])
     # Where the motors move the arm, a link that is heavier than in its model resists by its inertia too.
-    weights = _weights(arm, (motion[0], still, still) if inertial is None else motion, links)
+    weights = _weights(arm, (motion[0], still, still) if inertial is None else motion, links, sign)
     tips = None if inertial is None else _tips(arm, motion)
     return tuple(
         RigidBody(
             t=t,
             links=links[joint],
-            weight=sign * weights[joint],
+            weight=weights[joint],
             tilt=tilt[:, joint],
             inertial=None if inertial is None else sign * inertial[:, joint],
             tip=None if tips is None else sign * tips[joint],
@@ -104,7 +104,7 @@ def _links(arm: Arm, joint: int) -> tuple[int, ...]:
     return tuple(order[k] + 1 for k in sorted({place, min(place + 1, last), last}))
 
 
-def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list[Float]:
+def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]], sign: int) -> list[Float]:
     """Torque of each joint per first moment and mass of its links, zero where not identifiable, (n, links, 4)."""
     many = len(MOMENTS_AND_MASS)
     joints = np.repeat(np.arange(len(links)), [many * len(own) for own in links])
@@ -114,8 +114,9 @@ def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list
     along = regressor_entries(arm, motion, joints, carried, places)
     kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, len(carried) // many)])
     kept &= np.abs(anywhere).max(axis=0) > ROUNDING
+    along *= sign * kept
     borders = np.cumsum([many * len(own) for own in links])[:-1]
-    return [one.reshape(len(along), -1, many) for one in np.split(along * kept, borders, axis=1)]
+    return [one.reshape(-1, many, len(along)).transpose(2, 0, 1) for one in np.split(along.T, borders)]
 
 
 def _tips(arm: Arm, motion: Motion) -> list[Float]:

@@ -262,6 +262,8 @@ def knots_of(values: Float, counted: NDArray[np.bool_], most: int = KNOTS) -> Fl
 
 def curve(values: Float, knots: Float, dq: Float) -> Float:
     """A piecewise linear curve over a quantity for each direction of motion, shape (n, 2 k)."""
-    hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
-    up = (dq > 0)[:, None]
-    return np.hstack([hats * up, hats * ~up])
+    columns, up = np.empty((2 * len(knots), len(values))), dq > 0
+    for k, row in enumerate(np.eye(len(knots))):
+        hat = np.interp(values, knots, row)
+        columns[k], columns[len(knots) + k] = hat * up, hat * ~up
+    return columns.T

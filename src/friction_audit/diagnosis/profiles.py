@@ -18,7 +18,7 @@ from friction_audit.diagnosis.result import (
     Profile,
     Traces,
 )
-from friction_audit.diagnosis.samples import filter_matrix
+from friction_audit.diagnosis.samples import filtered
 from friction_audit.diagnosis.screening import Screening
 from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.friction.history import Coefficient
@@ -100,7 +100,7 @@ def bin_means(
         count: Number of bins.
 
     Returns:
-        Mean and standard error, NaN where a bin has hardly any row, shape (count,) each. [N m]
+        Mean and standard error, NaN where a bin has hardly any row or a single cycle, shape (count,) each. [N m]
     """
     mean, error = np.full(count, np.nan), np.full(count, np.nan)
     for k in range(count):
@@ -110,8 +110,9 @@ def bin_means(
         _, place = np.unique(cycle[at], return_inverse=True)
         number = np.bincount(place).astype(float)
         mean[k] = float(residual[at].mean())
-        deviation = np.bincount(place, weights=residual[at] - mean[k])
-        error[k] = float(np.sqrt(np.sum(deviation**2) * len(number) / max(len(number) - 1, 1)) / at.sum())
+        if len(number) > 1:  # of one cycle the sum of squares is rounding
+            deviation = np.bincount(place, weights=residual[at] - mean[k])
+            error[k] = float(np.sqrt(np.sum(deviation**2) * len(number) / (len(number) - 1)) / at.sum())
     return mean, error
 
 
@@ -254,7 +255,7 @@ def contact_trace(state: State) -> ContactTrace | None:
         return None
     data, samples = state.problem.data, state.problem.samples
     _, fine = fine_torques(state)
-    left = filter_matrix(len(fine), samples.kernel, samples.every) @ fine
+    left = filtered(fine[None], samples.kernel, np.arange(0, len(fine), samples.every))[0]
     seen = (data.moving & data.valid)[:: samples.every]
     return ContactTrace(
         t=data.t[:: samples.every],

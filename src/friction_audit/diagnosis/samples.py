@@ -11,19 +11,16 @@ these samples effects_stiction_16001, 16002, 16003 and 16005 are adequate.
 """
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.effects.breakaway import Breakaways, find_breakaways, torque_known
+from friction_audit.compiled import compiled
+from friction_audit.effects.breakaway import Breakaways, breakaways_of, torque_known
 from friction_audit.effects.joint_data import CORNER_HZ, JointData
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import kaiser_low_pass
 from friction_audit.preprocessing.velocity import noise_density
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_array
 
 Index = NDArray[np.int64]
 SAMPLE_HZ = 100.0
@@ -39,8 +36,8 @@ class Samples:
     """The samples of one joint that a model is fitted to, m of them, from n on the fine grid.
 
     Attributes:
-        matrix: Filter and decimation as a matrix, shape (m, n).
         kernel: Weights of the filter, an odd number of them.
+        onsets: Standstills before the break-aways, b of the m samples; their weights make all samples equally noisy.
         corner_hz: Frequency of which half the amplitude passes. [Hz]
         every: Fine samples per place.
         place: Number of each sample, counted with those that are left out, shape (m,).
@@ -51,8 +48,8 @@ class Samples:
         cycle: Number of the cycle of each sample, shape (m,).
     """
 
-    matrix: "csr_array"
     kernel: Float
+    onsets: Breakaways
     corner_hz: float
     every: int
     place: Index
@@ -69,12 +66,16 @@ class Samples:
 
     def keep(self, kept: NDArray[np.bool_]) -> "Samples":
         """Some of the samples, shape (m,)."""
-        names = ("matrix", "place", "breakaway", "weight", "t", "y", "cycle")
-        return replace(self, **{name: getattr(self, name)[kept] for name in names})
+        names = ("place", "breakaway", "weight", "t", "y", "cycle")
+        onsets = self.onsets.take(kept[self.breakaway])
+        return replace(self, onsets=onsets, **{name: getattr(self, name)[kept] for name in names})
 
     def of(self, columns: Float) -> Float:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
-        return np.asarray(self.matrix @ columns)
+        rows = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
+        out = filtered(rows, self.kernel, self.place * self.every)
+        out[:, self.breakaway] = self.onsets.of(rows.T).T
+        return out[0] if columns.ndim == 1 else out.T
 
 
 def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
@@ -85,34 +86,32 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
         corner_hz: Half of the amplitude passes here, or at a quarter of the samples' rate if that is lower.
     """
     from scipy.ndimage import maximum_filter1d
-    from scipy.sparse import vstack
 
-    n = len(data.t)
     kernel, every, corner = sample_filter(1.0 / data.step_s, corner_hz)
     whole = ~maximum_filter1d(~data.valid, len(kernel))[::every] & (data.cycle[::every] >= 0)
-    uncertain = filter_matrix(n, np.abs(kernel), every) @ (~(data.moving & data.valid)).astype(float)
-    breakaways = _breakaways(data)
+    doubt = (~(data.moving & data.valid)).astype(np.float64)[None]
+    uncertain = filtered(doubt, np.abs(kernel), np.arange(len(whole)) * every)[0]
+    breakaways = breakaways_of(data)
+    breakaways = breakaways.take(torque_known(data.torque, breakaways, data.step_s))
     breakaways = breakaways.take(whole[breakaways.onset // every])
     moving = np.setdiff1d(np.flatnonzero(whole & (uncertain <= MOST_UNCERTAIN)), breakaways.onset // every)
     place = np.concatenate([moving, breakaways.onset // every])
     order = np.argsort(place)
     breakaway = np.repeat([False, True], [len(moving), len(breakaways.onset)])
-    weight = np.where(breakaway, _relative_weight(breakaways.weights, data.step_s), 1.0)
-    onsets = _matrix(n, breakaways.samples, _relative_weight(breakaways.weights, data.step_s) * breakaways.weights)
-    matrix = vstack([filter_matrix(n, kernel, every, moving), onsets], format="csr")[order]
-    place = place[order]
-    return Samples(
-        matrix=matrix,
+    relative = _relative_weight(breakaways.weights, data.step_s)
+    samples = Samples(
         kernel=kernel,
+        onsets=replace(breakaways, weights=relative * breakaways.weights),
         corner_hz=corner,
         every=every,
-        place=place,
+        place=place[order],
         breakaway=breakaway[order],
-        weight=weight[order],
-        t=data.t[place * every],
-        y=matrix @ data.torque,
-        cycle=data.cycle[place * every],
+        weight=np.where(breakaway, relative, 1.0)[order],
+        t=data.t[place[order] * every],
+        y=np.zeros(0),
+        cycle=data.cycle[place[order] * every],
     )
+    return replace(samples, y=samples.of(data.torque))
 
 
 def sample_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int, float]:
@@ -127,31 +126,22 @@ def sample_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int, float]:
     return kaiser_low_pass(corner, rate_hz), every, corner
 
 
-def filter_matrix(n: int, kernel: Float, every: int, place: Index | None = None) -> "csr_array":
-    """A symmetric filter, the ends held, that takes every so many samples of n, the first one first, shape (m, n).
-
-    Args:
-        n: Samples of the fine grid.
-        kernel: Weights, an odd number of them.
-        every: Fine samples per sample.
-        place: Numbers of the samples that are wanted, shape (m,); all if None.
-    """
-    place = np.arange((n - 1) // every + 1) if place is None else place
-    half = len(kernel) // 2
-    return _matrix(n, np.clip(place[:, None] * every + np.arange(-half, half + 1), 0, n - 1), kernel)
-
-
-def _matrix(n: int, columns: Index, weights: Float) -> "csr_array":
-    """The same weights in every row, at the columns (m, k)."""
-    from scipy.sparse import csr_array
-
-    m, k = columns.shape
-    return csr_array((np.tile(weights, m), columns.ravel(), np.arange(m + 1) * k), shape=(m, n))
-
-
-def _breakaways(data: JointData) -> Breakaways:
-    found = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
-    return found.take(torque_known(data.torque, found, data.step_s))
+@compiled(any_order=True)
+def filtered(rows: Float, kernel: Float, centre: Index) -> Float:
+    """Symmetric filter, the ends held, at some samples, shape (m,), of rows (p, n): shape (p, m)."""
+    half, n = len(kernel) // 2, rows.shape[1]
+    out = np.empty((len(rows), len(centre)))
+    for k in range(len(rows)):
+        for i in range(len(centre)):
+            first, total = centre[i] - half, 0.0
+            if first >= 0 and first + len(kernel) <= n:
+                for j in range(len(kernel)):
+                    total += kernel[j] * rows[k, first + j]
+            else:
+                for j in range(len(kernel)):
+                    total += kernel[j] * rows[k, min(max(first + j, 0), n - 1)]
+            out[k, i] = total
+    return out
 
 
 def _relative_weight(weights: Float, step_s: float) -> float:

@@ -1,7 +1,7 @@
 """Motion of one joint, and what else is known of it: the input of every torque of a joint model."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, Protocol
 
 import numpy as np
@@ -32,14 +32,27 @@ class RigidBody:
     tilt: Float
     inertial: Float | None
     tip: Float | None
+    _kept: "list[RigidBody]" = field(default_factory=list, init=False, repr=False)
 
-    def at(self, t: Float, torque: Float) -> Float:
-        """Interpolate one of the torques at the times of a motion, shape (n, ...)."""
-        from scipy.interpolate import CubicSpline
-
+    def on(self, t: Float) -> "RigidBody":
+        """The torques at the times of a motion, by cubic splines; those of the last motion are kept."""
         if len(self.t) == len(t) and np.array_equal(self.t, t):
-            return torque
-        return np.asarray(CubicSpline(self.t, torque, axis=0)(t), np.float64)
+            return self
+        if self._kept and self._kept[-1].t is t:
+            return self._kept[-1]
+        weight = np.empty((len(t), *self.weight.shape[1:]))
+        for k in range(weight.shape[1]):  # one after the other: a spline takes several times the memory of its values
+            weight[:, k] = _interpolated(self.t, self.weight[:, k], t)
+        inertial, tip = (None if one is None else _interpolated(self.t, one, t) for one in (self.inertial, self.tip))
+        tilt = _interpolated(self.t, self.tilt, t)
+        self._kept[:] = [RigidBody(t=t, links=self.links, weight=weight, tilt=tilt, inertial=inertial, tip=tip)]
+        return self._kept[-1]
+
+
+def _interpolated(times: Float, torque: Float, t: Float) -> Float:
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(times, torque, axis=0)(t), np.float64)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

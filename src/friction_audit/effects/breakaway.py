@@ -11,11 +11,12 @@ where the torque falls behind the start by more than that. Then the joint had be
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, grid_noise
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, grid_noise
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
@@ -40,7 +41,6 @@ CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
 # A start tells something however fast its torque rises, if that falls in the time behind it by more than it rose in
 # as much before, and by more than so many standard deviations of its noise: it had been more than sliding takes.
 FALL_SIGMAS = 4.0
-POWER = 3  # of the time, by which the path grows from a standstill under a torque that rises steadily
 # To the dead speed a joint takes 2.4 times as long as from there to twice that, if its path grows so, and less if it
 # starts faster: one that took longer did not start then, but moved by one count of its encoder.
 SLOWEST = 3.0
@@ -114,6 +114,12 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
     )
 
 
+@lru_cache(maxsize=1)
+def breakaways_of(data: JointData) -> Breakaways:
+    """The break-aways of a joint."""
+    return find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
+
+
 def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:
     """Whether the torque of each break-away is known, although its moment is to some milliseconds only, shape (k,).
 
@@ -175,7 +181,8 @@ def _certain_for_good(dq: Float, certain: int, dead_speed: float, most: int) -> 
 def _start_of(q: Float, earliest: int, latest: int) -> int:
     """Sample from which a path that was constant grows as the cube of the time, by least squares."""
     tried = np.arange(earliest, latest)
-    grown = np.maximum(np.arange(len(q))[:, None] - tried, 0.0) ** POWER
+    since = np.maximum(np.arange(len(q))[:, None] - tried, 0.0)
+    grown = since * since * since
     grown -= grown.mean(axis=0)
     explained = (grown.T @ (q - q.mean())) ** 2 / np.sum(grown**2, axis=0)
     return int(tried[np.argmax(explained)])

@@ -6,6 +6,7 @@ gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Resear
 """
 
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,16 +40,15 @@ class GravityError(Effect):
         columns = np.zeros((len(self.coefficients), len(motion.t))).T  # one behind the other in memory
         if source == OWN_ANGLE:
             columns[:, OF_ANGLE] = np.column_stack([np.cos(motion.q), np.sin(motion.q)])
-        elif motion.rigid is None:
-            return columns
-        elif source == TILT:
-            columns[:, OF_TILT] = motion.rigid.at(motion.t, motion.rigid.tilt)
-        elif source == SEVERAL:
-            weight = motion.rigid.at(motion.t, motion.rigid.weight)
-            for k, where in enumerate(OF_LINKS[: weight.shape[1]]):
-                columns[:, where] = weight[:, k]
-        elif source in motion.rigid.links:
-            columns[:, OF_LINK] = motion.rigid.at(motion.t, motion.rigid.weight[:, motion.rigid.links.index(source)])
+        elif motion.rigid is not None:
+            rigid = motion.rigid.on(motion.t)
+            if source == TILT:
+                columns[:, OF_TILT] = rigid.tilt
+            elif source == SEVERAL:
+                for k, where in enumerate(OF_LINKS[: len(rigid.links)]):
+                    columns[:, where] = rigid.weight[:, k]
+            elif source in rigid.links:
+                columns[:, OF_LINK] = rigid.weight[:, rigid.links.index(source)]
         return columns
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
@@ -76,6 +76,7 @@ class GravityError(Effect):
         return round(at[SOURCE]) != SEVERAL or bool(np.all(np.abs(coefficients) <= MOST_KG))
 
 
+@lru_cache(maxsize=1)
 def independent(data: JointData) -> NDArray[np.bool_]:
     """Return which columns of several links are linearly independent, shape (12,); none without a model of the arm.
 

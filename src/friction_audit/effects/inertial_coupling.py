@@ -31,7 +31,7 @@ class InertialCoupling(Effect):
         """Return the columns of one source of the torque; those of the others are zero."""
         source = round(values[0])
         columns = np.zeros((len(self.coefficients), len(motion.t))).T  # one behind the other in memory
-        rigid = motion.rigid
+        rigid = None if motion.rigid is None else motion.rigid.on(motion.t)
         if source <= ALL:
             if motion.others is None:
                 return columns
@@ -40,9 +40,9 @@ class InertialCoupling(Effect):
             if source == ALL:
                 columns[:, [JOINTS + joint for joint in meant]] = motion.others.dq[:, meant] ** 2
         elif rigid is not None and rigid.inertial is not None and rigid.tip is not None:
-            columns[:, 2 * JOINTS] = rigid.at(motion.t, rigid.inertial)
+            columns[:, 2 * JOINTS] = rigid.inertial
             if source == TIP:
-                columns[:, -INERTIAL_PARAMETERS:] = rigid.at(motion.t, rigid.tip)
+                columns[:, -INERTIAL_PARAMETERS:] = rigid.tip
         return columns
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.breakaway import find_breakaways, torque_known
+from friction_audit.effects.breakaway import breakaways_of, torque_known
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.excitation import moves
 from friction_audit.effects.joint_data import JointData, Nominal
@@ -71,7 +71,7 @@ def _paths(data: JointData) -> list[float]:
 
 def _starts(data: JointData) -> tuple[int, int]:
     """How often the joint breaks away from a standstill, and how often the torque at that moment is known."""
-    seen = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
+    seen = breakaways_of(data)
     counted = data.valid[seen.onset] & (data.cycle[seen.onset] >= 0)
     return int(counted.sum()), int(np.sum(counted & torque_known(data.torque, seen, data.step_s)))
 

@@ -180,12 +180,14 @@ class Arm:
         import mujoco as mj
 
         model, data = self.model, mj.MjData(self.model)
-        origin, axis, orientation = np.empty((*q.shape, 3)), np.empty((*q.shape, 3)), np.empty((*q.shape, 9))
+        origin, axis = np.empty((*q.shape, 3)), np.empty((*q.shape, 3))
+        orientation = np.empty((len(q), model.nbody, 9))
+        place, anchor, along, turned = data.qpos, data.xanchor, data.xaxis, data.xmat
         for k, position in enumerate(self.to_model(q)):
-            data.qpos[:] = position
+            place[:] = position
             mj.mj_kinematics(model, data)
-            origin[k], axis[k], orientation[k] = data.xanchor, data.xaxis, data.xmat[model.jnt_bodyid]
-        return origin, orientation.reshape(*q.shape, 3, 3), axis
+            origin[k], axis[k], orientation[k] = anchor, along, turned
+        return origin, orientation[:, model.jnt_bodyid].reshape(*q.shape, 3, 3), axis
 
     def to_model(self, array: Float) -> Float:
         """Arrange the columns of an array of a log, shape (n, j), in the order of the model."""

@@ -35,36 +35,35 @@ def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, pla
     """
     place = np.argsort(arm.columns)
     joints, links = place[joints], place[links]
-    found = np.zeros((len(motion[0]), len(joints)))
-    for rows in chunks(len(found)):
-        poses = arm.poses(motion[0][rows])
+    found = np.zeros((len(joints), len(motion[0])))
+    for rows in chunks(len(motion[0])):
+        # Samples last, so that each component of a vector is one piece.
+        poses = [np.ascontiguousarray(np.moveaxis(one, 0, -1)) for one in arm.poses(motion[0][rows])]
         origin, orientation, axis = poses
-        accelerations = _accelerations(arm, poses, motion[1][rows], motion[2][rows])
+        accelerations = _accelerations(arm, origin, axis, arm.to_model(motion[1][rows]), arm.to_model(motion[2][rows]))
         for link in np.unique(links):
-            local = (_rotated(orientation[:, link], part[:, link]) for part in accelerations)
-            force, moment = _wrench(*local)
+            force, moment = _wrench(*(_times(part[link], orientation[link]) for part in accelerations))
             for joint in _chain(arm, int(link)):
-                entries = (links == link) & (joints == joint)
-                if entries.any():
-                    s = axis[:, joint]
-                    across = np.cross(s, origin[:, link] - origin[:, joint])
-                    pull, turn = (_rotated(orientation[:, link], side)[:, None] for side in (across, s))
-                    found[rows, entries] = (pull @ force + turn @ moment)[:, 0, places[entries]]
-    return found
+                entries = np.flatnonzero((links == link) & (joints == joint))
+                if len(entries):
+                    across = _cross(axis[joint], origin[link] - origin[joint])
+                    pull, turn = (_times(side, orientation[link]) for side in (across, axis[joint]))
+                    own = places[entries]
+                    found[entries, rows] = _times(pull, force[:, own]) + _times(turn, moment[:, own])
+    return found.T
 
 
-def _accelerations(arm: Arm, poses: tuple[Float, Float, Float], dq: Float, ddq: Float) -> tuple[Float, Float, Float]:
-    """Return of each link angular velocity and acceleration, and acceleration of its origin less gravity, (n, j, 3)."""
-    origin, _, axis = poses
-    spin, push = axis * arm.to_model(dq)[:, :, None], axis * arm.to_model(ddq)[:, :, None]
-    turning, angular, linear = spin.copy(), push, np.tile(-arm.model.opt.gravity, (*dq.shape, 1))
-    for link in range(dq.shape[1]):
+def _accelerations(arm: Arm, origin: Float, axis: Float, dq: Float, ddq: Float) -> tuple[Float, Float, Float]:
+    """Return of each link angular velocity and acceleration, and acceleration of its origin less gravity, (j, 3, n)."""
+    spin, push = axis * dq.T[:, None], axis * ddq.T[:, None]
+    turning, angular = spin.copy(), push
+    linear = np.repeat(np.tile(-arm.model.opt.gravity, (len(axis), 1))[:, :, None], len(dq), axis=2)
+    for link in range(len(axis)):
         for parent in _chain(arm, link)[1:2]:
-            before, lever = turning[:, parent], origin[:, link] - origin[:, parent]
-            turning[:, link] += before
-            angular[:, link] += angular[:, parent] + np.cross(before, spin[:, link])
-            swing = np.cross(angular[:, parent], lever) + np.cross(before, np.cross(before, lever))
-            linear[:, link] = linear[:, parent] + swing
+            before, lever = turning[parent], origin[link] - origin[parent]
+            turning[link] += before
+            angular[link] += angular[parent] + _cross(before, spin[link])
+            linear[link] = linear[parent] + _cross(angular[parent], lever) + _cross(before, _cross(before, lever))
     return turning, angular, linear
 
 
@@ -81,35 +80,39 @@ def _chain(arm: Arm, link: int) -> list[int]:
 
 
 def _wrench(turning: Float, angular: Float, linear: Float) -> tuple[Float, Float]:
-    """Return force and moment about a link's origin per unit of its parameters, in its frame, shape (n, 3, 10) each.
+    """Return force and moment about a link's origin per unit of its parameters, in its frame, shape (3, 10, n) each.
 
     Atkeson, An and Hollerbach, equation (8); ``linear`` is the acceleration of the origin less gravity.
     """
-    force, moment = np.zeros((2, len(linear), 3, PARAMETERS))
-    force[:, :, 0] = linear
-    force[:, :, 1:4] = _skew(angular) + _skew(turning) @ _skew(turning)
-    moment[:, :, 1:4] = -_skew(linear)
-    moment[:, :, 4:] = _inertia_columns(angular) + _skew(turning) @ _inertia_columns(turning)
+    force, moment = np.zeros((2, 3, PARAMETERS, linear.shape[1]))
+    spin = _skew(turning)
+    force[:, 0] = linear
+    force[:, 1:4] = _skew(angular) + np.einsum("ijn,jkn->ikn", spin, spin)
+    moment[:, 1:4] = -_skew(linear)
+    moment[:, 4:] = _inertia_columns(angular) + np.einsum("ijn,jkn->ikn", spin, _inertia_columns(turning))
     return force, moment
 
 
 def _skew(v: Float) -> Float:
-    x, y, z = v.T
+    x, y, z = v
     zero = np.zeros_like(x)
-    return np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+    return np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]])
 
 
 def _inertia_columns(v: Float) -> Float:
-    """Return what turns the six moments of inertia into inertia times v, shape (n, 3, 6)."""
-    x, y, z = v.T
+    """Return what turns the six moments of inertia into inertia times v, shape (3, 6, n)."""
+    x, y, z = v
     zero = np.zeros_like(x)
-    columns = [[x, y, zero, z, zero, zero], [zero, x, y, zero, z, zero], [zero, zero, zero, x, y, z]]
-    return np.array(columns).transpose(2, 0, 1)
+    return np.array([[x, y, zero, z, zero, zero], [zero, x, y, zero, z, zero], [zero, zero, zero, x, y, z]])
 
 
-def _rotated(orientation: Float, v: Float) -> Float:
-    """Express vectors of the base in the axes of a link, shape (n, 3)."""
-    return (v[:, None] @ orientation)[:, 0]
+def _times(v: Float, matrix: Float) -> Float:
+    """Vectors (3, n) times matrices (3, k, n), shape (k, n)."""
+    return np.asarray(v[0] * matrix[0] + v[1] * matrix[1] + v[2] * matrix[2])
+
+
+def _cross(a: Float, b: Float) -> Float:
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def significant(columns: Float) -> NDArray[np.bool_]:
