@@ -57,9 +57,9 @@ def test_a_heavier_tip_is_in_the_columns_of_the_last_link() -> None:
     known = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ))
     assert known.rigid is not None
     for joint in (1, 3, 6):
-        body = known.rigid[joint]
+        body = known.rigid[joint].on(T)
         assert body.tip is not None
-        assert _unexplained(body.on(T).tip, (extra - weight)[:, joint]) < 1e-3
+        assert _unexplained(body.tip, (extra - weight)[:, joint]) < 1e-3
 
 
 def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inertia() -> None:

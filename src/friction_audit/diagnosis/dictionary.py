@@ -1,6 +1,6 @@
 """Columns of every effect on the samples: the one place that knows how the catalogue of effects is written."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -220,8 +220,3 @@ def grid_of(effect: Effect, data: JointData, testable: bool) -> Sequence[Nonline
         least = LEAST_BEND * float(speeds(data, 95.0)[0])
         shapes = [s for s in shapes if s["curved_viscous_exponent"] > 0.0 or s["curved_viscous_speed_rad_s"] >= least]
     return shapes
-
-
-def names_of(blocks: Sequence[Block]) -> Iterator[str]:
-    """Names of blocks, each once."""
-    yield from dict.fromkeys(block.name for block in blocks)

@@ -87,7 +87,9 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     """
     from scipy.ndimage import maximum_filter1d
 
-    kernel, every, corner = sample_filter(1.0 / data.step_s, corner_hz)
+    every = max(int(1.0 / data.step_s / SAMPLE_HZ + 1e-9), 1)
+    corner = min(corner_hz, 1.0 / data.step_s / every / 4)
+    kernel = kaiser_low_pass(corner, 1.0 / data.step_s)
     whole = ~maximum_filter1d(~data.valid, len(kernel))[::every] & (data.cycle[::every] >= 0)
     doubt = (~(data.moving & data.valid)).astype(np.float64)[None]
     uncertain = filtered(doubt, np.abs(kernel), np.arange(len(whole)) * every)[0]
@@ -112,18 +114,6 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
         cycle=data.cycle[place[order] * every],
     )
     return replace(samples, y=samples.of(data.torque))
-
-
-def sample_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int, float]:
-    """Weights of the low-pass of samples, fine samples per sample, and the corner in fact. [Hz]
-
-    Args:
-        rate_hz: Of the fine grid.
-        corner_hz: Half of the amplitude passes here, or at a quarter of the samples' rate if that is lower.
-    """
-    every = max(int(rate_hz / SAMPLE_HZ + 1e-9), 1)
-    corner = min(corner_hz, rate_hz / every / 4)
-    return kaiser_low_pass(corner, rate_hz), every, corner
 
 
 @compiled(any_order=True)
