@@ -92,7 +92,8 @@ class Terminal:
         """Put sample logs where a command expects logs that the page only imagines; True if there are such."""
         words = shlex.split(command, comments=True)
         logs = words[2:3] if words[1:2] != ["info"] else words[2:]
-        for word in [*logs, *(word for word in words if word.endswith(".urdf"))]:
+        robots = [value for name, value in pairwise(words) if name in ("--urdf", "--into")]
+        for word in [*logs, *robots]:
             path = self.folder / word
             if path.suffix in STAND_INS and not path.exists():
                 path.parent.mkdir(parents=True, exist_ok=True)

@@ -20,7 +20,8 @@ OPTION = re.compile(r"(?<![\w-])(--[a-z][a-z-]+|-[a-z])(?![\w-])")
 
 def options_of(name: str) -> set[str]:
     group = cast("Any", typer.main.get_command(app))
-    return {max(p.opts, key=len) for p in group.commands[name].params if p.param_type_name == "option"}
+    found = [p for p in group.commands[name].params if p.param_type_name == "option"]
+    return {name for p in found for name in (max(p.opts, key=len), *p.secondary_opts)}
 
 
 @pytest.mark.parametrize("module", COMMANDS, ids=name_of)

@@ -18,7 +18,7 @@ GROUP = cast("Any", typer.main.get_command(app))
 EACH = pytest.mark.parametrize("module", COMMANDS, ids=name_of)
 SHORTEST = 4
 """Letters of an option from which on a slip still tells what was meant."""
-READ_AT_ONCE = (".urdf", "model.toml", "sessions.csv")
+READ_AT_ONCE = (".urdf", "panda.xml", "model.toml", "sessions.csv")
 """Files of the examples that must be there."""
 EAGER = {"--list-dialects"}
 """Options that answer before any other is looked at."""

@@ -11,6 +11,7 @@ from friction_audit.cli import (
     convert,
     diagnose,
     estimate,
+    export,
     info,
     plot,
     replay,
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 # Plain help text: rich would cost more time than everything else that --help does.
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
-COMMANDS = (info, estimate, plot, replay, diagnose, report, batch_report, convert, simulate, reproduce, compare)
+COMMANDS = (info, estimate, plot, replay, diagnose, report, export, batch_report, convert, simulate, reproduce, compare)
 """Modules of the commands, in the order of the help text; each holds ``command``, named as the module, and EXAMPLES."""
 
 

@@ -66,13 +66,17 @@ def bend(pace: Float, freedom: float) -> Float:
 
     From a table over the angle whose tangent is t / sqrt(freedom): the function itself takes a microsecond a sample.
     """
-    from scipy.special import betainc
-
-    table = betainc(0.5, freedom / 2.0, np.sin(np.linspace(0.0, np.pi / 2.0, TABLE)) ** 2)
     # The table is even, so that the place follows from the angle without a search.
     place = np.arctan(pace * np.sqrt(CARREAU / freedom))
     place *= (TABLE - 1) / (np.pi / 2.0)
-    return np.asarray(_between(table, place))
+    return np.asarray(_between(bend_table(freedom), place))
+
+
+def bend_table(freedom: float) -> Float:
+    """Return the bend at TABLE even angles from 0 to pi / 2, shape (TABLE,)."""
+    from scipy.special import betainc
+
+    return np.asarray(betainc(0.5, freedom / 2.0, np.sin(np.linspace(0.0, np.pi / 2.0, TABLE)) ** 2))
 
 
 @compiled()

@@ -1,0 +1,136 @@
+"""``friction-audit export``."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain
+from friction_audit.cli.chain import audit_settings, read_options
+from friction_audit.cli.choices import option, parse_joints, parse_numbers
+from friction_audit.cli.console import Voice
+from friction_audit.cli.grouped_help import OUTPUT
+from friction_audit.cli.options import EstimateOptions, LogOptions
+from friction_audit.cli.outputs import show
+from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.export.export import Export
+    from friction_audit.pipeline import Estimate
+
+EXAMPLES = """Examples:
+  friction-audit export run.mcap panda.urdf --into my_panda.urdf
+  friction-audit export results/model.toml panda.xml --into my_panda.xml --armature
+  friction-audit export results friction.hpp --joints 1-4
+  friction-audit export run.parquet joint_friction.py"""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExportOptions:
+    """How friction is written."""
+
+    into: Annotated[
+        Path | None,
+        option(
+            OUTPUT,
+            "URDF, MJCF or SDF of the robot: OUT is a copy of it with the friction in its joints.",
+            metavar="FILE",
+            exists=True,
+            dir_okay=False,
+        ),
+    ] = None
+    speeds: Annotated[
+        str | None,
+        option(
+            OUTPUT,
+            "Speeds [rad/s] over which the file is to hold. Default: those of the log; without one 0.01,1.",
+            metavar="LOW,HIGH",
+        ),
+    ] = None
+    armature: Annotated[
+        bool | None,
+        option(
+            OUTPUT,
+            "Write the inertia as armature. Default: where it is without that of the links.",
+            "--armature/--no-armature",
+        ),
+    ] = None
+
+
+def command(
+    source: Annotated[
+        Path,
+        typer.Argument(metavar="SOURCE", help="A log, an estimate.json, a model.toml, or a folder that holds one."),
+    ],
+    out: Annotated[
+        Path,
+        typer.Argument(metavar="OUT", help="File to write: .urdf, .xml, .sdf, .usda, .py, .hpp, .yaml or .csv."),
+    ],
+    options: ExportOptions,
+    friction: EstimateOptions,
+    shared: LogOptions,
+) -> None:
+    """Write the friction of the joints in the file of a simulator or a controller."""
+    from friction_audit.export.export import ExportSettings, export_friction
+    from friction_audit.export.registry import choose_target, read_into
+    from friction_audit.export.source import of_estimate, read_result, result_file
+
+    voice = shared.general.voice
+    target = choose_target(out)
+    into = None if options.into is None else read_into(target, options.into)
+    for kept in (source, options.into or source):
+        chain.check_outputs([out], overwrite=shared.overwrite, log=kept)
+    settings = ExportSettings(
+        joints=parse_joints(shared.selection.joints),
+        speeds=None if options.speeds is None else _parse_speeds(options.speeds),
+        armature=options.armature,
+        overwrite=shared.overwrite,
+    )
+    result = result_file(source)
+    estimate = _estimate(source, shared, friction, voice) if result is None else None
+    joints = of_estimate(estimate) if estimate else read_result(result or source)
+    with voice.step(f"write {out}"):
+        export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
+    text = _document(export, voice, json=shared.general.json)
+    show(text, lambda: _lines(export), json=shared.general.json)
+    if estimate:
+        chain.exit_if_damaged(estimate.log)
+
+
+def _estimate(source: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Estimate":
+    """Estimate the friction of a log, which must be a torque."""
+    settings = audit_settings(shared, friction)
+    with chain.loading("friction_audit.friction.estimate"):
+        log = chain.read(source, read_options(shared.reading, shared.selection), voice)
+    if log.source.torque_unit != "N m":
+        raise UsageError(
+            f"{source}: its torque is a motor current [{log.source.torque_unit}]; expected newton metres; multiply the "
+            "column by torque constant and gear ratio"
+        )
+    result = chain.estimate(log, settings, voice)
+    chain.require_an_estimate(result)
+    return result
+
+
+def _parse_speeds(text: str) -> tuple[float, float]:
+    low, high = parse_numbers("--speeds", text, ("LOW", "HIGH"))
+    if not 0.0 <= low < high < float("inf"):
+        raise UsageError(f"--speeds {text}: expected 0 <= LOW < HIGH [rad/s]")
+    return low, high
+
+
+def _document(export: "Export", voice: Voice, *, json: bool) -> str:
+    from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.export import export_document, export_notices
+
+    if not json:
+        voice.warn(notice.message for notice in export_notices(export))
+    return write_document(export_document(export))
+
+
+def _lines(export: "Export") -> "Iterable[str]":
+    from friction_audit.reporting.export import export_lines
+
+    return export_lines(export)

@@ -1,0 +1,152 @@
+"""The part of a joint model that a simulator or a controller can hold: friction as a function of the velocity.
+
+A simulator holds a polynomial of the velocity: Coulomb friction, and damping of the first to the third power. What a
+model has beyond that (Stribeck, curved friction) is fitted to it over the speeds of the joint by non-negative least
+squares (Lawson, Hanson, Solving Least Squares Problems, 1974, chapter 23): no coefficient below zero, so that the
+simulated joint dissipates at every speed.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.joint_model import FittedTerm, JointModel
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+
+SPEEDS = 200  # at which a curve is fitted, many more than its four coefficients
+SLOWEST = 1e-9  # rad/s: the speed at which friction at the onset of motion is read
+POWERS = (0, 1, 2, 3)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FittedFriction:
+    """Friction of a joint as a polynomial of the speed: sgn(dq) (c_0 + c_1 |dq| + c_2 dq^2 + c_3 |dq|^3).
+
+    Attributes:
+        coulomb_nm: c_0.
+        viscous_nms_per_rad: c_1.
+        quadratic_nms2_per_rad2: c_2.
+        cubic_nms3_per_rad3: c_3.
+        error_nm: Root mean square of the law less the polynomial over the speeds of the fit.
+        error_share: The same over the root mean square of the law.
+    """
+
+    coulomb_nm: float
+    viscous_nms_per_rad: float
+    quadratic_nms2_per_rad2: float
+    cubic_nms3_per_rad3: float
+    error_nm: float
+    error_share: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class FrictionLaw:
+    """Friction of one joint as a function of its velocity.
+
+    Attributes:
+        joint: Number of the joint, 1..n.
+        name: Its name in the log or in the model's file.
+        terms: Terms of the joint's model that follow from the velocity and are dissipated.
+        left_out: Names of its other terms.
+        inertia_kg_m2: Inertia of the joint's model, or None where it is not the reflected inertia of the motor.
+        speeds: Speeds over which the law is to hold, shape (n,), none below zero. [rad/s]
+    """
+
+    joint: int
+    name: str
+    terms: tuple[FittedTerm, ...]
+    left_out: tuple[str, ...]
+    inertia_kg_m2: float | None
+    speeds: Float
+
+    def torque(self, dq: Float, sign_width: float = 0.0) -> Float:
+        """Return the friction torque at velocities, shape (n,): what a drive pays for it, 0 at rest. [N m]
+
+        Args:
+            dq: Velocities. [rad/s]
+            sign_width: Speed up to which the sign of the velocity rises linearly; 0 for a step. [rad/s]
+        """
+        way = np.clip(dq / sign_width, -1.0, 1.0) if sign_width > 0.0 else None
+        still = np.zeros_like(dq)
+        motion = Motion(t=still, q=still, dq=dq, ddq=still, way=way)
+        return np.asarray(np.sum([term.torque(motion) for term in self.terms], axis=0))
+
+    @property
+    def static_nm(self) -> float:
+        """Friction at the onset of motion: Coulomb friction and what Stribeck friction adds to it. [N m]"""
+        return float(self.torque(np.array([SLOWEST]))[0])
+
+    def fit(self, highest_power: int) -> FittedFriction:
+        """Fit a polynomial of the speed.
+
+        Args:
+            highest_power: 1 for Coulomb and viscous friction alone, up to 3.
+        """
+        from scipy.optimize import nnls
+
+        torque = self.torque(self.speeds)
+        columns = self.speeds[:, None] ** np.array(POWERS[: highest_power + 1])
+        scale = np.abs(columns).max(axis=0)
+        fitted, _ = nnls(columns / scale, torque)
+        found = np.zeros(len(POWERS))
+        found[: highest_power + 1] = fitted / scale
+        size, error = (float(np.sqrt(np.mean(values**2))) for values in (torque, torque - columns @ (fitted / scale)))
+        error = error if error > np.finfo(float).eps * SPEEDS * size else 0.0
+        return FittedFriction(
+            coulomb_nm=float(found[0]),
+            viscous_nms_per_rad=float(found[1]),
+            quadratic_nms2_per_rad2=float(found[2]),
+            cubic_nms3_per_rad3=float(found[3]),
+            error_nm=error,
+            error_share=error / size if size > 0.0 else 0.0,
+        )
+
+
+def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, armature: bool) -> FrictionLaw:
+    """Return the friction law of a joint's model.
+
+    Args:
+        joint: Number of the joint, 1..n.
+        name: Its name.
+        model: Its model.
+        speeds: Speeds over which the law is to hold, shape (n,). [rad/s]
+        armature: Whether the inertia of the model is the reflected inertia of the motor.
+
+    Raises:
+        AnalysisError: If the model has no friction that follows from the velocity, or takes energy from no speed.
+    """
+    terms = tuple(term for term in model.terms if term.effect.friction and term.effect.speed_only)
+    if not terms:
+        raise AnalysisError(f"joint {joint} ({name}): its model has no friction that follows from the velocity")
+    left_out = tuple(term.name for term in model.terms if term not in terms)
+    inertia = model.inertia_kg_m2 if armature and model.inertia_kg_m2 > 0.0 else None
+    law = FrictionLaw(joint=joint, name=name, terms=terms, left_out=left_out, inertia_kg_m2=inertia, speeds=speeds)
+    lowest = float(np.min(law.torque(speeds)))
+    if lowest < 0.0:
+        where = float(speeds[np.argmin(law.torque(speeds))])
+        raise AnalysisError(
+            f"joint {joint} ({name}): friction is {lowest:.3g} N m at {where:.3g} rad/s; expected none below zero; "
+            "give speeds that the log holds (--speeds LOW,HIGH)"
+        )
+    return law
+
+
+def even_speeds(low: float, high: float) -> Float:
+    """Return evenly spaced speeds of a fit, shape (n,). [rad/s]"""
+    return np.linspace(max(low, SLOWEST), high, SPEEDS)  # at rest there is no friction to fit
+
+
+def moving_speeds(dq: Float, slowest: float) -> Float:
+    """Return speeds of a log that each stand for an equal share of its moving time, shape (n,). [rad/s]
+
+    Args:
+        dq: Velocity, shape (m,). [rad/s]
+        slowest: Speed below which the joint counts as at rest. [rad/s]
+    """
+    pace = np.abs(dq[np.isfinite(dq)])
+    moving = pace[pace > slowest]
+    if not len(moving):
+        return even_speeds(slowest, 1.0)
+    return np.quantile(moving, (np.arange(SPEEDS) + 0.5) / SPEEDS)

@@ -1,0 +1,183 @@
+"""Where an export takes its numbers from: a model file, an estimate's document, a folder of results, or a log."""
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from friction_audit.effects.joint_model import JointModel, simple_model
+from friction_audit.effects.model_file import load_model
+from friction_audit.errors import AnalysisError, InputError, UsageError
+from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law, moving_speeds
+from friction_audit.friction.history import JointFriction
+from friction_audit.joint_log import Float
+from friction_audit.pipeline import Estimate
+
+MODEL, ESTIMATE = "model.toml", "estimate.json"
+ESTIMATE_SCHEMA = "friction-audit/estimate/"
+SPEEDS = (0.01, 1.0)  # rad/s: of a file without a log, from the slowest motion that counts to that of a hand
+BIGGEST = 64 << 20  # bytes of a document; that of an hour with seven joints has 10 MB
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Joints:
+    """What a source says of its joints.
+
+    Attributes:
+        models: Number (1..n), name and model of each joint that has one.
+        reflected: Whether the inertias of the models are the reflected inertias of the motors; None if not known.
+        lacking: Number of a joint without friction, and why.
+    """
+
+    models: tuple[tuple[int, str, JointModel], ...]
+    reflected: bool | None
+    lacking: tuple[tuple[int, str], ...] = ()
+
+
+def result_file(source: Path) -> Path | None:
+    """Return the file of results that a source is or holds; None for a log."""
+    if source.is_dir():
+        return next((source / name for name in (MODEL, ESTIMATE) if (source / name).is_file()), None)
+    return source if source.suffix.lower() in (".toml", ".json") else None
+
+
+def read_result(path: Path) -> Joints:
+    """Read a model file or an estimate's document.
+
+    Raises:
+        InputError: If it is neither.
+    """
+    if path.suffix.lower() == ".toml":
+        model = load_model(path)
+        known = list(zip(range(1, len(model.names) + 1), model.names, model.joints, strict=True))
+        return Joints(
+            models=tuple((number, name, joint) for number, name, joint in known if joint is not None),
+            reflected=None,
+            lacking=tuple((number, "no model in the file") for number, _, joint in known if joint is None),
+        )
+    return _of_document(_document(path), path)
+
+
+def of_estimate(estimate: Estimate) -> Joints:
+    """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
+    choice = estimate.interaction.choice
+    found = [(joint.joint, joint.name, joint, _model_of(joint)) for joint in estimate.friction.joints]
+    return Joints(
+        models=tuple((number, name, model) for number, name, _, model in found if model is not None),
+        reflected=is_reflected(choice.drive, choice.inertia),
+        lacking=tuple((number, joint.reason) for number, _, joint, model in found if model is None),
+    )
+
+
+def is_reflected(drive: str, inertia: str) -> bool:
+    """Return whether the inertia in a torque balance is that of the motor alone.
+
+    It is where a person drives the link, for then the sensor is between the two, and where a rigid-body model has taken
+    the inertia of the links out.
+    """
+    return drive == "hand" or inertia == "model"
+
+
+def speeds_of(estimate: Estimate, slowest: float = SPEEDS[0]) -> dict[int, Float]:
+    """Return the speeds of a log's joints, each an equal share of the time in motion, by number of the joint."""
+    numbers, dq = estimate.interaction.joint_numbers, estimate.interaction.dq
+    return {number: moving_speeds(dq[:, column], slowest) for column, number in enumerate(numbers)}
+
+
+def laws_of(
+    joints: Joints, speeds: Mapping[int, Float], *, wanted: Iterable[int] | None, armature: bool
+) -> tuple[tuple[FrictionLaw, ...], tuple[tuple[int, str], ...]]:
+    """Return the friction laws of the joints that have one, and number and reason of the others.
+
+    Args:
+        joints: What the source says.
+        speeds: Speeds by number of the joint; a joint that is not there is fitted over SPEEDS. [rad/s]
+        wanted: Numbers of the joints to export, None for all.
+        armature: Whether the inertia is exported.
+
+    Raises:
+        UsageError: If a joint that is wanted is not there.
+        AnalysisError: If no joint has friction to export.
+    """
+    asked = None if wanted is None else set(wanted)
+    there = {number for number, *_ in joints.models} | {number for number, _ in joints.lacking}
+    if asked is not None and not asked <= there:
+        absent = ", ".join(str(number) for number in sorted(asked - there))
+        raise UsageError(f"--joints {absent}: not in the source; its joints are {', '.join(map(str, sorted(there)))}")
+    laws, lacking = [], [one for one in joints.lacking if asked is None or one[0] in asked]
+    for number, name, model in joints.models:
+        if asked is None or number in asked:
+            try:
+                over = speeds.get(number, even_speeds(*SPEEDS))
+                laws.append(friction_law(number, name, model, over, armature=armature))
+            except AnalysisError as error:
+                lacking.append((number, str(error)))
+    if not laws:
+        reasons = "".join(f"\n  joint {number}: {why}" for number, why in lacking)
+        raise AnalysisError(f"no joint has friction to export:{reasons}")
+    return tuple(laws), tuple(sorted(lacking))
+
+
+def _model_of(joint: JointFriction) -> JointModel | None:
+    coulomb, viscous = joint.coulomb.value, joint.viscous.value
+    inertia = float("nan") if joint.regression is None else joint.regression.inertia_kg_m2
+    return None if joint.reason else _simple(coulomb, viscous, inertia)
+
+
+def _simple(coulomb: float, viscous: float, inertia: float) -> JointModel:
+    """Return a model; a coefficient that its estimator does not have, or that is not determined, is zero."""
+    known = [float(max(value, 0.0)) if np.isfinite(value) else 0.0 for value in (coulomb, viscous)]
+    return simple_model(
+        inertia_kg_m2=float(inertia) if np.isfinite(inertia) else 0.0, coulomb_nm=known[0], viscous_nms_per_rad=known[1]
+    )
+
+
+def _document(path: Path) -> Mapping[str, Any]:
+    """Return a document, a JSON object."""
+    try:
+        size = path.stat().st_size
+        if size > BIGGEST:
+            raise InputError(f"{path}: {size} bytes; expected a document of at most {BIGGEST}")
+        document = json.loads(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}; give an {ESTIMATE} or a {MODEL}") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is no JSON: {error}; expected an {ESTIMATE} or a {MODEL}") from error
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if not isinstance(schema, str) or not schema.startswith(ESTIMATE_SCHEMA):
+        raise InputError(
+            f"{path}: schema is {schema!r}; expected a document of `estimate`; of `diagnose`, give the {MODEL} that it "
+            "writes with --output"
+        )
+    return dict(document)
+
+
+def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
+    """Return what a document of ``estimate`` says, its keys as in its schema."""
+    try:
+        chosen = document["settings"]["torque_chosen"]
+        found = list(_joints_in(document["joints"]))
+        reflected = is_reflected(chosen["drive"], chosen["inertia"])
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{path}: is no whole document of `estimate` ({error!r}); write it again") from error
+    return Joints(
+        models=tuple((number, name, model) for number, name, model, _ in found if model is not None),
+        reflected=reflected,
+        lacking=tuple((number, why) for number, _, model, why in found if model is None),
+    )
+
+
+def _joints_in(joints: Iterable[Mapping[str, Any]]) -> Iterator[tuple[int, str, JointModel | None, str]]:
+    for joint in joints:
+        coulomb, viscous = (_number(joint[key], "value") for key in ("coulomb_nm", "viscous_nms_per_rad"))
+        inertia, reason = _number(joint["regression"], "inertia_kg_m2"), joint["reason"]
+        model = None if reason else _simple(coulomb, viscous, inertia)
+        yield int(joint["joint"]), str(joint["name"]), model, str(reason or "")
+
+
+def _number(found: Mapping[str, Any] | None, key: str) -> float:
+    """Return a number of a document, NaN where it has none."""
+    return float("nan") if found is None or found[key] is None else float(found[key])

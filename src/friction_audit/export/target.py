@@ -1,0 +1,78 @@
+"""What a target of an export is: one record per file format."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from friction_audit.errors import UsageError
+from friction_audit.export.friction_law import FittedFriction, FrictionLaw
+from friction_audit.export.xml_text import Tag, XmlText
+
+DIGITS = 9  # of a number in a file, more than any log determines
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class ExportedJoint:
+    """One joint as it is written.
+
+    Attributes:
+        name: Its name in the file.
+        law: Its friction law.
+        fitted: The law as the target holds it.
+    """
+
+    name: str
+    law: FrictionLaw
+    fitted: FittedFriction
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Target:
+    """A file format of a simulator or a controller.
+
+    Attributes:
+        name: Unique name.
+        suffix: File name ending with the dot.
+        summary: One line for help and documentation.
+        highest_power: Of the speed, that its damping has; None where it holds the law itself.
+        write: Returns the content of the file; the user's file is None where a new one is made.
+        armature: Whether it has a place for the inertia.
+        joints_of: Returns the joints of the user's file, in its order, or None where a format takes no such file.
+    """
+
+    name: str
+    suffix: str
+    summary: str
+    highest_power: int | None
+    write: Callable[[Sequence[ExportedJoint], XmlText | None], bytes]
+    armature: bool = False
+    joints_of: Callable[[XmlText], list[Tag]] | None = None
+
+
+def number(value: float) -> str:
+    """Return a number as text."""
+    return f"{value:.{DIGITS}g}"
+
+
+def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:
+    """Return the name of each joint in the user's file, and whether the order of the joints gave it.
+
+    Args:
+        laws: Joints to be written.
+        count: Number of joints of the source.
+        found: Names of the joints that turn, in the order of the file.
+        where: The file, for the message.
+
+    Raises:
+        UsageError: If a joint is not in the file by its name, and the file has another number of joints.
+    """
+    own = [law.name for law in laws]
+    if all(name in found for name in own):
+        return own, False
+    # A log numbers its joints where it does not name them: the k-th joint is the k-th of a serial arm.
+    if not any(name in found for name in own) and count == len(found):
+        return [found[law.joint - 1] for law in laws], True
+    absent = ", ".join(name for name in own if name not in found)
+    raise UsageError(
+        f"{where}: no joint {absent}; its {len(found)} joints that turn are {', '.join(found) or 'none'}, "
+        f"the source has {count}; rename the joints of the source, or export those that the file has (--joints)"
+    )

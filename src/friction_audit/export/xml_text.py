@@ -1,0 +1,141 @@
+"""Changes of attributes and elements in the text of an XML file; every other byte stays as it is."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import NamedTuple
+from xml.parsers import expat
+from xml.sax.saxutils import escape, quoteattr
+
+from friction_audit.errors import InputError
+
+# Of a start tag: its name, its attributes with their quotes, and what closes it.
+START_TAG = re.compile(rb"<[^\s/>]+(?P<attributes>(?:\s+[^\s=]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*(?P<close>/?>)")
+WIDE_MARKS = (b"\xff\xfe", b"\xfe\xff", b"\x00")  # of UTF-16 and UTF-32, in which a byte is no character
+INDENT = "  "
+
+
+class Edit(NamedTuple):
+    """Bytes ``start`` to ``stop`` of a text, and what stands there instead."""
+
+    start: int
+    stop: int
+    text: bytes
+
+
+@dataclass(eq=False, slots=True)
+class Tag:
+    """An element and its place in the text: ``start`` to ``inside`` its start tag, ``close`` to ``stop`` its end tag.
+
+    Of an element without an end tag (``<a/>``), ``inside``, ``close`` and ``stop`` are the same.
+    """
+
+    name: str
+    attributes: Mapping[str, str]
+    parent: "Tag | None"
+    start: int
+    inside: int
+    close: int = 0
+    stop: int = 0
+    children: "list[Tag]" = field(default_factory=list)
+
+    def child(self, name: str) -> "Tag | None":
+        """Return the first child of that name."""
+        return next((child for child in self.children if child.name == name), None)
+
+    def walk(self) -> "Iterator[Tag]":
+        """Yield the element and all below it, in the order of the text."""
+        pending = [self]
+        while pending:
+            tag = pending.pop()
+            yield tag
+            pending += reversed(tag.children)
+
+
+class XmlText:
+    """An XML file as text with the places of its elements.
+
+    Args:
+        text: Content of the file.
+        where: The file, for the messages.
+
+    Raises:
+        InputError: If it is no XML, or in an encoding whose bytes are no characters.
+    """
+
+    def __init__(self, text: bytes, where: str) -> None:
+        if text.startswith(WIDE_MARKS) or b"\x00" in text[:4]:
+            raise InputError(f"{where}: XML in UTF-16 or UTF-32; expected UTF-8; save it in UTF-8")
+        self.text, self.where = text, where
+        self._open: list[Tag] = []
+        self.root = self._read()
+
+    def set_attributes(self, tag: Tag, values: Mapping[str, str]) -> Edit:
+        """Return the edit after which an element has these attributes; its other ones stay."""
+        found = START_TAG.match(self.text, tag.start)
+        assert found is not None  # expat read the tag, and _read found its end with the same expression
+        attributes = found["attributes"]
+        for name, value in values.items():
+            quoted = f"{name}={quoteattr(value)}".encode()
+            own = re.compile(rb"(?<=\s)" + re.escape(name.encode()) + rb"\s*=\s*(?:\"[^\"]*\"|'[^']*')")
+            there = own.search(attributes)
+            attributes = (
+                attributes[: there.start()] + quoted + attributes[there.end() :]
+                if there
+                else (attributes + b" " + quoted)
+            )
+        return Edit(found.start("attributes"), found.end("attributes"), attributes)
+
+    def append(self, parent: Tag, child: str) -> Edit:
+        """Return the edit that puts XML at the end of an element, on a line of its own."""
+        line = self.text.rfind(b"\n", 0, parent.start) + 1
+        before = self.text[line : parent.start].decode("utf-8", "replace")
+        margin = before if not before.strip() else ""
+        if parent.inside == parent.stop:
+            opened = self.text[parent.start : parent.inside].decode().removesuffix("/>").rstrip()
+            whole = f"{opened}>\n{margin}{INDENT}{child}\n{margin}</{parent.name}>"
+            return Edit(parent.start, parent.stop, whole.encode())
+        last = self.text[parent.inside : parent.close].rstrip()
+        at = parent.inside + len(last)
+        return Edit(at, parent.close, f"\n{margin}{INDENT}{child}\n{margin}".encode())
+
+    def set_text(self, tag: Tag, text: str) -> Edit:
+        """Return the edit that replaces the content of an element."""
+        if tag.inside == tag.stop:
+            opened = self.text[tag.start : tag.inside].decode().removesuffix("/>").rstrip()
+            return Edit(tag.start, tag.stop, f"{opened}>{escape(text)}</{tag.name}>".encode())
+        return Edit(tag.inside, tag.close, escape(text).encode())
+
+    def edited(self, edits: Iterable[Edit]) -> bytes:
+        """Return the text with edits that do not overlap."""
+        text = self.text
+        for edit in sorted(edits, reverse=True):
+            text = text[: edit.start] + edit.text + text[edit.stop :]
+        return text
+
+    def _read(self) -> Tag:
+        parser = expat.ParserCreate()
+        roots: list[Tag] = []
+
+        def begin(name: str, attributes: dict[str, str]) -> None:
+            start = parser.CurrentByteIndex
+            found = START_TAG.match(self.text, start)
+            if found is None:
+                raise InputError(f"{self.where}: <{name}> comes from an entity; expected a file without entities")
+            parent = self._open[-1] if self._open else None
+            tag = Tag(name=name, attributes=attributes, parent=parent, start=start, inside=found.end())
+            (parent.children if parent else roots).append(tag)
+            self._open.append(tag)
+
+        def end(name: str) -> None:  # noqa: ARG001 - the parser gives it
+            tag = self._open.pop()
+            closed = self.text[tag.inside - 2 : tag.inside] == b"/>"
+            tag.close = tag.inside if closed else parser.CurrentByteIndex
+            tag.stop = tag.inside if closed else self.text.index(b">", tag.close) + 1
+
+        parser.StartElementHandler, parser.EndElementHandler = begin, end
+        try:
+            parser.Parse(self.text, True)  # noqa: FBT003 - it takes no keyword
+        except expat.ExpatError as error:
+            raise InputError(f"{self.where}: not XML ({error}); expected the file of a robot") from error
+        return roots[0]

@@ -1,0 +1,99 @@
+"""``export``: from a log, an estimate and a model to a file, and what it refuses."""
+
+import json
+from pathlib import Path
+
+import mujoco
+import pytest
+
+from tests.cli.conftest import Run
+
+MODEL = """schema = "friction-audit/model/1"
+version = "0.1.0"
+[[joint]]
+name = "joint1"
+inertia_kg_m2 = 0.3
+[joint.terms.coulomb]
+coulomb_nm = 0.4
+[joint.terms.stribeck]
+stribeck_excess_nm = 0.2
+stribeck_speed_rad_s = 0.1
+stribeck_exponent = 1.0
+[joint.terms.torque_bias]
+torque_bias_nm = 0.1
+[[joint]]
+name = "joint2"
+"""
+
+
+@pytest.fixture
+def log(run: Run, tmp_path: Path) -> Path:
+    assert run("simulate", "joint", "-o", "run.parquet", "--duration", "30", "-q").code == 0
+    return tmp_path / "run.parquet"
+
+
+def test_a_log_and_its_estimate_give_the_same_file(run: Run, log: Path, tmp_path: Path) -> None:
+    document = run("export", log, "log.xml", "--json").document()
+    (joint,), (gap,) = document["joints"], document["simulated"]
+    assert joint["inertia_kg_m2"] == pytest.approx(0.3, rel=0.02)  # a person drives: it is that of the motor
+    assert gap["with_rad"] < 0.1 * gap["without_rad"]
+    assert run("estimate", log, "-o", "results", "--figures", "velocity-torque", "-q").code == 0
+    for source, out in (("results", "folder.xml"), ("results/estimate.json", "document.xml")):
+        assert run("export", source, out).code == 0
+        assert (tmp_path / out).read_bytes() == (tmp_path / "log.xml").read_bytes()
+
+
+def test_a_model_file_says_what_no_simulator_holds(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "model.toml").write_text(MODEL)
+    document = run("export", "model.toml", "out.urdf", "--speeds", "0,2", "--json").document()
+    assert [joint["joint"] for joint in document["joints"]] == [1]
+    codes = {warning["code"]: warning["message"] for warning in document["warnings"]}
+    assert set(codes) == {"no_friction", "terms_left_out", "friction_fitted"}
+    assert "torque_bias" in codes["terms_left_out"]
+    assert "armature_left_out" in run("export", "model.toml", "out.py", "--json").out
+    armature = run("export", "model.toml", "with.py", "--armature", "--json").document()
+    assert armature["joints"][0]["inertia_kg_m2"] == 0.3
+
+
+def test_the_user_s_file_and_older_ones_stay(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "model.toml").write_text(MODEL)
+    arm = '<mujoco><worldbody><body><joint name="joint1"/><geom size="1"/></body></worldbody></mujoco>'
+    (tmp_path / "arm.xml").write_text(arm)
+    for out in ("arm.xml", "model.toml"):
+        assert run("export", "model.toml", out, "--into", "arm.xml", "--overwrite").code == 2
+    assert run("export", "model.toml", "out.xml", "--into", "arm.xml", "--joints", "1").code == 0
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out.xml")).dof_frictionloss[0] > 0.4
+    before = (tmp_path / "out.xml").read_bytes()
+    assert run("export", "model.toml", "out.xml").code == 2
+    assert (tmp_path / "out.xml").read_bytes() == before
+    assert (tmp_path / "arm.xml").read_text() == arm
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (("model.toml", "out.dat"), 2, ".urdf"),
+        (("model.toml", "out.csv", "--into", "arm.xml"), 2, "--into is for"),
+        (("model.toml", "out.urdf", "--into", "arm.xml"), 2, "no joint joint1"),
+        (("model.toml", "out.csv", "--joints", "3"), 2, "its joints are 1, 2"),
+        (("model.toml", "out.csv", "--joints", "2"), 4, "no joint has friction"),
+        (("model.toml", "out.csv", "--speeds", "2,1"), 2, "LOW < HIGH"),
+        (("other.json", "out.csv"), 3, "model.toml"),
+        (("half.json", "out.csv"), 3, "no whole document"),
+        (("broken.json", "out.csv"), 3, "is no JSON"),
+        (("ampere.csv", "out.csv"), 2, "motor current"),
+        (("none.toml", "out.csv"), 3, "cannot be read"),
+    ],
+)
+def test_what_cannot_be_exported(words: tuple[str, ...], code: int, message: str, run: Run, tmp_path: Path) -> None:
+    (tmp_path / "model.toml").write_text(MODEL)
+    (tmp_path / "arm.xml").write_text("<mujoco/>")
+    (tmp_path / "other.json").write_text(json.dumps({"schema": "friction-audit/diagnose/3"}))
+    (tmp_path / "half.json").write_text(json.dumps({"schema": "friction-audit/estimate/1", "joints": []}))
+    (tmp_path / "broken.json").write_text("{")
+    (tmp_path / "ampere.csv").write_text(
+        "time,q_1,dq_1,current_1\n" + "".join(f"{k / 100},{k / 100},1,{k % 7}\n" for k in range(3000))
+    )
+    answer = run("export", *words)
+    assert (answer.code, message in answer.err) == (code, True), answer
+    assert not (tmp_path / words[1]).exists()
