@@ -114,7 +114,7 @@ def write_documents(tables: Tables, docs: Path) -> None:
         ("diagnosis.md", "hidden effects"): simulated(tables),
         ("diagnosis.md", "separable"): separated(tables),
         ("diagnosis.md", "real logs"): real(tables),
-        ("benchmarks.md", "effect by effect"): everything(rows),
+        ("../benchmarks/effects.md", "effect by effect"): everything(rows),
     }
     for (name, mark), text in texts.items():
         write_between(docs / name, f"<!-- {mark} -->", f"<!-- end of {mark} -->", text)

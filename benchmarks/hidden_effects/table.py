@@ -1,6 +1,6 @@
 """Rows of ``run`` -> the tables in the documentation.
 
-python -m benchmarks.hidden_effects.table FILE.csv... [--output docs/benchmarks.md]
+python -m benchmarks.hidden_effects.table FILE.csv... [--output benchmarks/effects.md]
 """
 
 import argparse
