@@ -1,6 +1,6 @@
 """The compensator of the paper in the simulator: where it rings, how near it keeps the energy, persons lost on the arm.
 
-``python -m benchmarks.bench_compensation [elastic|persons|arm] [--persons N]`` prints one table, or all.
+``python -m benchmarks.bench_compensation [elastic|persons|arm|loop] [--persons N]`` prints one table, or all.
 """
 
 import argparse
@@ -10,10 +10,10 @@ from math import pi
 
 import numpy as np
 
-from friction_audit.compensation.comparison import METHODS, SCENES
-from friction_audit.compensation.comparison.methods import NO_COMPENSATION
+from friction_audit.compensation.comparison import METHODS, SCENES, compare
+from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
 from friction_audit.compensation.comparison.trial import find_reference, measure, vibration_nm
-from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
+from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator, Guard
 from friction_audit.compensation.compensators.energy import PUBLISHED, RIDGE
 from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.reproduce.course import make_course
@@ -22,7 +22,7 @@ from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
-from friction_audit.simulation.scenarios import SCENARIOS, simulate
+from friction_audit.simulation.scenarios import SCENARIOS, TORQUE_LOOP, simulate, with_torque_control
 
 MOTOR_KG_M2, OUTER_KG_M2, DAMPING_RATIO = 0.3, 1.0, 0.1
 
@@ -82,7 +82,44 @@ def arm(persons: int) -> Iterator[str]:
             yield f"| {seed} | {tuning.name} | {'yes' if found.stable else 'LOST'} | {row} |"
 
 
-TABLES = {"elastic": elastic, "persons": single_joint, "arm": arm}
+def torque_loop(persons: int) -> Iterator[str]:
+    """Yield a row per method and arm: motors driven directly, and under torque control with as much friction left."""
+    (panda,) = (scene for scene in SCENES if scene.name == "panda")
+    panda = replace(panda, plan=replace(panda.plan, tuning_seeds=0, margin_seeds=0))
+    joints = tuple(map(with_torque_control, panda.settings.joints))
+    inner = replace(panda, settings=replace(panda.settings, joints=joints))
+    motors = Tuning(name="motor B", meaning="the motor's inertia, not what torque control leaves of it", make=_of_motor)
+    methods = []
+    for method in METHODS:
+        if method.name not in ("lugre", "oracle"):
+            others = (motors,) if method.name == "disturbance_observer" else ()
+            if method.name == "torque_regulation":
+                others = tuple(method.sweeps[0].at(1.0 / ratio - 1.0) for ratio in (0.5, 0.3))
+            methods.append(replace(method, sweeps=(), others=others))
+    yield "| torque control | method | tuning | lost | slope [mW] | peak [N m] | Coulomb left |"
+    for scene, name in ((panda, "none"), (inner, "gain 4, dead time 0.5 ms")):
+        with_others = replace(scene, plan=replace(scene.plan, with_others=scene is inner))
+        for row in compare(with_others, min(persons, 5), methods).rows:
+            slope = row.interval(lambda outcome: outcome.energy_slope_w).value
+            peak = row.interval(lambda outcome: outcome.drawn_peak_nm).value
+            left = row.interval(lambda outcome: outcome.coulomb_left).value
+            lost = sum(not outcome.stable for outcome in row.outcomes)
+            found = f"{lost} | {1000 * slope:.1f} | {peak:.2f} | {left:.3f}"
+            yield f"| {name} | {row.label} | {row.tuning.name} | {found} |"
+
+
+def _of_motor(joint: Joint) -> DisturbanceObserver:
+    share, gain = OBSERVER
+    inertia = (1.0 + TORQUE_LOOP.gain) * share * joint.parameters.inertia_kg_m2
+    return DisturbanceObserver(
+        inertia_kg_m2=inertia,
+        observer_gain_per_s=gain,
+        compensation_gain=OBSERVED_SHARE,
+        guard=Guard(max_torque_nm=joint.max_torque_nm, max_torque_rate_nm_s=joint.max_torque_rate_nm_s),
+    )
+
+
+TABLES = {"elastic": elastic, "persons": single_joint, "arm": arm, "loop": torque_loop}
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)

@@ -24,7 +24,7 @@ from friction_audit.simulation.mechanics.records import (
     pad_events,
 )
 from friction_audit.simulation.sensors import draw_noise
-from friction_audit.simulation.settings import CONTROL_RATE_HZ, JointParameters, Streams, of_each_joint
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, JointParameters, Streams, TorqueLoop, of_each_joint
 
 if TYPE_CHECKING:
     from friction_audit.simulation.arm import ArmSettings
@@ -43,6 +43,7 @@ class _Joint:
     inertia_kg_m2: float
     coulomb_nm: float
     viscous_nms_per_rad: float
+    torque_loop: TorqueLoop
     hidden: Hidden
 
 
@@ -102,8 +103,18 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
         start: Positions of the joints, shape (n,). [rad]
         streams: Random numbers.
         driven: True if the motors are on the outer side, friction and links on the inner one.
+
+    Raises:
+        UsageError: If a joint that is rigid, or that its motor moves, has torque control.
     """
     n, hidden = len(settings.joints), settings.hidden
+    for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):
+        rigid = inside.joint_elasticity.compliance_rad_per_nm == 0.0
+        if joint.torque_loop != TorqueLoop() and (rigid or driven):
+            raise UsageError(
+                f"torque loop: joint {number} {'moves by itself' if driven else 'is rigid'}: expected a hand that "
+                "moves an elastic joint; add --effect joint_elasticity"
+            )
     drawn = [
         contact_event.draw_events(inside.contact_event, settings.duration_s, rng)
         for inside, rng in zip(hidden, streams.events, strict=True)
@@ -113,6 +124,7 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
             inertia_kg_m2=joint.inertia_kg_m2,
             coulomb_nm=joint.coulomb_nm,
             viscous_nms_per_rad=joint.viscous_nms_per_rad,
+            torque_loop=joint.torque_loop,
             hidden=inside,
         )
         for joint, inside in zip(settings.joints, hidden, strict=True)

@@ -8,9 +8,10 @@ from friction_audit.simulation.arm import ArmSettings, simulate_arm
 from friction_audit.simulation.bench import BenchSettings, Operator, Progress, simulate_bench
 from friction_audit.simulation.effects.friction_step import FrictionStep
 from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects.joint_elasticity import JointElasticity
 from friction_audit.simulation.motion import Commanded, Sinusoid, SlowSweep, StopAndGo
 from friction_audit.simulation.panda_joint import HandGuidedPanda, simulate_hand_guided_panda
-from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, TorqueLoop
 from friction_audit.simulation.simulation import Simulation
 
 AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
@@ -178,6 +179,23 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     ),
 )
 
+
+def with_torque_control(joint: JointParameters) -> JointParameters:
+    """Return a joint with torque control and so much more friction in its motor that the link feels the same.
+
+    The published friction of a robot with torque control is what its control leaves at the link.
+    """
+    felt = 1.0 + TORQUE_LOOP.gain
+    return replace(
+        joint,
+        coulomb_nm=felt * joint.coulomb_nm,
+        viscous_nms_per_rad=felt * joint.viscous_nms_per_rad,
+        torque_loop=TORQUE_LOOP,
+    )
+
+
+# A dead time of half a tick of the outer controller, and four times the damping at which the loop rings without end.
+TORQUE_LOOP = TorqueLoop(gain=4.0, damping_s=0.008, dead_time_s=0.0005)
 _SERVO = Operator(stiffness_nm_per_rad=2000.0, damping_nms_per_rad=60.0, motion=Commanded())
 
 _ONE_JOINT = (
@@ -191,6 +209,14 @@ _ONE_JOINT = (
         "joint-slow",
         "one joint moved by hand at slow, steady speeds, with small reversals",
         BenchSettings(operator=Operator(motion=SlowSweep(reversals=12)), duration_s=180.0),
+    ),
+    Scenario(
+        "joint-controlled",
+        "one elastic joint moved by hand, its motor under torque control",
+        BenchSettings(
+            joints=(with_torque_control(JointParameters()),),
+            hidden=(Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1)),),
+        ),
     ),
     Scenario(
         "joint-loaded",

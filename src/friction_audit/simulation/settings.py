@@ -1,6 +1,6 @@
 """Checks that settings share, the joint, its sensors, and the clock of a recording."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from math import inf
 
 import numpy as np
@@ -14,6 +14,7 @@ FEWEST_TICKS = 2
 LONGEST_S = 7200.0  # every tick is kept in memory: two hours of one joint take about a gigabyte
 
 HIGHEST_SHARE = 0.5
+LONGEST_DEAD_TIME_S = 0.005  # five ticks; a state of a joint remembers so much of its torque control
 LARGEST = 1e3  # no error of a sensor comes near it, in any unit
 FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.BINARY_NOISE_DIGITS``)
 
@@ -110,6 +111,30 @@ def make_streams(seed: int, joints: int) -> Streams:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueLoop:
+    """Joint torque control: tau_m = tau_d + gain (tau_d - tau_J) - damping_s d(tau_J)/dt, what is fed back delayed.
+
+    The link then sees a motor of B / (1 + gain) with friction tau_f / (1 + gain) (A. Albu-Schaeffer, C. Ott, G.
+    Hirzinger, International Journal of Robotics Research 26(1), 2007). tau_J is the torque of the gear's spring, free
+    of noise; tau_d gravity compensation and u.
+
+    Attributes:
+        gain: Of the torque error; 0 for no torque control.
+        damping_s: Of the derivative of the torque. Against a link held fast the loop rings without end, to first order
+            in the dead time, where it is below gain times dead time. [s]
+        dead_time_s: From the torque to the motor, in steps of 0.1 ms. [s]
+    """
+
+    gain: float = 0.0
+    damping_s: float = 0.0
+    dead_time_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_within("torque loop", 0, LARGEST, gain=self.gain, damping_s=self.damping_s)
+        require_within("torque loop", 0, LONGEST_DEAD_TIME_S, dead_time_s=self.dead_time_s)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class JointParameters:
     """The joint on the motor's side of the torque sensor: B ddq = F_m + u - tau_f.
 
@@ -117,15 +142,27 @@ class JointParameters:
         inertia_kg_m2: Reflected inertia B. [kg m^2]
         coulomb_nm: Coulomb friction, static and sliding. [N m]
         viscous_nms_per_rad: Viscous friction. [N m s/rad]
+        torque_loop: Joint torque control; takes an elastic joint that a hand moves.
     """
 
     inertia_kg_m2: float = 0.3
     coulomb_nm: float = 0.30
     viscous_nms_per_rad: float = 0.07
+    torque_loop: TorqueLoop = field(default_factory=TorqueLoop)
 
     def __post_init__(self) -> None:
         require_positive("joint", inertia_kg_m2=self.inertia_kg_m2)
         require_within("joint", 0, inf, coulomb_nm=self.coulomb_nm, viscous_nms_per_rad=self.viscous_nms_per_rad)
+
+    @property
+    def at_link(self) -> "JointParameters":
+        """What the link sees of it through its torque control."""
+        left = 1.0 / (1.0 + self.torque_loop.gain)
+        return JointParameters(
+            inertia_kg_m2=left * self.inertia_kg_m2,
+            coulomb_nm=left * self.coulomb_nm,
+            viscous_nms_per_rad=left * self.viscous_nms_per_rad,
+        )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -31,7 +31,7 @@ class Joint:
 
     Attributes:
         column: Which joint of the arm, counted from 0.
-        parameters: Motor and friction, as they truly are.
+        parameters: Motor and friction, as the link truly sees them.
         max_torque_nm: What the joint can give. [N m]
         max_torque_rate_nm_s: How fast it can change. [N m/s]
         payback_s: Time over which a passivity controller may pay without driving its elastic mode. [s]
@@ -44,11 +44,19 @@ class Joint:
     payback_s: float
 
 
-def panda_joint(column: int, parameters: JointParameters, gear: JointElasticity) -> Joint:
-    """Return a joint with the limits of that joint of a Panda; its mode is that of the link held fast, the lowest."""
-    known = Guard().payback_s
-    if gear.compliance_rad_per_nm > 0.0 < gear.damping_ratio:
-        known = payback_s((gear.compliance_rad_per_nm * parameters.inertia_kg_m2) ** -0.5, gear.damping_ratio)
+def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> Joint:
+    """Return a joint with the limits of that joint of a Panda, as it is seen from the link.
+
+    Its mode is that of the link held fast, the lowest; torque control of the motor is in mode and damping, its dead
+    time to first order.
+    """
+    known, parameters, loop = Guard().payback_s, motor.at_link, motor.torque_loop
+    if gear.compliance_rad_per_nm > 0.0:
+        bare = (gear.compliance_rad_per_nm * motor.inertia_kg_m2) ** -0.5
+        damping = gear.damping_ratio + 0.5 * bare * (loop.damping_s - loop.gain * loop.dead_time_s)
+        if damping > 0.0:
+            faster = (1.0 + loop.gain) ** 0.5
+            known = payback_s(faster * bare, damping / faster)
     return Joint(
         column=column,
         parameters=parameters,

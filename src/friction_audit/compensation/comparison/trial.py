@@ -135,7 +135,8 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
     lost = find_loss(simulation, reference)
     vibration = _rms(vibration_nm(torque)[after:])
     felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
-    true = [(one.inertia_kg_m2, one.coulomb_nm, one.viscous_nms_per_rad) for one in simulation.truth.settings.joints]
+    joints = [one.at_link for one in simulation.truth.settings.joints]
+    true = [(one.inertia_kg_m2, one.coulomb_nm, one.viscous_nms_per_rad) for one in joints]
     inertia, coulomb, viscous = np.mean(felt / np.array(true), axis=0)
     resting = reference.resting
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)

@@ -21,7 +21,7 @@ from friction_audit.simulation.effects import (
     torque_ripple,
     warm_up,
 )
-from friction_audit.simulation.mechanics.records import FREE
+from friction_audit.simulation.mechanics.records import FREE, LOOP_MEMORY
 
 LEAST_LEVEL_NM = 1e-9  # bristles divide by the level
 
@@ -99,7 +99,7 @@ def cogging_torque(joint: Record, q: float) -> float:
 def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
     """Return all torques on the inner side but friction, positive towards positive velocity. [N m]"""
     hidden = joint.hidden
-    torque = state.compensation_nm + state.unlogged_nm
+    torque = state.compensation_nm + state.unlogged_nm + state.loop_nm
     if hidden.cable_spring.stiffness_nm_per_rad != 0.0:
         torque += cable_spring.torque_nm(hidden.cable_spring, q - state.start_rad)
     if hidden.joint_limit_stop.stiffness_nm_per_rad != 0.0:
@@ -107,6 +107,20 @@ def other_torque(joint: Record, state: Record, events: Float, q: float, dq: floa
     if hidden.contact_event.torque_nm != 0.0:
         torque += contact_event.torque_nm(hidden.contact_event, events, t, dq)
     return float(torque)
+
+
+@compiled()
+def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float) -> None:
+    """Let the joint torque control of a joint feed back, over a step of length h, the torque of its dead time ago."""
+    loop, c = joint.torque_loop, body.inner[j]
+    twist, closing = body.y[c] - body.y[j], body.v[c] - body.v[j]
+    torque = joint_elasticity.torque_nm(joint.hidden.joint_elasticity, backlash.engaged(joint.hidden.backlash, twist))
+    after = backlash.engaged(joint.hidden.backlash, twist + h * closing)
+    rate = (joint_elasticity.torque_nm(joint.hidden.joint_elasticity, after) - torque) / h
+    wanted = body.support[j] + state.compensation_nm + state.unlogged_nm
+    state.loop_past[state.loop_steps % LOOP_MEMORY] = loop.gain * (wanted - torque) - loop.damping_s * rate
+    state.loop_nm = state.loop_past[(state.loop_steps - round(loop.dead_time_s / h)) % LOOP_MEMORY]
+    state.loop_steps += 1
 
 
 @compiled()

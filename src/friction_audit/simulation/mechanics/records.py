@@ -16,6 +16,8 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.frictional_lag import LAG_MEMORY
 from friction_audit.simulation.effects.presliding import BRISTLES
 
+LOOP_MEMORY = 64  # steps of 0.1 ms; the longest dead time is 5 ms
+
 # State of a joint, apart from position and velocity.
 STATE = np.dtype(
     [
@@ -29,6 +31,9 @@ STATE = np.dtype(
         ("passivity_nm", "f8"),  # the passivity controller's part of it
         ("unlogged_nm", "f8"),  # torque of a compensator that no log names, held likewise
         ("dissipated_j", "f8"),  # what friction has taken so far
+        ("loop_nm", "f8"),  # what the joint torque control adds to the torque that is asked for
+        ("loop_steps", "i8"),  # steps since the start
+        ("loop_past", "f8", (LOOP_MEMORY,)),  # what it fed back in the latest steps
         ("bristles", "f8", (BRISTLES,)),
         ("lag", "f8", (LAG_MEMORY,)),
     ],

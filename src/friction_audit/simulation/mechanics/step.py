@@ -11,6 +11,7 @@ from friction_audit.simulation.mechanics.friction import (
     load_drive,
     load_friction,
     load_joint,
+    regulate_torque,
     sliding_level,
 )
 from friction_audit.simulation.mechanics.records import FREE
@@ -188,6 +189,8 @@ def slide(
     """
     for j in range(len(joints)):
         _remember(joints[j], states[j], body, j, t, 0.5 * h, duration)
+        if joints[j].torque_loop.gain != 0.0 or joints[j].torque_loop.damping_s != 0.0:
+            regulate_torque(joints[j], states[j], body, j, h)
     load_drive(body, since + 0.5 * h, 0.5 * h)
     for j in range(len(joints)):
         load_joint(joints[j], states[j], events[j], body, j, 0.5 * h, t + 0.5 * h, duration)
