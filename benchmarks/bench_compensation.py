@@ -19,6 +19,7 @@ from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_by, peak_nm
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
+from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
@@ -86,13 +87,14 @@ def torque_loop(persons: int) -> Iterator[str]:
     """Yield a row per method and arm: motors driven directly, and under torque control with as much friction left."""
     (panda,) = (scene for scene in SCENES if scene.name == "panda")
     panda = replace(panda, plan=replace(panda.plan, tuning_seeds=0, margin_seeds=0))
+    assert isinstance(panda.settings, ArmSettings)
     joints = tuple(map(with_torque_control, panda.settings.joints))
     inner = replace(panda, settings=replace(panda.settings, joints=joints))
     motors = Tuning(name="motor B", meaning="the motor's inertia, not what torque control leaves of it", make=_of_motor)
     methods = []
     for method in METHODS:
         if method.name not in ("lugre", "oracle"):
-            others = (motors,) if method.name == "disturbance_observer" else ()
+            others: tuple[Tuning, ...] = (motors,) if method.name == "disturbance_observer" else ()
             if method.name == "torque_regulation":
                 others = tuple(method.sweeps[0].at(1.0 / ratio - 1.0) for ratio in (0.5, 0.3))
             methods.append(replace(method, sweeps=(), others=others))

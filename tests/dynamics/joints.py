@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.dynamics.motion import Forward, Motion, Others
-from friction_audit.dynamics.stick_slip import BODY_STEP_S, Step, advance_body, body_forces, make_body
+from friction_audit.dynamics.stick_slip import Step, advance
+from friction_audit.dynamics.torque_tables import Tables, tabulate
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torques
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
@@ -88,28 +89,40 @@ def make_recording(seconds: float = 20.0, rate_hz: float = 400.0) -> Motion:
     )
 
 
+STEP_S = 1e-4
+FAST = np.linspace(-6.0, 6.0, 24_001)
+FAR = Motion(t=FAST, q=FAST, dq=FAST, ddq=np.zeros(len(FAST)))
+"""Up to 6 rad/s, the speed in steps of 0.5 mrad/s."""
+
+
+def tables_of(model: JointModel) -> Tables:
+    """Tables of a joint whose friction follows from the velocity."""
+    tables, past = tabulate(model.inertia_kg_m2, model.terms, FAR)
+    assert not past
+    return tables
+
+
 class Moved(NamedTuple):
     q: Float
     dq: Float
     ddq: Float
-    friction: Float
-    dissipated: Float
 
 
-def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, **operator: float) -> Moved:
+def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0) -> Moved:
     """A joint whose friction follows from the velocity under a torque that is linear between samples."""
-    body, v, sign, taken = make_body(model, **operator), dq, float(np.sign(dq)), 0.0
-    rows = np.zeros((5, len(t)))
+    tables, v, sign, bent = tables_of(model), dq, float(np.sign(dq)), np.zeros(1)
+    rows = np.zeros((2, len(t)))
     for i in range(len(t)):
         if i > 0:
-            steps = max(1, int(np.ceil((t[i] - t[i - 1]) / BODY_STEP_S - 1e-6)))
+            steps = max(1, int(np.ceil((t[i] - t[i - 1]) / STEP_S - 1e-6)))
             h, rise = (t[i] - t[i - 1]) / steps, (drive[i] - drive[i - 1]) / steps
             for k in range(steps):
                 start = drive[i - 1] + k * rise
-                q, v, sign, lost = advance_body(q, v, sign, Step(h, start, start + rise, 0.0, 0.0), 0.0, body)
-                taken += lost
-        rows[:, i] = q, v, *body_forces(q, v, sign, drive[i], 0.0, body), taken
-    return Moved(*rows)
+                q, v, sign = advance(q, v, sign, Step(h, start, start + rise, 0.0, 0.0), bent, tables)
+        rows[:, i] = q, v
+    place, speed = rows
+    still = Motion(t=t, q=place, dq=speed, ddq=np.zeros(len(t)))
+    return Moved(place, speed, np.where(speed != 0.0, (drive - model.torque(still)) / model.inertia_kg_m2, 0.0))
 
 
 def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:

@@ -1,7 +1,6 @@
 """A compensator tick by tick: along the recorded motion, or in closed loop with a joint that moves otherwise; compiled.
 
-The joint of the closed loop is one of two: a body, whose friction follows from the velocity, or tables of what its
-terms take along the recording (``dynamics.stick_slip`` has both, and moves them).
+The joint of the closed loop is tables of what its terms take along the recording, moved by ``dynamics.stick_slip``.
 """
 
 import math
@@ -16,7 +15,7 @@ from friction_audit.compensation.feed_forward import Feed, feed_friction
 from friction_audit.compensation.records import Record
 from friction_audit.compensation.tally import close_row, count_energy, count_tick
 from friction_audit.compiled import compiled
-from friction_audit.dynamics.stick_slip import Body, Step, advance, advance_body, body_forces
+from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, bristle_damping, bristle_nm, taken
 from friction_audit.joint_log import Float
 
@@ -81,11 +80,9 @@ class Control(NamedTuple):
 
 
 class Joint(NamedTuple):
-    """Joint and operator, as a body or as tables; the other one is empty.
+    """Joint and operator.
 
     Attributes:
-        tabled: Whether it is tables.
-        body: Joint and operator, one element of ``stick_slip.BODY``.
         tables: What both take but for the operator's spring, and the inertia of both.
         own_kg_m2: Inertia of the joint alone. [kg m^2]
         inertia_kg_m2: Inertia of the operator. [kg m^2]
@@ -95,8 +92,6 @@ class Joint(NamedTuple):
         bent: State of the bristles at the first sample and at every new start, shape (r, 1 + m).
     """
 
-    tabled: bool
-    body: Body
     tables: Tables
     own_kg_m2: float
     inertia_kg_m2: float
@@ -198,12 +193,7 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
     q, v, starts, bent = drive.q[0], drive.dq[0], 0, joint.bent[0].copy()
     sign = np.sign(v)
     for i in range(len(t)):
-        if joint.tabled:
-            interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint)
-        else:
-            acceleration, friction = body_forces(q, v, sign, push[i], memory.u_nm, joint.body)
-            interaction = joint.own_kg_m2 * acceleration + friction + joint.body.offset_nm - memory.u_nm
-        interaction += drive.lacking[i]
+        interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint) + drive.lacking[i]
         write_torques(control, i, interaction)
         velocity[i] = v
         again = drive.restart[i] and i > 0
@@ -219,10 +209,7 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
             before, u = q, memory.u_nm
             span = Step(t[i + 1] - t[i], push[i], push[i + 1], float(i), i + 1.0)
             pieces = max(1, int(np.ceil(span.h / joint.longest_s - 1e-6)))
-            if joint.tabled:
-                q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, joint)
-            else:
-                q, v, sign, lost = move_body(q, v, sign, span, u, pieces, joint.body)
+            q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, joint)
             count_energy(control.tally, control.settings, lost, lost - u * (q - before), q - before, span.h)
     return len(t)
 
@@ -248,23 +235,10 @@ def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: F
 
 
 @compiled()
-def move_body(
-    q: float, v: float, sign: float, span: Step, u: float, pieces: int, body: Body
-) -> tuple[float, float, float, float]:
-    """Move a body on from one sample to the next; return position, velocity, direction, what friction took [J]."""
-    h, rise, lost = span.h / pieces, (span.drive1 - span.drive0) / pieces, 0.0
-    for k in range(pieces):
-        push = span.drive0 + k * rise
-        q, v, sign, friction_j = advance_body(q, v, sign, Step(h, push, push + rise, 0.0, 0.0), u, body)
-        lost += friction_j
-    return q, v, sign, lost
-
-
-@compiled()
 def move(
     q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, joint: Joint
 ) -> tuple[float, float, float, float]:
-    """Move a joint with tables on in the same way."""
+    """Move on from one sample to the next; return position, velocity, direction, what friction took [J]."""
     h, lost = span.h / pieces, 0.0
     rise = ((span.drive1 + u) - (span.drive0 + u)) / pieces
     for k in range(pieces):

@@ -1,6 +1,6 @@
 """A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +20,9 @@ from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, Fitted
 from friction_audit.compensation.records import Record, fresh_memory, pack
 from friction_audit.compensation.result import Signals
 from friction_audit.compensation.tally import COLUMNS, SAMPLES, fresh_tally
-from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.stick_slip import BODY, BODY_STEP_S, make_body
+from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
-from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.errors import AnalysisError
+from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
@@ -43,12 +41,12 @@ class MovedJoint:
     Attributes:
         model: Its model.
         fitted: The fit to the log that the model is; None where it is of a file.
-        tables: What its terms take along the recording; None where they follow from the velocity alone.
+        tables: What its terms take along the recording.
     """
 
     model: JointModel
     fitted: FittedJoint | None = None
-    tables: Tables | None = None
+    tables: Tables
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -104,10 +102,20 @@ def recorded_motion(interaction: Interaction, column: int) -> Motion:
     return Motion(t=t, q=np.ascontiguousarray(interaction.q[:, column]), dq=smooth, ddq=np.gradient(smooth, t))
 
 
-def fitted_joint(friction: JointFriction) -> MovedJoint | str:
+def fitted_joint(friction: JointFriction, motion: Motion) -> MovedJoint | str:
     """Return the joint that the log shows, or why it cannot be simulated."""
     fitted = fit_joint(friction)
-    return fitted if isinstance(fitted, str) else MovedJoint(model=fitted.model, fitted=fitted)
+    if isinstance(fitted, str):
+        return fitted
+    return MovedJoint(model=fitted.model, fitted=fitted, tables=_tables(fitted.model, motion)[0])
+
+
+def _tables(model: JointModel, motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
+    """Tabulate a model; Coulomb and viscous friction need no more of the recording than its limits."""
+    if {term.name for term in model.terms} <= {"coulomb", "viscous"}:
+        few = np.unique([0, 1, np.argmin(motion.q), np.argmax(motion.q), np.argmax(np.abs(motion.dq))])
+        motion = Motion(t=motion.t[few], q=motion.q[few], dq=motion.dq[few], ddq=motion.ddq[few])
+    return tabulate(model.inertia_kg_m2, model.terms, motion)
 
 
 def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str:
@@ -122,31 +130,21 @@ def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str
     unable = refusal(model.terms)
     if unable:
         return unable
-    if all(term.effect.speed_only for term in model.terms):
-        tables, inertia_kg_m2, reason = None, model.inertia_kg_m2, ""
-        try:
-            make_body(_with_offset(model))
-        except AnalysisError as error:
-            reason = str(error)
-    else:
-        tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
-        if past:
-            return past_refusal(past)
-        inertia_kg_m2, reason = tables.inertia_kg_m2, ""
+    tables, past = _tables(model, motion)
+    if past:
+        return past_refusal(past)
+    inertia_kg_m2 = tables.inertia_kg_m2
     if not inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         return (
             f"its model has an inertia of {inertia_kg_m2:.3g} kg m^2, of a torque from which the inertia was taken "
             "out; without it the motion cannot be predicted; put that of the joint into the file, or use "
             "--assume same-motion"
         )
-    return reason or MovedJoint(model=model, tables=tables)
-
-
-def _with_offset(model: JointModel) -> JointModel:
-    """Return a model whose constant torque is an offset, which is not taken for friction."""
-    constant = sum(term.values[0] for term in model.terms if term.name in CONSTANT)
-    others = tuple(term for term in model.terms if term.name not in CONSTANT)
-    return replace(model, terms=(*others, FittedTerm("offset", (constant,))))
+    friction = [term for term in model.terms if term.effect.speed_only and term.name not in CONSTANT]
+    forwards, backwards = tabulate(0.0, friction, motion)[0].speed
+    if min(forwards.min(), -backwards.max()) < 0.0:
+        return "its model's friction pushes at some speed, and a joint that pushes cannot be simulated"
+    return MovedJoint(model=model, tables=tables)
 
 
 def same_motion(recorded: Recorded, cuts: NDArray[np.int64], motion: Motion | None = None) -> Scene:
@@ -240,27 +238,15 @@ def _joint_and_drive(scene: Scene, joint: MovedJoint, motion: Motion) -> tuple[J
         push += mass * motion.ddq + damping * recorded.dq + stiffness * motion.q
     drive = Drive(recorded.t, push, scene.lacking, motion.q, recorded.dq, scene.restart)
     starts = np.append(0, np.flatnonzero(scene.restart[1:]) + 1)
-    operator = {"inertia_kg_m2": mass, "damping_nms_per_rad": damping, "stiffness_nm_per_rad": stiffness}
-    if joint.tables is None:
-        impedance = {"mass_kg_m2": mass, "damping_nms_per_rad": damping, "stiffness_nm_per_rad": stiffness}
-        return Joint(
-            tabled=False,
-            body=make_body(_with_offset(joint.model), **impedance),
-            tables=no_feed().tables,
-            own_kg_m2=joint.model.inertia_kg_m2,
-            longest_s=BODY_STEP_S,
-            bent=np.zeros((len(starts), 1)),
-            **operator,
-        ), drive
     step_s = median_step(recorded.t)
     tables = joint.tables._replace(inertia_kg_m2=joint.tables.inertia_kg_m2 + mass)
     tables = straighten(tables, damping_nms_per_rad=damping)
     return Joint(
-        tabled=True,
-        body=np.zeros(1, BODY)[0],
         tables=tables,
         own_kg_m2=tables.inertia_kg_m2 - mass,
         longest_s=step_s / steps_per_sample(step_s, tables),
         bent=np.ascontiguousarray(joint.tables.bristles.states_along(motion.q)[starts]),
-        **operator,
+        inertia_kg_m2=mass,
+        damping_nms_per_rad=damping,
+        stiffness_nm_per_rad=stiffness,
     ), drive

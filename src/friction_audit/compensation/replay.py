@@ -169,7 +169,7 @@ def _scene(
         return same_motion(recorded, cuts, recorded_motion(interaction, column) if modelled else None)
     motion = recorded_motion(interaction, column)
     if settings.joint_model is None:
-        joint = fitted_joint(friction)
+        joint = fitted_joint(friction, motion)
     else:
         joint = modelled_joint(settings.joint_model.joint(friction.joint), motion)
     if isinstance(joint, str):
