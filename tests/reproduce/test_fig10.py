@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.one_joint import BAND, compensated, leaves_by
+from friction_audit.reproduce.one_joint import BAND, leaves_by
 from tests.reproduce.conftest import SEEDS, Check, simulated
 
 
@@ -61,11 +61,3 @@ def test_little_of_friction_is_left(claims: Check) -> None:
     claim = claims("11")["the curve is elliptical: what is left is inertia"]
     assert claim.value < 0.05
     assert claim.holds
-
-
-def test_the_compensated_part_begins_after_the_second_cycle() -> None:
-    course = make_course(simulated("10")["fig10"][0])
-    part = compensated(course)
-    assert part.t[0] == course.ends_s[1]
-    assert (part.coulomb_nm + part.viscous_nms_per_rad > 0.0).all()
-    assert len(part.t) == len(part.energy_j) == len(part.damping_nms_per_rad)
