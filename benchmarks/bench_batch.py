@@ -144,7 +144,7 @@ def table(arguments: argparse.Namespace) -> Iterator[str]:
     options = f"--logs {arguments.logs} --runs {arguments.runs} --memory {' '.join(map(str, arguments.memory))}".strip()
     yield f"Made by `python -m benchmarks.bench_batch {options}`."
     yield f"Machine: {machine()}"
-    yield "Walls are medians (and ranges) of runs in turns, in which nobody looks at memory; peaks are of all processes"
+    yield "Walls are medians (and ranges) of runs in turns, without watching memory; peaks are of all processes"
     yield "of the command together, in runs of their own."
     yield ""
     yield "| logs | run | wall [s] | times one core | peak [MB] |"

@@ -53,14 +53,14 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
         "both. The files are in the page cache. Peaks are of the resident memory of the whole process, interpreter and "
         "libraries included."
     )
-    yield "## Parquet: the whole command beside a bare read"
+    yield "## Parquet: the whole command and a bare read"
     yield (
         "`estimate` reads, hashes and vets the log, proves the sign, finds the cycles of seven joints, estimates "
         "friction by two methods and prints the table. The estimates are checked against the friction written. Arrays "
-        "kept are those of the log: where gravity is removed, the torque that friction sees is kept beside them."
+        "kept are those of the log: where gravity is removed, the torque that friction sees is kept too."
     )
     yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
-    yield "## Replay beside the estimate"
+    yield "## Replay and estimate"
     yield (
         "`replay` reads and estimates as `estimate` does, and runs the compensator tick by tick on all joints, along "
         "the recorded motion; the file is that of the first rows above."

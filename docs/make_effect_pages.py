@@ -33,11 +33,10 @@ def page_of(text: str, name: str) -> str:
 
 
 def parameter_section(hidden: type[HiddenEffect]) -> str:
-    """Return the table of parameters of the simulator."""
-    rows = ["| `--effect` | usual, allowed | meaning |", "| --- | --- | --- |"]
-    rows += [f"| `{one.name}` | {_number(one)} ({_allowed(one)}) | {one.meaning} |" for one in hidden.parameters()]
+    """Return the parameters of the simulator with their usual values and what is allowed."""
+    rows = [f"- `{one.name}`: {one.meaning}; {_number(one)} ({_allowed(one)})" for one in hidden.parameters()]
     if hidden.forms:
-        rows.append(f"| `form` | {', '.join(f'`{word}`' for word in hidden.forms)} | the first is usual |")
+        rows.append(f"- `form`: {', '.join(f'`{word}`' for word in hidden.forms)}; the first is usual")
     return "\n".join(rows)
 
 
@@ -47,8 +46,8 @@ def separation(effect: Effect) -> str:
     own = [name for name in NAMES if name in effect.separate]
     others = [one.name for one in effects() if effect.name in one.separate and one.name not in own]
     if own:
-        lines += ["", "| separated from | by this motion |", "| --- | --- |"]
-        lines += [f"| [{name}]({name}.md) | {effect.separate[name]} |" for name in own]
+        lines += ["", "Separated from", ""]
+        lines += [f"- [{name}]({name}.md): {effect.separate[name]}" for name in own]
     if others:
         lines += ["", f"See also {', '.join(f'[{name}]({name}.md)' for name in others)}."]
     return "\n".join(lines)

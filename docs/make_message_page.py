@@ -17,7 +17,7 @@ MAKERS = ("Finding", "Caution", "Notice", "caution")
 COEFFICIENTS = ("coulomb", "viscous")
 PUT_IN = "..."
 BEGIN, END = "<!-- codes -->", "<!-- end of codes -->"
-MOST_WORDS = 9
+MOST_WORDS = 7
 
 Found = tuple[ast.expr, ast.expr | None, bool]
 """Expressions of a code and of its message, and whether the code means that input is lost."""

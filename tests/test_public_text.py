@@ -72,6 +72,12 @@ def test_no_house_word_is_left() -> None:
     assert not wrong, "\n".join(wrong)
 
 
+def test_no_house_word_is_left_in_the_documents() -> None:
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    prose = {page: re.sub(r"(?s)```.*?```|`[^`]*`", "", page.read_text()) for page in pages}
+    assert {page.name: found for page, text in prose.items() if (found := found_in(text))} == {}
+
+
 @pytest.mark.parametrize("module", COMMANDS, ids=name_of)
 def test_the_help_of_every_command_is_free_of_house_words(module: ModuleType) -> None:
     help_text = CliRunner().invoke(app, [name_of(module), "--help"]).output
