@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
-from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction, compared
+from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction
 from friction_audit.reproduce.compared import KEPT, ORDER, is_ranked, rows_of, steps_down
 
 SEEDS = 2
@@ -22,10 +22,9 @@ def short() -> Comparison:
 
 
 @pytest.fixture
-def claims(short: Comparison, monkeypatch: pytest.MonkeyPatch) -> dict[str, Claim]:
+def claims(short: Comparison) -> dict[str, Claim]:
     """Return all claims by their sentence."""
-    monkeypatch.setattr(compared, "_compare", lambda _: short)
-    return {claim.claim: claim for one in COMPARED for claim in one.check({"fig13": ()})}
+    return {claim.claim: claim for one in COMPARED for claim in one.check({"fig13": short})}
 
 
 def test_claims_of_the_paper_and_own_experiments_are_apart(claims: dict[str, Claim]) -> None:
@@ -51,9 +50,8 @@ def test_the_proposed_method_keeps_the_energy_of_a_joint(claims: dict[str, Claim
 
 
 @pytest.mark.parametrize("one", COMPARED, ids=lambda one: one.figure)
-def test_figures_are_drawn(one: Reproduction, short: Comparison, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(compared, "_compare", lambda _: short)
-    figure = one.draw({"fig13": ()})
+def test_figures_are_drawn(one: Reproduction, short: Comparison) -> None:
+    figure = one.draw({"fig13": short})
     assert all(axes.has_data() for axes in figure.axes if axes.get_visible())
 
 

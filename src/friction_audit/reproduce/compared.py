@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, 
 from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.compensation.comparison.result import Row
 from friction_audit.reporting.figures.comparison import draw_comparison
-from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations
+from friction_audit.reproduce.reproduction import Claim, Progress, Reproduction, Simulations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,16 +23,11 @@ NOTE = "friction-audit compare --arm panda has more persons, intervals and sweep
 FULLY = "own experiment, the observer compensates all that it observes"
 
 
-def compared(simulations: Simulations) -> Comparison:
-    """Return the comparison for as many persons as moved the uncompensated arm."""
-    return _compare(len(simulations[SCENARIO]))
-
-
-@cache
-def _compare(seeds: int) -> Comparison:
+def compare_methods(seeds: int, progress: Progress | None = None) -> Comparison:
+    """Try the paper's methods on the arm, without sweeps and margins."""
     (arm,) = (scene for scene in SCENES if scene.name == "panda")
     arm = replace(arm, plan=replace(arm.plan, tuning_seeds=0, margin_seeds=0))
-    return compare(arm, seeds, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
+    return compare(arm, seeds, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER], progress)
 
 
 def rows_of(comparison: Comparison, role: str) -> list[Row]:
@@ -61,7 +56,7 @@ def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: 
 
 def draw_compared(simulations: Simulations, name: str) -> "Figure":
     """Draw a figure of the comparison."""
-    return draw_comparison(compared(simulations))[name]
+    return draw_comparison(simulations[SCENARIO])[name]
 
 
 KEPT = 0.1  # slope, over that without compensation, up to which the net energy counts as kept
@@ -69,7 +64,7 @@ KEPT = 0.1  # slope, over that without compensation, up to which the net energy 
 
 def check_13(simulations: Simulations) -> tuple[Claim, ...]:
     """Check the order of the slopes in both named settings, and that the proposed method keeps the energy."""
-    comparison = compared(simulations)
+    comparison: Comparison = simulations[SCENARIO]
     return (_order(comparison, PAPER), _keeps(comparison), _order(comparison, FULL))
 
 
@@ -111,12 +106,13 @@ FIGURE_13 = Reproduction(
     most_seeds=MOST_SEEDS,
     check=check_13,
     draw=partial(draw_compared, name="energy"),
+    compare=compare_methods,
 )
 
 
 def check_14(simulations: Simulations) -> tuple[Claim, ...]:
     """Check the order of the largest torques, and what is left of Coulomb friction in both named settings."""
-    comparison = compared(simulations)
+    comparison: Comparison = simulations[SCENARIO]
     return (_peaks(comparison), _plateaus(comparison, PAPER), _plateaus(comparison, FULL))
 
 
@@ -158,4 +154,5 @@ FIGURE_14 = Reproduction(
     most_seeds=MOST_SEEDS,
     check=check_14,
     draw=partial(draw_compared, name="velocity-torque"),
+    compare=compare_methods,
 )

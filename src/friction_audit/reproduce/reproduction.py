@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +58,7 @@ def share(holds: "NDArray[np.bool_]") -> str:
     return f"{int(holds.sum())} of {len(holds)} seeds"
 
 
-Simulations = Mapping[str, tuple[Simulation, ...]]  # by name of the scenario, one simulation per seed
+Simulations = Mapping[str, Any]  # by name of the scenario, one simulation per seed; "fig13": the comparison
 MANY = 1000  # as many seeds as are asked for
 
 
@@ -73,6 +73,7 @@ class Reproduction:
         most_seeds: Most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long.
         check: Simulations -> claims.
         draw: Simulations -> figure, of the first seed.
+        compare: Seeds -> the comparison that it shows in place of simulations, kept by its first scenario; or None.
     """
 
     figure: str
@@ -81,6 +82,7 @@ class Reproduction:
     most_seeds: int
     check: Callable[[Simulations], tuple[Claim, ...]]
     draw: "Callable[[Simulations], Figure]"
+    compare: "Callable[[int, Progress | None], Any] | None" = None
 
 
 SMALLEST_PERCENT = 0.001  # below this, nobody needs the digits
@@ -111,7 +113,10 @@ def simulate_figures(
         progress: Is given the share that is done.
         known: Scenarios that another figure has simulated already; returned too.
     """
-    done: dict[str, tuple[Simulation, ...]] = dict(known or {})
+    done: dict[str, Any] = dict(known or {})
+    for one in reproductions:
+        if one.compare is not None and one.scenarios[0] not in done:
+            done[one.scenarios[0]] = one.compare(min(seeds, one.most_seeds), progress)
     wanted = [(scenario, count) for scenario, count in _count(reproductions, seeds) if scenario.name not in done]
     todo = [(scenario, seed) for scenario, count in wanted for seed in range(count)]
     effort = [len(scenario.settings.joints) ** 2 * scenario.settings.duration_s for scenario, _ in todo]

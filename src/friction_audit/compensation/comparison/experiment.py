@@ -103,7 +103,7 @@ class _Experiment:
         """Return the number of trials, about."""
         values = sum(len(self._values(sweep)) for _, sweep in self._sweeps())
         others = sum(len(method.others) for method in self.methods) if self.scene.plan.with_others else 0
-        rows = sum(1 + bool(method.full) + bool(method.sweeps) for method in self.methods) + others
+        rows = sum(1 + bool(method.full) + bool(method.sweeps) for method in self.methods) + others - 1
         references = len(self.seeds) + len(self.tuning_seeds)
         margins = MARGIN_TRIALS * len(self.margin_seeds)
         return references + values * len(self.tuning_seeds) + rows * (len(self.seeds) + margins)
@@ -143,7 +143,8 @@ class _Experiment:
     def _references(self, seeds: Sequence[int]) -> dict[int, Reference]:
         settings = self.scene.compensated(NO_COMPENSATION)
         found = self._map(_refer, [(settings, seed) for seed in seeds])
-        return dict(zip(seeds, found, strict=True))
+        self._uncompensated = {seed: trial for seed, (_, trial) in zip(seeds, found, strict=True)}
+        return {seed: reference for seed, (reference, _) in zip(seeds, found, strict=True)}
 
     def _sweep(self, references: dict[int, Reference]) -> tuple[Curve, ...]:
         """Make the sweeps of all methods, all trials in one heap."""
@@ -163,10 +164,13 @@ class _Experiment:
         self, tunings: Sequence[Tuning], seeds: Sequence[int], references: dict[int, Reference], *, drawn: bool = False
     ) -> list[tuple[tuple[Outcome, ...], Course | None]]:
         """Return the outcomes of every tuning, one per seed, and the course of the first if it is to be drawn."""
-        settings = [self.scene.compensated(tuning) for tuning in tunings]
+        settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
         jobs = [_Trial(one, seed, references[seed], drawn and seed == seeds[0]) for one in settings for seed in seeds]
-        done = self._map(_work, jobs)
-        heaps = [done[first : first + len(seeds)] for first in range(0, len(done), len(seeds))]
+        done = iter(self._map(_work, jobs))
+        heaps = [
+            [self._uncompensated[seed] if tuning is NO_COMPENSATION else next(done) for seed in seeds]
+            for tuning in tunings
+        ]
         return [(tuple(outcome for outcome, _ in heap), heap[0][1]) for heap in heaps]
 
     def _candidates(self, method: Method, curves: Sequence[Curve]) -> Iterator[Candidate]:
@@ -212,9 +216,11 @@ class _Experiment:
         return [tuple(margins[n * len(seeds) : (n + 1) * len(seeds)]) for n in range(len(tunings))]
 
 
-def _refer(job: tuple[Any, int]) -> Reference:
-    settings, seed = job
-    return find_reference(simulate(settings, seed))
+def _refer(job: tuple[Any, int]) -> tuple[Reference, tuple[Outcome, Course]]:
+    """Return the reference of a seed, and the outcome of that trial, which is the one without compensation."""
+    simulation = simulate(*job)
+    reference = find_reference(simulation)
+    return reference, (measure(simulation, reference), make_course(simulation, reference))
 
 
 def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
