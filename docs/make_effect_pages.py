@@ -41,8 +41,8 @@ def parameter_section(hidden: type[HiddenEffect]) -> str:
 
 
 def separation(effect: Effect) -> str:
-    """Return the axis, the motion to record, and what separates an effect from those that it names."""
-    lines = [f"Axis: {effect.axis}. To record: {effect.record}."]
+    """Return the axis, and what separates an effect from those that it names."""
+    lines = [f"Axis: {effect.axis}. [Motion to record](index.md)."]
     own = [name for name in NAMES if name in effect.separate]
     others = [one.name for one in effects() if effect.name in one.separate and one.name not in own]
     if own:

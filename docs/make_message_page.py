@@ -17,7 +17,7 @@ MAKERS = ("Finding", "Caution", "Notice", "caution")
 COEFFICIENTS = ("coulomb", "viscous")
 PUT_IN = "..."
 BEGIN, END = "<!-- codes -->", "<!-- end of codes -->"
-MOST_WORDS = 7
+LEAST_WORDS, MOST_WORDS = 3, 8
 
 Found = tuple[ast.expr, ast.expr | None, bool]
 """Expressions of a code and of its message, and whether the code means that input is lost."""
@@ -110,8 +110,11 @@ def beginning(message: str) -> str:
     """Return the first words of a message that are its own, enough to find it by."""
     text = re.sub(r"(\.\.\.)+", PUT_IN, message).replace("|", r"\|")
     text = re.sub(r"^(joint \.\.\. \(\.\.\.\): |\.\.\.: )+", "", text)
-    words = re.split(r"[;:] ", text)[0].split()[:MOST_WORDS]
-    return " ".join(words) if {*words} - {PUT_IN} else ""
+    text = re.sub(r"\s?\([^()]*\)", "", text)
+    pieces = [piece.split() for piece in re.split(r"[;:,] |\s?\(", text)]
+    own = [len({*piece} - {PUT_IN}) for piece in pieces]
+    chosen = next((piece for piece, count in zip(pieces, own, strict=True) if count >= LEAST_WORDS), pieces[0])
+    return " ".join(chosen[:MOST_WORDS]) if {*chosen} - {PUT_IN} else ""
 
 
 def table() -> str:
@@ -121,9 +124,13 @@ def table() -> str:
     written: list[str] = []
     for title, meanings in groups.items():
         written += [f"## {title}", "", "| code | message | meaning, what to do |", "| --- | --- | --- |"]
-        for code, meaning in meanings.items():
-            texts, damaged = found.pop(code)
-            written.append(f"| `{code}`{' *' if damaged else ''} | {'<br>'.join(texts)} | {meaning} |")
+        for codes, meaning in meanings.items():
+            same = codes.split(", ")
+            texts, damaged = found[same[0]]
+            found = {code: one for code, one in found.items() if code not in same}
+            written.append(
+                f"| `{codes.replace(', ', '`, `')}`{' *' if damaged else ''} | {'<br>'.join(texts)} | {meaning} |"
+            )
         written.append("")
     if found:
         raise SystemExit(f"messages.toml lacks {', '.join(found)}")
