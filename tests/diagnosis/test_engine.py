@@ -234,11 +234,12 @@ def test_a_recorder_that_is_late_by_less_than_half_a_sample_is_no_effect(late_s:
     assert [effect.name for effect in late(abs(late_s), 0.0).negligible] == ["time_delay"]
 
 
-def test_a_delay_of_two_samples_is_named_without_the_shape_that_the_log_cannot_show() -> None:
+def test_a_delay_of_two_samples_is_named_and_has_one_number() -> None:
     (effect,) = late(2e-3, 1e-3).effects
     delay = effect.parameters["delay_s"]
     assert delay.low < 2e-3 < delay.high < delay.low + 1e-3
-    assert (effect.name, effect.not_identifiable) == ("time_delay", ("delay_step_s",))
+    assert (effect.name, effect.not_identifiable) == ("time_delay", ())
+    assert effect.parameters["delay_step_s"] == delay
 
 
 def test_a_model_file_that_holds_the_effect_leaves_nothing() -> None:

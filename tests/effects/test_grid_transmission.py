@@ -5,6 +5,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from friction_audit.effects import backlash, frictional_lag, joint_elasticity, presliding, time_delay
 from friction_audit.effects.effect import Effect, Nonlinear
@@ -62,6 +63,22 @@ def share_seen(candidate: Effect, torque: Float) -> float:
     return share_explained(altered(candidate, regressor=columns), DATA, seen(torque))
 
 
+def best_near_the_grid(candidate: Effect, grid: tuple[Nonlinear, ...], torque: Float) -> float:
+    """The same between the points of the grid, from the best one."""
+
+    def share(shape: Nonlinear) -> float:
+        return share_seen(altered(candidate, grid=(shape,)), torque)
+
+    best = max(grid, key=share)
+    found = minimize(
+        lambda x: -share({name: value * np.exp(by) for (name, value), by in zip(best.items(), x, strict=True)}),
+        np.zeros(len(best)),
+        method="Nelder-Mead",
+        options={"maxfev": 150, "initial_simplex": np.vstack([np.zeros(len(best)), 0.1 * np.eye(len(best))])},
+    )
+    return -float(found.fun)
+
+
 @pytest.mark.parametrize("delay", [0.004, -0.015, 0.03])
 def test_a_late_torque_is_a_delay(delay: float) -> None:
     torque = np.interp(DATA.t - delay, DATA.t, BASE.torque)
@@ -81,14 +98,13 @@ def test_a_dead_zone_is_a_backlash() -> None:
     """Of one width the grid has more than of another: flanks that strike a moment late ring out of step."""
     widths = (2e-3, 4e-3, 5e-3)
     torques = [far_side_torque(1e4, 20.0, 0.5 * width) for width in widths]
-    own = [share_seen(backlash.EFFECT, torque) for torque in torques]
-    assert np.median(own) > 0.9
+    assert np.median([best_near_the_grid(backlash.EFFECT, backlash.EFFECT.grid(DATA), one) for one in torques]) > 0.9
     rate = sqrt(1e4 / BASE.inertia_kg_m2)
     flanks = {"contact_hz": rate / (2.0 * pi), "flank_damping_ratio": 20.0 / (2.0 * BASE.inertia_kg_m2 * rate)}
-    for width, share, torque in zip(widths, own, torques, strict=True):
-        truth = altered(backlash.EFFECT, grid=({"gap_rad": width, **flanks},))
-        assert share_seen(truth, torque) > max(share, 0.94)
-        assert max(share_seen(r.EFFECT, torque) for r in RIVALS if r is not backlash) < share - 0.3
+    for width, torque in zip(widths, torques, strict=True):
+        truth = share_seen(altered(backlash.EFFECT, grid=({"gap_rad": width, **flanks},)), torque)
+        assert truth > 0.94
+        assert max(share_seen(r.EFFECT, torque) for r in RIVALS if r is not backlash) < truth - 0.3
 
 
 @pytest.mark.parametrize(
@@ -99,11 +115,11 @@ def test_a_rotor_before_the_transmission_is_not_behind_it(candidate: Effect, lin
     torque = 0.12 * DATA.ddq + far_side_torque(stiffness, damping, half_gap, 0.18)
     shapes = candidate.grid(DATA)
     one, several = (
-        share_seen(altered(candidate, grid=tuple(s for s in shapes if ("far_share" in s) == lighter)), torque)
+        best_near_the_grid(candidate, tuple(s for s in shapes if ("far_share" in s) == lighter), torque)
         for lighter in (False, True)
     )
     assert several > 0.8
-    assert several > one + 0.05
+    assert 1.0 - several < 0.5 * (1.0 - one)
 
 
 def test_a_late_load_is_a_delay_where_the_load_is_known() -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
 LEAST_BEND = 0.05
 """Share of the log's high speed below which a curve in speed is Coulomb friction with a smoothed sign."""
 EVENT = "contact_event"  # found by its own detector
+FARTHEST = 0.5  # by what share a link may change the nominal coefficients
 ORDERS_SCANNED = 2
 STORED = np.float32  # of columns alone, a thousand of them; products add up in double precision
 
@@ -120,7 +122,8 @@ class Dictionary:
             return []
         varying = [k for k in {name for s in shapes for name in s} if len({s.get(k) for s in shapes}) > 1]
         out: list[Block | None] = [None] * len(shapes)
-        for place, fine in effect.regressors(self.problem.data, baseline or self.baseline, shapes):
+        nominals = self.nominals(effect, shapes, baseline or self.baseline, self.problem.y)
+        for place, fine in effect.regressors_of(self.problem.data, nominals, shapes):
             columns = self.problem.columns(fine)
             there = np.abs(columns).max(axis=1) > 0
             if there.any():
@@ -135,19 +138,46 @@ class Dictionary:
                 )
         return [block for block in out if block is not None]
 
-    def rebuild(self, baseline: Nominal) -> None:
-        """Build again what follows from the nominal model, whose coefficients are better known."""
+    def nominals(self, effect: Effect, shapes: Sequence[Nonlinear], baseline: Nominal, y: Float) -> list[Nominal]:
+        """The nominal model for each point; what a link drives is fitted with it to a response, shape (m,)."""
+        found = [baseline] * len(shapes)
+        if not effect.transmits:
+            return found
+        X, names = self.problem.X, self.problem.nominal.names
+        fit = np.linalg.pinv(X @ X.T, rcond=1e-12, hermitian=True) @ X
+        own: dict[str, float] = {name: getattr(baseline, name) for name in names if hasattr(baseline, name)}
+        for place, fine in effect.regressors(self.problem.data, baseline, shapes):
+            torque = effect.coefficient_of(shapes[place]) * self.problem.columns(fine)[0]
+            fitted = dict(zip(names, (fit @ (y - torque)).tolist(), strict=True))
+            changed: dict[str, Any] = {
+                name: float(np.clip(fitted[name] - value, -FARTHEST * abs(value), FARTHEST * abs(value))) + value
+                for name, value in own.items()
+            }
+            found[place] = replace(baseline, **changed)
+        return found
+
+    def rebuild(self, baseline: Nominal, y: Float) -> None:
+        """Build again what follows from the nominal model, better known; the response without other effects, (m,)."""
         self.baseline = baseline
         for effect in self.effects:
             own = [block for block in self.blocks if block.effect is effect]
             if effect.needs_nominal and own:
-                for place, fine in effect.regressors(self.problem.data, baseline, [block.shape for block in own]):
+                shapes = [block.shape for block in own]
+                nominals = self.nominals(effect, shapes, baseline, y)
+                for place, fine in effect.regressors_of(self.problem.data, nominals, shapes):
                     columns = self.problem.columns(fine)[own[place].there]
                     own[place].stored = columns[:, self.order].astype(STORED)
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""
         return self.problem.columns(self.fine_at(block, shape, baseline))
+
+    def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
+        """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
+        out = np.empty((len(shapes), len(self.order)))
+        for place, fine in block.effect.regressors_of(self.problem.data, nominals, shapes):
+            out[place] = block.effect.coefficient_of(shapes[place]) * self.problem.columns(fine)[0]
+        return out
 
     def fine_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """The same on the fine grid, shape (n, p)."""
@@ -182,14 +212,14 @@ class Dictionary:
 
     def bounds(self, block: Block) -> dict[str, tuple[float, float]]:
         """From where to where nonlinear parameters may be refined: the grid and half as much again."""
-        tried = [s for s in self._grid(block.effect) if set(s) == set(block.shape)] or [block.shape]
+        tried = self._grid(block.effect)
         nonlinear = {p.name: p for p in block.effect.nonlinear}
         found = {}
         for name, value in block.shape.items():
-            values = np.array([s[name] for s in tried] + [value])
+            values = np.array([s[name] for s in tried if name in s] + [value])
             if name not in nonlinear or nonlinear[name].whole:
                 continue
-            if len(np.unique([s[name] for s in tried])) < 2 and block.name != "torque_ripple":  # noqa: PLR2004
+            if len(np.unique(values)) < 2 and block.name != "torque_ripple":  # noqa: PLR2004
                 continue
             low, high = block.effect.bounds(name)
             least, most = float(values.min()), float(values.max())
@@ -198,11 +228,10 @@ class Dictionary:
         return found
 
     def spacing(self, block: Block, name: str) -> float:
-        """Distance to the next point of the grid."""
+        """Distance of the closest point of the grid to the next one."""
         values = np.unique([s[name] for s in self._grid(block.effect) if name in s])
-        away = np.abs(values - block.shape[name])
-        away = away[away > 1e-9 * max(abs(block.shape[name]), 1e-9)]
-        return float(away.min()) if len(away) else 0.2 * abs(block.shape[name]) + 1e-9
+        away = np.abs(values - values[np.argmin(np.abs(values - block.shape[name]))]) if len(values) else values
+        return float(away[away > 0].min()) if np.any(away > 0) else 0.2 * abs(block.shape[name]) + 1e-9
 
     def _grid(self, effect: Effect) -> Sequence[Nonlinear]:
         return effect.grid(self.problem.data) or effect.identifiable_part(self.problem.data)

@@ -23,7 +23,10 @@ CONFIDENCE = 0.95
 WIDEST = float(np.log(10.0)) / 2.0  # half of an interval in the logarithm of a parameter
 WIDEST_STEPS = 4.0  # half of an interval of one that may be zero, in steps of its grid
 PRIOR_STEPS = 10.0  # standard deviation of a parameter in steps of its grid, so that the solve has an answer
-REACHES = (4 * DIFFERENCE, 1.0)  # in steps of the grid; a moment within a rest shows in the longer difference alone
+REACHES = (
+    4 * DIFFERENCE,
+    1.0,
+)  # in steps of the grid; moments within a rest, and impacts, show in the longer difference alone
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -45,35 +48,44 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: No
     """Intervals of the nominal model and of all effects."""
     fit = Training(gram).fit(active)
     scales = [Scale(dictionary, block) for block in active]
-    slopes = [
-        _slopes(gram, dictionary, block, scale, c, baseline)
-        for block, scale, c in zip(active, scales, split(fit, active), strict=True)
-    ]
-    steps = np.concatenate([np.zeros((0, len(gram.y))), *slopes])
-    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active), steps])
-    prior = np.concatenate(
-        [
-            gram.precision[fit.kept],
-            np.zeros(len(rows) - len(fit.kept) - len(steps)),
-            np.full(len(steps), PRIOR_STEPS**-2.0),
-        ]
-    )
+    base, free, slopes = gram.base[fit.kept], [], []
+    for block, scale, c in zip(active, scales, split(fit, active), strict=True):
+        slopes.append(_slopes(gram, dictionary, block, scale, c, baseline))
+        if not block.effect.follows:
+            free.append(gram.of(block))
+    rows = np.vstack([base, *free, *slopes])
+    steps = sum(len(one) for one in slopes)
+    prior = np.zeros(len(rows))
+    prior[: len(base)], prior[len(rows) - steps :] = gram.precision[fit.kept], PRIOR_STEPS**-2.0
     half = _jackknife(gram, rows, prior)
-    value = np.append(fit.coefficients, np.zeros(len(steps)))
-    names = gram.problem.nominal.names
-    nominal = {name: _around(value[k], half[k]) for k, name in enumerate(names)}
-    at, step_at = len(fit.kept), len(fit.coefficients)
+    nominal = {name: _around(fit.coefficients[k], half[k]) for k, name in enumerate(gram.problem.nominal.names)}
+    at, step_at = len(base), len(rows) - steps
     effects, missing = [], []
-    for block, scale in zip(active, scales, strict=True):
-        linear = block.whole(np.ones(block.p)) > 0
-        labels = [name for name, there in zip(coefficient_names(block), linear, strict=True) if there]
-        numbers = {name: _around(value[at + k], half[at + k]) for k, name in enumerate(labels)}
+    for block, scale, c in zip(active, scales, split(fit, active), strict=True):
         fixed = {n: Coefficient(value=v, low=v, high=v) for n, v in block.shape.items() if n not in scale.names}
-        free, unknown = _free(block, scale, half[step_at : step_at + len(scale.names)])
-        effects.append(numbers | {n: (free | fixed)[n] for n in block.shape})
+        nonlinear, unknown = _free(block, scale, half[step_at : step_at + len(scale.names)])
+        step_at += len(scale.names)
+        labels = [name for name, there in zip(coefficient_names(block), block.there, strict=True) if there]
+        if not block.effect.follows:
+            numbers = {
+                name: _around(value, half[at + k]) for k, (name, value) in enumerate(zip(labels, c, strict=True))
+            }
+            at += block.p
+        else:
+            numbers = {labels[0]: _following(block, nonlinear)}
+        effects.append(numbers | {n: (nonlinear | fixed)[n] for n in block.shape})
         missing.append(unknown)
-        at, step_at = at + block.p, step_at + len(scale.names)
     return Estimates(nominal=nominal, effects=tuple(effects), not_identifiable=tuple(missing))
+
+
+def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
+    """A coefficient that follows from the nonlinear parameters, from one end of their intervals to the other."""
+    effect = block.effect
+    ends = [
+        effect.coefficient_of(block.shape | {name: getattr(c, end) for name, c in nonlinear.items()})
+        for end in ("low", "high")
+    ]
+    return Coefficient(value=float(effect.coefficient_of(block.shape)), low=min(ends), high=max(ends))
 
 
 def coefficient_names(block: Block) -> list[str]:
@@ -107,9 +119,14 @@ def _slopes(
     """Whitened derivatives of an effect's torque with respect to its nonlinear parameters, shape (k, m)."""
     out = np.empty((len(scale.names), len(gram.y)))
     for k, unit in enumerate(np.eye(len(scale.names))):
-        for reach in REACHES:
-            columns = [dictionary.columns_at(block, scale.at(x * unit), baseline) for x in (reach, -reach)]
-            out[k] = coefficients @ gram.whiten(columns[0] - columns[1]) / (2.0 * reach)
+        follows = block.effect.follows
+        for reach in REACHES[-1:] if block.effect.transmits else REACHES:
+            ends = [scale.at(x * unit) for x in (reach, -reach)]
+            if not follows:
+                torques = np.stack([coefficients @ dictionary.columns_at(block, one, baseline) for one in ends])
+            else:
+                torques = dictionary.torques_at(block, ends, [baseline] * 2)
+            out[k] = gram.whiten(torques[0] - torques[1])[0] / (2.0 * reach)
             if out[k] @ out[k] > PRIOR_STEPS**-2.0:
                 break
     return out

@@ -15,10 +15,12 @@ from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
-STEPS = 4
+STEPS = 8
+INNER_STEPS = 2  # of the nominal coefficients; the torque of a link hardly changes with them away from reversals
 SHORTER = (1.0, 1 / 3, 1 / 9)  # parts of a step that are tried
 LONGEST_STEP = 2.0  # in steps of the grid
 DIFFERENCE = 0.05  # of the spacing of the grid, for finite differences
+COARSE_TO_FINE = (0.3, 0.1)  # the same of a link, whose impacts come and go (C. T. Kelley, Implicit Filtering, 2011)
 DONE = 0.2  # gain in 2 ln of the likelihood below which another step is left out
 
 
@@ -43,6 +45,26 @@ class Scale:
         return {**self.shape, **free}
 
 
+class Point(NamedTuple):
+    """A fit at some nonlinear parameters.
+
+    Attributes:
+        x: The parameters, in units of the grid's spacing.
+        cost: 2 ln of the likelihood, with its sign turned, up to a constant.
+        coefficients: Of the columns; where these follow from the nominal model, of that and all else.
+        left: Whitened residual, shape (m,).
+        inside: Rows that the linear part of the model spans, orthonormal, shape (r, m).
+        columns: Of the effect on the samples, shape (p, m).
+    """
+
+    x: Float
+    cost: float
+    coefficients: Float
+    left: Float
+    inside: Float
+    columns: Float
+
+
 class Projection:
     """What an effect leaves, as a function of its nonlinear parameters; everything else is partialled out."""
 
@@ -51,115 +73,146 @@ class Projection:
     ) -> None:
         """Partial out the nominal model, the nuisances and other effects."""
         self.given = Projected(training, others)
-        self.residual = self.given.left
         self.dictionary, self.gram, self.block, self.baseline = dictionary, training.gram, block, baseline
         self.samples = training.samples
 
-    def free(self, columns: Float) -> Float:
-        """Whitened columns without the rest of the model."""
-        return self.given.free(self.gram.whiten(columns))
-
-    def columns(self, shape: Nonlinear) -> Float:
-        """Columns of the effect."""
-        return self.dictionary.columns_at(self.block, shape, self.baseline)
-
-    def fit(self, columns: Float) -> tuple[Float, Float]:
-        """Coefficients, and what is left."""
-        free = self.free(columns)
-        coefficients = np.linalg.lstsq(free @ free.T, free @ self.residual, rcond=1e-10)[0]
-        return coefficients, self.residual - coefficients @ free
-
-    def cost(self, left: Float) -> float:
-        """2 ln of the likelihood, with its sign turned, up to a constant."""
-        return self.samples * float(np.log(max(float(left @ left), 1e-300)))
-
-    def at(self, scale: Scale, x: Float) -> "Point":
+    def at(self, scale: Scale, x: Float, near: Point | None = None) -> Point:  # noqa: ARG002
         """Fit at a point; the cost is infinite where signs are impossible."""
         shape = scale.at(x)
-        columns = self.columns(shape)
-        coefficients, left = self.fit(columns)
+        columns = self.dictionary.columns_at(self.block, shape, self.baseline)
+        free = self.given.free(self.gram.whiten(columns))
+        coefficients = np.linalg.lstsq(free @ free.T, free @ self.given.left, rcond=1e-10)[0]
+        left = self.given.left - coefficients @ free
         possible = self.block.effect.admissible(self.block.whole(coefficients), shape)
-        return Point(x, self.cost(left) if possible else np.inf, coefficients, left, columns)
+        cost = self.cost(float(left @ left)) if possible else np.inf
+        inside = np.vstack([self.given.basis, np.linalg.qr(free.T)[0].T])
+        return Point(x, cost, coefficients, left, inside, columns)
 
-    def gauss_newton(self, scale: Scale, point: "Point") -> Float:
+    def cost(self, rss: float) -> float:
+        """2 ln of the likelihood, with its sign turned, up to a constant."""
+        return self.samples * float(np.log(max(rss, 1e-300)))
+
+    def torques(self, point: Point, shapes: Sequence[Nonlinear]) -> Float:
+        """Torque of the effect at other nonlinear parameters, its coefficients those of a point, shape (k, m)."""
+        columns = (self.dictionary.columns_at(self.block, shape, self.baseline) for shape in shapes)
+        return np.stack([point.coefficients @ one for one in columns])
+
+    def gauss_newton(self, scale: Scale, point: Point, difference: float) -> Float:
         """A step of Gauss and Newton with Kaufman's Jacobian, damped a little."""
-        inside = np.linalg.qr(self.free(point.columns).T)[0]
-        slopes = np.empty((len(point.x), len(point.left)))
-        for k, unit in enumerate(np.eye(len(point.x))):
-            free_ahead = scale.at(point.x + DIFFERENCE * unit) != scale.at(point.x)
-            ahead = DIFFERENCE if free_ahead else -DIFFERENCE
-            moved = self.columns(scale.at(point.x + ahead * unit))
-            slope = point.coefficients @ self.free(moved - point.columns) / ahead
-            slopes[k] = slope - inside @ (inside.T @ slope)
+        here, ahead = scale.at(point.x), difference * np.eye(len(point.x))
+        ahead[[scale.at(point.x + one) == here for one in ahead]] *= -1.0
+        torques = self.gram.whiten(self.torques(point, [here, *(scale.at(point.x + one) for one in ahead)]))
+        slopes = (torques[1:] - torques[0]) / ahead.sum(axis=1)[:, None]
+        slopes -= (slopes @ point.inside.T) @ point.inside
         normal = slopes @ slopes.T
         damping = 1e-3 * np.diag(np.maximum(np.diag(normal), 1e-12))
         step = np.linalg.lstsq(normal + damping, slopes @ point.left, rcond=1e-12)[0]
         return np.asarray(np.clip(step, -LONGEST_STEP, LONGEST_STEP))
 
 
-class Point(NamedTuple):
-    """A fit at some nonlinear parameters."""
+class JointProjection(Projection):
+    """The same for an effect that acts on the nominal torque: the nominal coefficients are fitted with it.
 
-    x: Float
-    cost: float
-    coefficients: Float
-    left: Float
-    columns: Float
+    Its torque follows from them and from its nonlinear parameters, without a coefficient of its own, and is built again
+    from the nominal coefficients of every point.
+    """
+
+    def __init__(
+        self, dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
+    ) -> None:
+        """Take the nominal model, the nuisances and other effects."""
+        super().__init__(dictionary, training, block, others, baseline)
+        fit, gram = training.fit([*others, block]), training.gram
+        self.rows = np.vstack([gram.base[fit.kept], *(gram.of(other) for other in others)])
+        self.precision = np.append(gram.precision[fit.kept], np.zeros(len(self.rows) - len(fit.kept)))
+        self.inside = np.linalg.qr(self.rows.T)[0].T
+        self.start = fit.coefficients[: len(self.rows)]
+
+    def at(self, scale: Scale, x: Float, near: Point | None = None) -> Point:
+        """Fit at a point, from the nominal coefficients of another."""
+        shape = scale.at(x)
+        coefficients = self.start if near is None else near.coefficients
+        for _ in range(INNER_STEPS):
+            nominal = self._nominal(coefficients)
+            response = self.gram.y - self.gram.whiten(self.dictionary.torques_at(self.block, [shape], [nominal]))[0]
+            coefficients = _ridge(self.rows, response, self.precision)
+        left = response - coefficients @ self.rows
+        cost = self.cost(float(left @ left + self.precision @ coefficients**2))
+        return Point(x, cost, coefficients, left, self.inside, self.dictionary.columns_at(self.block, shape, nominal))
+
+    def _nominal(self, coefficients: Float) -> Nominal:
+        return self.gram.problem.nominal.baseline(coefficients[: len(self.gram.problem.X)])
+
+    def torques(self, point: Point, shapes: Sequence[Nonlinear]) -> Float:
+        """Torque of the effect at other nonlinear parameters, the nominal coefficients those of a point, (k, m)."""
+        return self.dictionary.torques_at(self.block, shapes, [self._nominal(point.coefficients)] * len(shapes))
 
 
 def refine(
-    dictionary: Dictionary,
-    training: Training,
-    block: Block,
-    others: Sequence[Block],
-    baseline: Nominal,
-    rebuilt: bool = False,
+    dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
 ) -> Block | None:
     """The block at the nonlinear parameters that fit best given others; None where they are those it has.
 
     Args:
         dictionary: Builds columns.
         training: What is fitted.
-        block: Where to start.
+        block: Where to start; of a link, the best points with other nonlinear parameters are starts too.
         others: The active set without it.
-        baseline: The nominal model that its columns follow from.
-        rebuilt: Whether its columns are compared with those that it has now, of an older nominal model.
+        baseline: The nominal model that its columns follow from, unless that is fitted with it.
     """
+    starts = [block, *(_other_kinds(training, block, others) if block.effect.transmits else ())]
+    found = [_minimum(dictionary, training, one, others, baseline) for one in starts]
+    return min((one for one in found if one is not None), key=lambda one: one[0], default=(0.0, None))[1]
+
+
+def _other_kinds(training: Training, block: Block, others: Sequence[Block]) -> list[Block]:
+    """Points of the grid of an effect, the best one for each other set of nonlinear parameters."""
+    best: dict[frozenset[str], tuple[float, Block]] = {}
+    for one, gain, coefficients in zip(training.gram.blocks, *training.gain(others), strict=True):
+        kind = frozenset(one.shape)
+        if one.effect is block.effect and not one.refined and kind != set(block.shape) and one.possible(coefficients):
+            best[kind] = max(best.get(kind, (0.0, one)), (gain, one), key=lambda pair: pair[0])
+    least = 0.5 * max((gain for gain, _ in best.values()), default=0.0)
+    return [one for gain, one in best.values() if gain > least]
+
+
+def _minimum(
+    dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
+) -> tuple[float, Block] | None:
+    """Cost, with the penalty of Schwarz, and block at the minimum next to a start."""
     scale = Scale(dictionary, block)
     if not scale.names:
         return None
-    problem = Projection(dictionary, training, block, others, baseline)
-    point = problem.at(scale, np.zeros(len(scale.names)))
-    first = problem.cost(problem.fit(block.columns)[1]) if rebuilt else point.cost
+    kind = Projection if not block.effect.follows else JointProjection
+    problem = kind(dictionary, training, block, others, baseline)
+    point = first = problem.at(scale, np.zeros(len(scale.names)))
     if not np.isfinite(point.cost):
         return None
-    for _ in range(STEPS):
-        better = _line_search(problem, scale, point)
-        gained = 0.0 if better is None else point.cost - better.cost
-        point = better or point
-        if gained < DONE:
-            break
-    if first - point.cost < DONE:
+    for difference in (DIFFERENCE,) if kind is Projection else COARSE_TO_FINE:
+        for _ in range(STEPS):
+            better = _line_search(problem, scale, point, difference)
+            gained = 0.0 if better is None else point.cost - better.cost
+            point = better or point
+            if gained < DONE:
+                break
+    if kind is Projection and first.cost - point.cost < DONE:
         return None
-    return block.moved(scale.at(point.x), point.columns)
+    penalty = len(scale.names) * float(np.log(training.samples))
+    return point.cost + penalty, block.moved(scale.at(point.x), point.columns)
 
 
-def _line_search(problem: Projection, scale: Scale, point: Point) -> Point | None:
+def _line_search(problem: Projection, scale: Scale, point: Point, difference: float) -> Point | None:
     """The first better point along a step; None without one."""
-    step = problem.gauss_newton(scale, point)
+    step = problem.gauss_newton(scale, point, difference)
     for part in SHORTER:
-        trial = problem.at(scale, point.x + part * step)
+        trial = problem.at(scale, point.x + part * step, point)
         if trial.cost < point.cost:
             return trial
     return None
 
 
-def coefficients_given(training: Training, others: Sequence[Block], columns: Float) -> Float:
-    """Coefficients of the nominal model and nuisances fitted with some effects and more columns."""
-    gram = training.gram
-    kept = training.fit(others).kept
-    rows = np.vstack([gram.base[kept], *(gram.of(b) for b in others), gram.whiten(columns)])
-    prior = np.diag(np.append(gram.precision[kept], np.zeros(len(rows) - len(kept))))
+def _ridge(rows: Float, y: Float, precision: Float) -> Float:
+    """Coefficients of least squares with normal priors about zero."""
     scale = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
-    whole = (rows @ rows.T + prior) / scale[:, None] / scale
-    return np.asarray(np.linalg.lstsq(whole, rows @ gram.y / scale, rcond=1e-11)[0] / scale)
+    whole = (rows @ rows.T + np.diag(precision)) / scale[:, None] / scale
+    return np.asarray(np.linalg.lstsq(whole, rows @ y / scale, rcond=1e-11)[0] / scale)

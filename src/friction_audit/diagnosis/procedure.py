@@ -9,7 +9,7 @@ from friction_audit.diagnosis import contact_events, intervals, residual_checks,
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise_model import NoiseModel
-from friction_audit.diagnosis.nonlinear import coefficients_given, refine
+from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.contact_event import Contact
@@ -21,7 +21,6 @@ from friction_audit.joint_log import Float
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
 LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 REPEATS = 2
-ALTERNATIONS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
@@ -76,7 +75,18 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
         if [b.name for b in state.active] == names or not state.active:
             break
     state.active = _identifiable(state)
+    _settle_links(state)
     return state
+
+
+def _settle_links(state: State) -> None:
+    """Fit effects that act on the nominal torque together with that, once more with all others and the last noise."""
+    for k, block in enumerate(state.active):
+        others = state.active[:k] + state.active[k + 1 :]
+        moved = state.search.refine(block, others) if block.effect.follows and state.search.refine else None
+        if moved is not None:
+            state.gram.add([moved])
+            state.active[k] = moved
 
 
 def _identifiable(state: State) -> list[Block]:
@@ -103,17 +113,7 @@ def _state(
 
     def moved(block: Block, others: Sequence[Block]) -> Block | None:
         together = [*others, block] if block.effect.needs_nominal else others
-        found = refine(dictionary, training, block, others, nominal(problem, training, together))
-        # It transmits inertia and friction of its far side, which are better known with it in the model.
-        for _ in range(ALTERNATIONS if block.effect.transmits else 0):
-            if found is None:
-                break
-            numbers = coefficients_given(training, others, found.columns)[: len(problem.X)]
-            again = refine(dictionary, training, found, others, _baseline(problem, numbers), rebuilt=True)
-            if again is None:
-                break
-            found = again
-        return found
+        return refine(dictionary, training, block, others, nominal(problem, training, together))
 
     search = selection.Search(training, moved, numbers)
     return State(
@@ -132,7 +132,10 @@ def _refitted(state: State, numbers: int) -> State:
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque
     if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
-        state.dictionary.rebuild(baseline)
+        fit = state.search.training.fit(state.active)
+        pairs = zip(state.active, selection.split(fit, state.active), strict=True)
+        others = [c @ b.columns for b, c in pairs if not b.effect.transmits]
+        state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
     made = _state(problem, state.dictionary, state.nuisances, noise, numbers)
     made.active = state.active
     return made

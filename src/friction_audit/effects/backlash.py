@@ -28,11 +28,12 @@ from friction_audit.effects.transmission import FAR_SHARE, MOTION_BELOW_HZ, far_
 from friction_audit.joint_log import Float
 
 CONTACT_DAMPING_RATIO = 0.2  # of metal on lubricated metal: half of the speed is left after an impact
-# Widths of the gap as shares of the span of the motion, close to each other, for they set when the flanks strike.
-SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
-CONTACTS_HZ = (22.0, 50.0)  # flanks that ring about as fast as a regression sees, and hard ones
-# Elastic and plastic contact: impacts after a bounce come at moments that noise of the position shifts.
-FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
+SPAN_SHARES = np.geomspace(3e-5, 0.02, 24)  # widths of the gap as shares of the span of the motion
+# Flanks by frequency and damping. Noise of the position shifts impacts after a bounce: damped flanks suit those better.
+SOFT, MIDDLE, RINGING, HARD = (
+    {"contact_hz": hz, "flank_damping_ratio": damping}
+    for hz, damping in ((18.0, 0.7), (25.0, 0.7), (30.0, 0.25), (50.0, 0.25))
+)
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
 # The coefficient is 1 but for the errors of a nominal model that was fitted without the gap.
@@ -41,6 +42,7 @@ LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 
 class Backlash(Effect):
     transmits = True
+    follows = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what a gap before the far side adds to the torque, as a column."""
@@ -54,33 +56,16 @@ class Backlash(Effect):
         yield from plays(motion, [far] * len(many), [usual] * len(many), many)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """All widths on both kinds of flanks, and on hard ones that a smooth motion strikes.
+        """All widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia.
 
-        On hard flanks every second width with less inertia on the far side too, along a smooth motion every fourth.
+        The projection finds frequency and damping in between.
         """
-        span = float(np.ptp(data.q)) or 1.0
-        hard = max(CONTACTS_HZ)
-        calm = {"motion_below_hz": MOTION_BELOW_HZ, "flank_damping_ratio": max(FLANK_DAMPINGS)}
-        kinds: tuple[dict[str, float], ...] = (
-            *({"contact_hz": hz} for hz in CONTACTS_HZ),
-            *(
-                {"contact_hz": hard, "motion_below_hz": MOTION_BELOW_HZ, "flank_damping_ratio": damping}
-                for damping in FLANK_DAMPINGS
-            ),
-        )
-        widths = (SPAN_SHARES * span).tolist()
+        widths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
+        calm = {"motion_below_hz": MOTION_BELOW_HZ}
+        kinds: tuple[dict[str, float], ...] = (SOFT, RINGING, MIDDLE | calm, HARD | calm)
         return (
             *({"gap_rad": width, **kind} for kind in kinds for width in widths),
-            *(
-                {"gap_rad": width, "contact_hz": hard, "far_share": share}
-                for share in FAR_SHARES
-                for width in widths[::2]
-            ),
-            *(
-                {"gap_rad": width, "contact_hz": hard, **calm, "far_share": s}
-                for s in FAR_SHARES
-                for width in widths[::4]
-            ),
+            *({"gap_rad": width, **SOFT, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
         )
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
@@ -88,12 +73,10 @@ class Backlash(Effect):
         ((_, column),) = self.regressors(data, nominal, (at,))
         return column
 
-    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
-        yield from self.transmitted(data, [far_side_of(nominal)] * len(grid), grid)
-
-    def transmitted(
-        self, data: JointData, far: Sequence[FarSide], grid: Sequence[Nonlinear]
+    def regressors_of(
+        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
     ) -> Iterator[tuple[int, Float]]:
+        far = [far_side_of(nominal) for nominal in nominals]
         numbers = np.array([(own.inertia_kg_m2, own.coulomb_nm, own.viscous_nms_per_rad) for own in far])
         for motion, places in motions(data, grid):
             every = max(len(motion.t) // MANY_SAMPLES, 1)
@@ -105,6 +88,9 @@ class Backlash(Effect):
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         return reversals(data, nominal) or no_inertia(nominal)
+
+    def coefficient_of(self, at: Nonlinear) -> float:
+        return 1.0
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         return bool(LEAST_SHARE <= coefficients[0] <= LARGEST_SHARE)

@@ -79,7 +79,8 @@ class Effect:
     separate: Mapping[str, str] = field(default_factory=dict)
 
     # What few effects set, in their class.
-    transmits: ClassVar[bool] = False  # it passes on the torque of inertia and friction behind it
+    transmits: ClassVar[bool] = False  # it is a link between the measured side and that of inertia and friction
+    follows: ClassVar[bool] = False  # it acts on the nominal torque, and its coefficient follows from the other numbers
     indistinguishable: ClassVar[tuple[str, ...]] = ()  # effects that no motion of this kind separates from it
     part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
 
@@ -119,7 +120,18 @@ class Effect:
 
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns for many points of the grid, in any order."""
-        yield from ((place, self.regressor(data, nominal, at)) for place, at in enumerate(grid))
+        yield from self.regressors_of(data, [nominal] * len(grid), grid)
+
+    def regressors_of(
+        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
+    ) -> Iterator[tuple[int, Float]]:
+        """Yield the same, each point with its own nominal model."""
+        pairs = enumerate(zip(nominals, grid, strict=True))
+        yield from ((place, self.regressor(data, nominal, at)) for place, (nominal, at) in pairs)
+
+    def coefficient_of(self, at: Nonlinear) -> float:
+        """Return the coefficient of the one column of an effect whose coefficient ``follows``."""
+        raise NotImplementedError(f"{self.name}: its coefficients are free")
 
     def regressors_together(
         self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]

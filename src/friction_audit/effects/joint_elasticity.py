@@ -19,22 +19,23 @@ from friction_audit.joint_log import Float
 
 # Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996).
 DAMPING_RATIO = 0.05
-# Frequencies of the ringing; a twentieth apart where it is visible, for a resonance is a tenth wide.
-RINGING_HZ = np.append(np.geomspace(2.0, 40.0, 60), np.geomspace(50.0, HIGHEST_HZ, 5))
+# Frequencies of the ringing; a tenth apart where it is visible, for a resonance is a tenth wide.
+RINGING_HZ = np.append(np.geomspace(2.0, 40.0, 30), np.geomspace(50.0, HIGHEST_HZ, 4))
 SOFTEST_NM_PER_RAD, STIFFEST_NM_PER_RAD = 10.0, 1e5
 USUAL_INERTIA_KG_M2 = 0.3  # of an arm's drive, where the torque shows none
 # Torque up to which a strain-wave gear stiffens, as a share of the usual torque; far above it, it is a linear spring.
-SOFT_SHARES = (1.0, 2.5, 6.0)
+SOFT_SHARES = (1.0, 4.0)
 LARGEST_SHARE = 1.6
 LEAST_SHARE = 0.5  # compliance found times the stiffness it was built for
 # Damped so much, the far side does not ring up on noise of the position.
-MUCH_DAMPED = 0.1
+MUCH_DAMPED = 0.15
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
 
 
 class JointElasticity(Effect):
     transmits = True
+    follows = True
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what the spring adds to the torque per compliance, as a column."""
@@ -56,17 +57,16 @@ class JointElasticity(Effect):
         ((_, column),) = self.regressors(data, nominal, (at,))
         return column
 
-    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
-        for place, added in self.transmitted(data, [far_side_of(nominal)] * len(grid), grid):
-            yield place, np.multiply(added, grid[place]["spring_nm_per_rad"], out=added)
-
-    def transmitted(
-        self, data: JointData, far: Sequence[FarSide], grid: Sequence[Nonlinear]
+    def regressors_of(
+        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
     ) -> Iterator[tuple[int, Float]]:
         for motion, places in motions(data, grid):
             values = [self.values(grid[place]) for place in places]
-            for k, added in springs(motion, [far[place] for place in places], values):
-                yield places[k], added[:, None]
+            for k, added in springs(motion, [far_side_of(nominals[place]) for place in places], values):
+                yield places[k], np.multiply(added, values[k][0], out=added)[:, None]
+
+    def coefficient_of(self, at: Nonlinear) -> float:
+        return 1.0 / at["spring_nm_per_rad"]
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
@@ -88,16 +88,12 @@ def all_springs(data: JointData) -> tuple[Nonlinear, ...]:
     smooth = {"motion_below_hz": MOTION_BELOW_HZ}
     soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
     tries: tuple[tuple[Float, dict[str, float]], ...] = (
-        (every, {}),
-        *((every[::2], one) for one in soft),
-        (fast[::2], smooth),
-        *((fast[::4], one | smooth) for one in soft),
-        (slow[::4], {"damping_ratio": MUCH_DAMPED}),
-        *(
-            (slow[::2], {"far_share": share, "damping_ratio": damping})
-            for share in FAR_SHARES
-            for damping in (DAMPING_RATIO, MUCH_DAMPED)
-        ),
+        (every, {"damping_ratio": DAMPING_RATIO}),
+        *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
+        (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
+        *((fast[::2], one | smooth) for one in soft),
+        (slow[::2], {"damping_ratio": MUCH_DAMPED}),
+        *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
     )
     return tuple({"spring_nm_per_rad": float(stiffness), **other} for tried, other in tries for stiffness in tried)
 

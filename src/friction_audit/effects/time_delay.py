@@ -23,6 +23,8 @@ LEAST_SHARE, LARGEST_SHARE = 0.5, 1.6
 
 
 class TimeDelay(Effect):
+    follows = True
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return (rest(t - s) - rest(t)) / s as a column, first and last value held; with the load or without."""
         step, with_load = values
@@ -44,6 +46,9 @@ class TimeDelay(Effect):
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
         return reversals(data, nominal)
+
+    def coefficient_of(self, at: Nonlinear) -> float:
+        return at["delay_step_s"]
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         share = coefficients[0] / at["delay_step_s"]
