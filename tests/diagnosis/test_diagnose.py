@@ -113,9 +113,7 @@ def test_two_effects_are_both_in_the_answer(names: tuple[str, ...], duration_s: 
         assert any(name in one for one in said(found)), said(found)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="a delay stands in for a gap in sinusoids: the link side is fitted by alternation"
-)
+@pytest.mark.xfail(strict=True, reason="a contact is named with it, where one impact came at another moment")
 def test_a_gap_in_sinusoids_is_not_named_a_delay() -> None:
     found = diagnosed(recorded("backlash:gap_rad=0.002", scenario="joint-sine", seed=1))
     assert said(found) == ({"backlash"},)
@@ -124,7 +122,7 @@ def test_a_gap_in_sinusoids_is_not_named_a_delay() -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.xfail(strict=True, reason="its compliance is a quarter too large: the link side is fitted by alternation")
+@pytest.mark.xfail(strict=True, reason="a third too large: the detector's spring stiffens evenly up to a torque")
 def test_a_hardening_gear_is_one_spring() -> None:
     found = diagnosed(
         recorded("joint_elasticity:compliance_rad_per_nm=0.003,form=hardening", scenario="joint-sine", seed=3)

@@ -239,7 +239,6 @@ def test_a_delay_of_two_samples_is_named_and_has_one_number() -> None:
     delay = effect.parameters["delay_s"]
     assert delay.low < 2e-3 < delay.high < delay.low + 1e-3
     assert (effect.name, effect.not_identifiable) == ("time_delay", ())
-    assert effect.parameters["delay_step_s"] == delay
 
 
 def test_a_model_file_that_holds_the_effect_leaves_nothing() -> None:

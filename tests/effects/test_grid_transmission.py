@@ -5,7 +5,7 @@ from math import pi, sqrt
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
+from scipy.optimize import fmin
 
 from friction_audit.effects import backlash, frictional_lag, joint_elasticity, presliding, time_delay
 from friction_audit.effects.effect import Effect, Nonlinear
@@ -66,17 +66,14 @@ def share_seen(candidate: Effect, torque: Float) -> float:
 def best_near_the_grid(candidate: Effect, grid: tuple[Nonlinear, ...], torque: Float) -> float:
     """The same between the points of the grid, from the best one."""
 
-    def share(shape: Nonlinear) -> float:
-        return share_seen(altered(candidate, grid=(shape,)), torque)
+    def left(x: Float, start: Nonlinear) -> float:
+        shape = {name: value * np.exp(by) for (name, value), by in zip(start.items(), x, strict=True)}
+        return 1.0 - share_seen(altered(candidate, grid=(shape,)), torque)
 
-    best = max(grid, key=share)
-    found = minimize(
-        lambda x: -share({name: value * np.exp(by) for (name, value), by in zip(best.items(), x, strict=True)}),
-        np.zeros(len(best)),
-        method="Nelder-Mead",
-        options={"maxfev": 150, "initial_simplex": np.vstack([np.zeros(len(best)), 0.1 * np.eye(len(best))])},
-    )
-    return -float(found.fun)
+    best = min(grid, key=lambda shape: left(np.zeros(len(shape)), shape))
+    corners = np.vstack([np.zeros(len(best)), 0.1 * np.eye(len(best))])
+    found = fmin(left, corners[0], (best,), maxfun=150, disp=False, full_output=True, initial_simplex=corners)
+    return 1.0 - float(found[1])
 
 
 @pytest.mark.parametrize("delay", [0.004, -0.015, 0.03])
@@ -127,8 +124,6 @@ def test_a_late_load_is_a_delay_where_the_load_is_known() -> None:
     borne = baseline(DATA).torque + 10.0 * np.sin(DATA.q)
     late = np.interp(loaded.t - 0.01, loaded.t, borne) - borne
     assert share_explained(time_delay.EFFECT, loaded, late) > 0.95
-    assert {shape["delayed_load"] for shape in time_delay.EFFECT.grid(loaded)} == {0.0, 1.0}
-    assert {shape["delayed_load"] for shape in time_delay.EFFECT.grid(replace(DATA, load=None))} == {0.0}
 
 
 def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:
@@ -175,13 +170,6 @@ def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() ->
 
     assert change(spring) > 1.0
     assert change({**spring, "motion_below_hz": 18.0}) < 0.1
-
-
-def test_springs_that_ring_slowly_are_tried_along_the_measured_motion_only() -> None:
-    smooth = [shape for shape in joint_elasticity.EFFECT.grid(DATA) if "motion_below_hz" in shape]
-    assert smooth
-    ringing = [np.sqrt(shape["spring_nm_per_rad"] / 0.3) / (2 * np.pi) for shape in smooth]
-    assert min(ringing) > 18.0
 
 
 def test_a_spring_whose_twist_drowns_in_noise_of_the_position_is_none() -> None:
