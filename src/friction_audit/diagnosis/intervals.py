@@ -80,12 +80,9 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: No
 
 def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
     """A coefficient that follows from the nonlinear parameters, from one end of their intervals to the other."""
-    effect = block.effect
-    ends = [
-        effect.coefficient_of(block.shape | {name: getattr(c, end) for name, c in nonlinear.items()})
-        for end in ("low", "high")
-    ]
-    return Coefficient(value=float(effect.coefficient_of(block.shape)), low=min(ends), high=max(ends))
+    ends = [block.shape | {name: getattr(c, end) for name, c in nonlinear.items()} for end in ("low", "high")]
+    low, value, high = sorted(block.effect.coefficient_of(at) for at in (*ends, block.shape))
+    return Coefficient(value=value, low=low, high=high)
 
 
 def coefficient_names(block: Block) -> list[str]:

@@ -46,16 +46,7 @@ class Scale:
 
 
 class Point(NamedTuple):
-    """A fit at some nonlinear parameters.
-
-    Attributes:
-        x: The parameters, in units of the grid's spacing.
-        cost: 2 ln of the likelihood, with its sign turned, up to a constant.
-        coefficients: Of the columns; where these follow from the nominal model, of that and all else.
-        left: Whitened residual, shape (m,).
-        inside: Rows that the linear part of the model spans, orthonormal, shape (r, m).
-        columns: Of the effect on the samples, shape (p, m).
-    """
+    """A fit at nonlinear parameters x: -2 ln of the likelihood, whitened residual, orthonormal rows of its linear part."""
 
     x: Float
     cost: float
