@@ -73,6 +73,7 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: No
             at += block.p
         else:
             numbers = {labels[0]: _following(block, nonlinear)}
+            unknown = (*unknown, *(name for name, one in numbers.items() if not np.isfinite(one.high)))
         effects.append(numbers | {n: (nonlinear | fixed)[n] for n in block.shape})
         missing.append(unknown)
     return Estimates(nominal=nominal, effects=tuple(effects), not_identifiable=tuple(missing))
@@ -81,8 +82,9 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: No
 def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
     """A coefficient that follows from the nonlinear parameters, from one end of their intervals to the other."""
     ends = [block.shape | {name: getattr(c, end) for name, c in nonlinear.items()} for end in ("low", "high")]
-    low, value, high = sorted(block.effect.coefficient_of(at) for at in (*ends, block.shape))
-    return Coefficient(value=value, low=low, high=high)
+    value, *limits = (block.effect.coefficient_of(at) for at in (block.shape, *ends))
+    known = min(limits) <= value <= max(limits)  # one over an infinite stiffness is not between them
+    return Coefficient(value=value, low=min(limits) if known else -np.inf, high=max(limits) if known else np.inf)
 
 
 def coefficient_names(block: Block) -> list[str]:

@@ -46,7 +46,7 @@ class Scale:
 
 
 class Point(NamedTuple):
-    """A fit at nonlinear parameters x: -2 ln of the likelihood, whitened residual, orthonormal rows of its linear part."""
+    """A fit at x: -2 ln of the likelihood, whitened residual, orthonormal rows of the linear part."""
 
     x: Float
     cost: float
