@@ -25,6 +25,7 @@ CELLS = 60  # reference cells, each as long as the push; with fewer, the quantil
 ALIKE = 0.3  # distance of similar states of motion, in standard deviations of each quantity
 FEWEST_AGAIN = 2  # similar states in other cycles from which it can be said what the motion repeats
 NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
+GLITCH = 1.2  # output of a pulse over that of pushes, from which one sample is wrong (stranger_none_30034)
 APART_S = 0.2  # pushes between which less time passes are one contact
 END_S = 1.0  # next to an end of a log a drive settles, which no cycle repeats (measured Panda, joints 4 and 5)
 LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
@@ -40,10 +41,10 @@ class MatchedFilters:
     """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples.
 
     Attributes:
-        pushes: Each push as the samples see it, shape (k,) each.
+        pushes: A pulse, then each push, as the samples see it, shape (k,) each.
         slot: Slot of each sample, shape (m,).
         slot_s: Time from slot to slot. [s]
-        innovations: Whitened residual, and whitened torque of the model, shape (2, m).
+        innovations: Whitened residual, torque of the model, and errors of the formulas, shape (2 + e, m).
         operator: Weights of each sample and of the p before it in its innovation, shape (m, p + 1).
     """
 
@@ -54,8 +55,8 @@ class MatchedFilters:
     operator: Float
 
     @classmethod
-    def of(cls, problem: RegressionProblem, residual: Float, noise: NoiseModel) -> "MatchedFilters":
-        """Build the filters for what a model leaves of all samples, shape (m,). [N m]"""
+    def of(cls, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Float) -> "MatchedFilters":
+        """Build the filters for what a model leaves of all samples, shape (m,), and errors, shape (e, m). [N m]"""
         samples, step_s, row = problem.samples, problem.data.step_s, problem.samples.place
         every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
         operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
@@ -64,7 +65,7 @@ class MatchedFilters:
             operator[lag:, lag] = -noise.predictors[noise.age[lag:], lag - 1] * noise.weight[:-lag]
         # At a break-away the torque is that of the standstill before it, where friction holds a push.
         operator *= np.where(samples.breakaway, 0.0, noise.scales[noise.age])[:, None]
-        forms = []
+        forms = [np.ones(1)]
         for length_s in LENGTHS_S:
             n = max(round(length_s / step_s), 1)
             forms += [np.sin(np.pi * (np.arange(n) + 0.5) / n), np.ones(n)]
@@ -72,7 +73,7 @@ class MatchedFilters:
             pushes=tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms),
             slot=(row - row[0]) // every,
             slot_s=step_s * samples.every * every,
-            innovations=np.where(samples.breakaway, 0.0, noise.whiten(np.stack([residual, problem.y - residual]))),
+            innovations=np.where(samples.breakaway, 0.0, noise.whiten(np.vstack([residual, problem.y - residual, errors]))),
             operator=operator,
         )
 
@@ -158,15 +159,16 @@ def robust_scale(outputs: Float) -> float:
     return float(max(SIGMA_PER_MEDIAN * median, SIGMA_PER_NINTH_DECILE * decile))
 
 
-def detect(problem: RegressionProblem, residual: Float, noise: NoiseModel) -> tuple[Contact, ...]:
+def detect(problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Float) -> tuple[Contact, ...]:
     """Find the contacts of a joint in the order of time; none where they are no rare events.
 
     Args:
         problem: The joint with all its samples.
         residual: What a model leaves of them, shape (m,). [N m]
         noise: Noise model of the same samples.
+        errors: What the formulas of the named effects may get wrong, shape (e, m). [N m]
     """
-    filters = MatchedFilters.of(problem, residual, noise)
+    filters = MatchedFilters.of(problem, residual, noise, errors)
     reach, start = _reach(problem), float(problem.samples.t[0])
     spans = [
         (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)
@@ -204,21 +206,26 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
 
     whole = outputs_of(products, energy)
     usual = np.array([[max(robust_scale(one), TINY)] for one in whole])
-    whole, modelled = whole / usual, np.abs(outputs_of(*filters.sums(kept, 1, 0, slots))) / usual
+    whole = whole / usual
+    modelled, *wrong = (
+        outputs_of(*filters.sums(kept, k, 0, slots)) / usual for k in range(1, len(filters.innovations))
+    )
     outputs, chance = whole.copy(), 0.5 * BY_CHANCE / max(int(np.count_nonzero(whole)), 1)
     near, found, any_known = max(round(NEAR_S / filters.slot_s), 1), [], False
     barred = np.zeros(outputs.shape[1], bool)
     for _ in range(MOST):
         size = np.where(barred, 0.0, np.abs(outputs))
-        k, at = (int(i) for i in np.unravel_index(np.argmax(size), size.shape))
+        k, at = (int(i) for i in np.unravel_index(np.argmax(size[1:]), size[1:].shape))
+        k += 1
         if size[k, at] < -ndtri(chance):
             break
         scale, cells, repeated, known = reference.compare(
             np.sign(outputs[k, at]) * whole[k], at, len(filters.pushes[k]), near
         )
         about = slice(max(at - near, 0), at + near + 1)
-        least = max(-stdtrit(cells, chance) * scale, LEAST_OF_MODEL * np.max(modelled[k, about]))
-        if size[k, at] - repeated < least:
+        by_formula = [float(np.abs(one[k, about]).max()) for one in (LEAST_OF_MODEL * modelled, *wrong)]
+        least = max(-stdtrit(cells, chance) * scale, *by_formula)
+        if size[k, at] - repeated < least or size[0, about].max() > GLITCH * size[k, at]:
             barred[about] = True
             continue
         any_known |= known

@@ -15,7 +15,7 @@ from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
-STEPS = 8
+STEPS = 12  # of a ramp that ends as a step (effects_friction_step_30009)
 INNER_STEPS = 2  # of the nominal coefficients; the torque of a link hardly changes with them away from reversals
 SHORTER = (1.0, 1 / 3, 1 / 9)  # parts of a step that are tried
 LONGEST_STEP = 2.0  # in steps of the grid

@@ -47,7 +47,7 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
-    contacts = contact_events.detect(problem, left, state.gram.noise)
+    contacts = contact_events.detect(problem, left, state.gram.noise, formula_errors(state))
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
         state.contacts, state.disturbed = contacts, problem
@@ -127,7 +127,7 @@ def _refitted(state: State, numbers: int) -> State:
     baseline = nominal(problem, state.search.training, state.active)
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
-    noise = NoiseModel.fit(problem, [left], np.hypot(problem.model_error(baseline), effect_error(state)))
+    noise = NoiseModel.fit(problem, [left], np.hypot(problem.model_error(baseline), np.linalg.norm(formula_errors(state), axis=0)))
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque
@@ -154,12 +154,12 @@ def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baselin
     return tuple(kept)
 
 
-def effect_error(state: State) -> Float:
-    """Standard deviation of what the formulas of the named effects get wrong, shape (m,). [N m]"""
-    fit, total = state.search.training.fit(state.active), np.zeros(len(state.problem.y))
-    for block, coefficients in zip(state.active, selection.split(fit, state.active), strict=True):
-        total = np.hypot(total, _formula_error(block) * (coefficients @ block.columns))
-    return total
+def formula_errors(state: State) -> Float:
+    """Standard deviation of what the formula of each named effect gets wrong, shape (k, m). [N m]"""
+    fit = state.search.training.fit(state.active)
+    each = zip(state.active, selection.split(fit, state.active), strict=True)
+    errors = [_formula_error(block) * (coefficients @ block.columns) for block, coefficients in each]
+    return np.array(errors).reshape(-1, len(state.problem.y))
 
 
 def _formula_error(block: Block) -> float:
