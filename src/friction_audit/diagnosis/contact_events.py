@@ -73,7 +73,9 @@ class MatchedFilters:
             pushes=tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms),
             slot=(row - row[0]) // every,
             slot_s=step_s * samples.every * every,
-            innovations=np.where(samples.breakaway, 0.0, noise.whiten(np.vstack([residual, problem.y - residual, errors]))),
+            innovations=np.where(
+                samples.breakaway, 0.0, noise.whiten(np.vstack([residual, problem.y - residual, errors]))
+            ),
             operator=operator,
         )
 

@@ -127,7 +127,9 @@ def _refitted(state: State, numbers: int) -> State:
     baseline = nominal(problem, state.search.training, state.active)
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
-    noise = NoiseModel.fit(problem, [left], np.hypot(problem.model_error(baseline), np.linalg.norm(formula_errors(state), axis=0)))
+    noise = NoiseModel.fit(
+        problem, [left], np.hypot(problem.model_error(baseline), np.linalg.norm(formula_errors(state), axis=0))
+    )
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque

@@ -17,7 +17,8 @@ from friction_audit.joint_log import Float
 
 WAVES = 10
 PATCHES = (8, 16)  # half widths of patches, as how many of them the range takes
-EVERYWHERE = 100.0  # width of a bell that does not matter, over the range
+ORDER, CENTRE, WIDTH = "position_friction_order", "position_friction_centre_rad", "position_friction_width_rad"
+EVERYWHERE = 1e6  # width of a bell that does not matter
 
 
 class PositionDependentFriction(Effect):
@@ -29,24 +30,19 @@ class PositionDependentFriction(Effect):
         return np.stack([bell * np.cos(order * off), bell * np.sin(order * off)]).T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Waves from half a period over the range on, half a period apart; patches a width and a half apart."""
+        """Waves from half a period over the range on, half a period apart; patches a width and a half apart.
+
+        A patch is a bell, three numbers for a log of few cycles (measured TX40, joint 4), or a wave under a bell.
+        """
         low, high = reach(data)
         length = max(high - low, 1e-3)
-        middle = 0.5 * (low + high)
-        waves = [(np.pi / length * k, middle, EVERYWHERE * length) for k in range(1, WAVES + 1)]
-        patches = [
-            (parts / length, low + (k + 0.5) * 1.5 * length / parts, length / parts)
+        waves = [{ORDER: float(np.pi / length * k)} for k in range(1, WAVES + 1)]
+        bells = [
+            {CENTRE: float(low + (k + 0.5) * 1.5 * length / parts), WIDTH: float(length / parts)}
             for parts in PATCHES
             for k in range(int(parts / 1.5))
         ]
-        return tuple(
-            {
-                "position_friction_order": float(order),
-                "position_friction_centre_rad": float(centre),
-                "position_friction_width_rad": float(width),
-            }
-            for order, centre, width in (*waves, *patches)
-        )
+        return (*waves, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells))
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         return both_directions(data, nominal) or span(data, nominal, 0.5)
@@ -62,9 +58,9 @@ EFFECT = PositionDependentFriction(
         Parameter("position_friction_sin_nm", "N m", "change a quarter of a wave further"),
     ),
     nonlinear=(
-        Parameter("position_friction_order", "1", "waves per revolution", lower=0.0, upper=1e4),
-        Parameter("position_friction_centre_rad", "rad", "centre of the stretch"),
-        Parameter("position_friction_width_rad", "rad", "half width of the stretch", lower=1e-4),
+        Parameter(ORDER, "1", "waves per revolution", lower=0.0, upper=1e4, optional=True),
+        Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
+        Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
     ),
     traits=Trait.FRICTION | Trait.ODD,
     record="pass every place four times in each direction",
