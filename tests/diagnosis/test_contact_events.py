@@ -34,7 +34,7 @@ def found(torque: Float, data: JointData = MOTION) -> tuple[Contact, ...]:
     factors = least_squares(problem.nominal.columns, problem.y)
     residual = problem.y - factors @ problem.X
     model_error = problem.model_error(problem.nominal.baseline(factors))
-    return detect(problem, residual, NoiseModel.fit(problem, [residual], model_error), np.zeros((0, len(residual))))
+    return detect(problem, residual, NoiseModel.fit(problem, [residual], model_error))
 
 
 @pytest.mark.parametrize("memory_s", [0.002, 0.02, 0.1])

@@ -7,6 +7,7 @@ repeat is model error, not a contact. The threshold is Bonferroni's over all mom
 the scale is estimated. Innovations of a contact are left out before the next one is looked for.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,8 +56,10 @@ class MatchedFilters:
     operator: Float
 
     @classmethod
-    def of(cls, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Float) -> "MatchedFilters":
-        """Build the filters for what a model leaves of all samples, shape (m,), and errors, shape (e, m). [N m]"""
+    def of(
+        cls, problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float]
+    ) -> "MatchedFilters":
+        """Build the filters for what a model leaves of all samples, and errors, shape (m,) each. [N m]"""
         samples, step_s, row = problem.samples, problem.data.step_s, problem.samples.place
         every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
         operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
@@ -74,7 +77,7 @@ class MatchedFilters:
             slot=(row - row[0]) // every,
             slot_s=step_s * samples.every * every,
             innovations=np.where(
-                samples.breakaway, 0.0, noise.whiten(np.vstack([residual, problem.y - residual, errors]))
+                samples.breakaway, 0.0, noise.whiten(np.stack([residual, problem.y - residual, *errors]))
             ),
             operator=operator,
         )
@@ -161,14 +164,16 @@ def robust_scale(outputs: Float) -> float:
     return float(max(SIGMA_PER_MEDIAN * median, SIGMA_PER_NINTH_DECILE * decile))
 
 
-def detect(problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Float) -> tuple[Contact, ...]:
+def detect(
+    problem: RegressionProblem, residual: Float, noise: NoiseModel, errors: Sequence[Float] = ()
+) -> tuple[Contact, ...]:
     """Find the contacts of a joint in the order of time; none where they are no rare events.
 
     Args:
         problem: The joint with all its samples.
         residual: What a model leaves of them, shape (m,). [N m]
         noise: Noise model of the same samples.
-        errors: What the formulas of the named effects may get wrong, shape (e, m). [N m]
+        errors: What the formulas of the named effects may get wrong, shape (m,) each. [N m]
     """
     filters = MatchedFilters.of(problem, residual, noise, errors)
     reach, start = _reach(problem), float(problem.samples.t[0])
