@@ -90,7 +90,7 @@ def test_the_grid_is_within_bounds_and_complete(effect: Effect) -> None:
     needed = {parameter.name for parameter in effect.nonlinear if not parameter.optional}
     for at in effect.grid(MOVING):
         assert not at or needed <= set(at)  # an empty point has columns of its own
-        assert all(one.allows(at.get(one.name, 0.0)) for one in effect.nonlinear if at)
+        assert all(one.allows(at.get(one.name, one.default)) for one in effect.nonlinear if at)
 
 
 @each

@@ -128,7 +128,7 @@ def _refitted(state: State, numbers: int) -> State:
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
     noise = NoiseModel.fit(
-        problem, [left], np.hypot(problem.model_error(baseline), np.linalg.norm(formula_errors(state), axis=0))
+        problem, [left], np.linalg.norm([problem.model_error(baseline), *formula_errors(state)], axis=0)
     )
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
@@ -156,12 +156,11 @@ def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baselin
     return tuple(kept)
 
 
-def formula_errors(state: State) -> Float:
-    """Standard deviation of what the formula of each named effect gets wrong, shape (k, m). [N m]"""
+def formula_errors(state: State) -> list[Float]:
+    """Standard deviation of what the formula of each named effect gets wrong, shape (m,) each. [N m]"""
     fit = state.search.training.fit(state.active)
     each = zip(state.active, selection.split(fit, state.active), strict=True)
-    errors = [_formula_error(block) * (coefficients @ block.columns) for block, coefficients in each]
-    return np.array(errors).reshape(-1, len(state.problem.y))
+    return [_formula_error(block) * (coefficients @ block.columns) for block, coefficients in each]
 
 
 def _formula_error(block: Block) -> float:
