@@ -140,9 +140,9 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
             [1.0, 1.0],
             r"moved too slowly: its speed peaks at 0\.09\d* rad/s, the initiation threshold is 0\.2 rad/s",
         ),
-        ([0.001, -0.001], [1.0, 1.0], "did not move: its speed never came near"),
-        ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "moved one way only and never back"),
-        ([0.8, -0.8], [1.0, 1.0], "only 2 cycles are usable, at least 4 are needed.*--thresholds auto"),
+        ([0.001, -0.001], [1.0, 1.0], "did not move: its speed stays far below"),
+        ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "moved in one direction only"),
+        ([0.8, -0.8], [1.0, 1.0], "fewer than 4 usable cycles; .*--thresholds auto"),
     ],
 )
 def test_a_joint_without_an_answer_says_which_motion_would_help(

@@ -323,7 +323,7 @@ def test_joints_that_stand_still_neither_vote_nor_are_accused() -> None:
 def test_both_explanations_of_a_ratio_are_given() -> None:
     message = finding(vetted(changed(times("dq", 1.1), joints=1)), "clock_stretched").message
     assert "--time-scale 0.909" in message
-    assert "multiply dq by 0.909" in message
+    assert "multiply it by 0.909" in message
 
 
 @pytest.mark.parametrize("joints", [2, 7])

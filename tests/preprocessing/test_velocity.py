@@ -93,7 +93,7 @@ def test_the_interaction_says_that_it_put_a_velocity_on_time() -> None:
     late = log_with(np.interp(T - 0.006, T, dq))
     interaction = extract_interaction(late, TorqueSettings())
     message = next(caution.message for caution in interaction.warnings if caution.code == "dq_late")
-    assert message == "joint 1: dq comes 6.0 ms after the change of q, as after a filter; the lag is corrected"
+    assert message == "joint 1: dq lags q by 6.0 ms (velocity filter); the lag is corrected"
     assert_allclose(interaction.dq[100:-100, 0], dq[100:-100], rtol=0.0, atol=0.02)
 
 
@@ -109,7 +109,7 @@ def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
     columns["tau_interaction"] = np.repeat(alone.channels()["tau_interaction"], 3, axis=1)
     log = replace(alone, joint_names=("hip", "knee", "ankle"), **columns)
     mended, (caution,) = on_time(log, coarse_log(log))
-    assert caution.message.startswith("joints 1, 3: dq comes 2.0 to 6.0 ms after the change of q")
+    assert caution.message.startswith("joints 1, 3: dq lags q by 2.0 to 6.0 ms")
     assert (mended.dq[:, 1] == log.dq[:, 1]).all()
     assert np.abs(mended.dq[100:-100] - dq[100:-100, None]).max() < 0.03 * np.abs(dq).max()
 
@@ -120,7 +120,7 @@ def test_a_velocity_of_another_clock_is_said_and_left_as_it_is() -> None:
     found = extract_interaction(late, TorqueSettings())
     (caution,) = [one for one in found.warnings if one.code.startswith("dq_")]
     assert caution.code == "dq_other_clock"
-    assert caution.message.startswith("joint 1: dq comes 1")
+    assert caution.message.startswith("joint 1: dq lags q by 1")
     assert (found.dq == late.dq).all()
 
 

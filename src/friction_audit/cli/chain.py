@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
     from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+    from friction_audit.reporting.notices import Notice
 
 
 BUG = 1  # exit code: part of the result is missing because of a bug
-TABLED = "not_determined"  # code of the caution that the table shows as well
 
 
 @contextmanager
@@ -70,11 +70,25 @@ def reading_settings(options: "ReadOptions") -> dict[str, object]:
     return {name: value for name, value in asdict(options).items() if name not in ("t_start_s", "t_end_s")}
 
 
-def warn_about(result: "Estimate", voice: Voice) -> None:
-    """Say the warnings of a result that its table does not show."""
-    from friction_audit.reporting.notices import estimate_notices, notice_lines
+def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, marked: bool = False) -> None:
+    """Say the warnings that a result's table does not show, under their number.
 
-    voice.warn(notice_lines(notice for notice in estimate_notices(result) if notice.code != TABLED))
+    Args:
+        log: The log.
+        notices: Everything that was noticed.
+        voice: Says them.
+        marked: Whether a table follows that shows the warnings about the physics.
+    """
+    from friction_audit.reporting.notices import MARK, TABLED, is_physics, minor, notice_lines
+    from friction_audit.reporting.words import count_of
+
+    hidden = {*TABLED, *(() if voice.verbose else minor(log))}
+    shown = [notice for notice in notices if notice.code not in hidden]
+    data, physics = (notice_lines(one for one in shown if is_physics(one, log) is wanted) for wanted in (False, True))
+    kinds = [count_of(len(lines), f"{kind} warning") for lines, kind in ((data, "data"), (physics, "physics")) if lines]
+    legend = f" (marked {MARK} below the table)" if marked and physics else ""
+    lines = data if marked else data + physics
+    voice.warn(lines, f"{', '.join(kinds)}{legend}" if len(data + physics) > 1 or (marked and physics) else "")
 
 
 def require_an_estimate(result: "Estimate") -> None:

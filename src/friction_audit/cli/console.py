@@ -81,11 +81,12 @@ class Voice:
     verbose: bool
     course: "Course | None" = None
 
-    def warn(self, messages: Iterable[str]) -> None:
-        """Say warnings, one per line."""
+    def warn(self, messages: Iterable[str], total: str = "") -> None:
+        """Say warnings, one per line, under a line with their total if there is one."""
         if not self.quiet:
-            for message in messages:
-                remark(f"warning: {' '.join(message.split())}")
+            for message in (total, *messages):
+                if message:
+                    remark(f"{'  ' if total and message != total else 'warning: '}{' '.join(message.split())}")
 
     @contextmanager
     def step(self, name: str) -> Iterator[None]:

@@ -122,18 +122,23 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
 
 
 def _warn(found: "Diagnosis", voice: Voice) -> None:
-    from friction_audit.reporting.notices import diagnose_notices, notice_lines
+    from friction_audit.reporting.notices import diagnose_notices
 
-    voice.warn(notice_lines(diagnose_notices(found)))
+    chain.warn_about(found.estimate.log, diagnose_notices(found), voice, marked=_is_answered(found))
+
+
+def _is_answered(found: "Diagnosis") -> bool:
+    from friction_audit.diagnosis.result import UNANSWERED
+
+    return not all(joint.verdict in UNANSWERED and not joint.traceback for joint in found.discrepancy.joints)
 
 
 def _require_an_answer(found: "Diagnosis") -> None:
-    """Refuse a result without an answer for any joint, with the message of each joint."""
-    from friction_audit.diagnosis.result import UNANSWERED
+    """Refuse a result without an answer for any joint, with the reason of each."""
+    from friction_audit.reporting.notices import reason_lines
 
-    joints = found.discrepancy.joints
-    if all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints):
-        lines = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints)
+    if not _is_answered(found):
+        lines = "".join(f"\n  {line}" for line in reason_lines(found.discrepancy.joints))
         raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be diagnosed:{lines}")
 
 

@@ -54,11 +54,18 @@ def command(
             recorded = chain.read(log, options, stages)
         result = chain.estimate(recorded, settings, stages)
         if not shared.general.json:
-            chain.warn_about(result, stages)
+            _warn(result, stages)
         chain.require_an_estimate(result)
         text = _write(result, chain.reading_settings(options), out, recorded, stages)
     show(text, lambda: _lines(result), json=shared.general.json)
     chain.exit_if_damaged(result.log)
+
+
+def _warn(result: "Estimate", voice: Voice) -> None:
+    from friction_audit.reporting.notices import estimate_notices
+
+    tabled = not all(joint.reason for joint in result.friction.joints)
+    chain.warn_about(result.log, estimate_notices(result), voice, marked=tabled)
 
 
 def _write(

@@ -44,7 +44,9 @@ def command(
     chain.check_outputs(possible_files(folder, kinds, formats), overwrite=shared.overwrite, log=log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     if not shared.general.json:
-        chain.warn_about(result, voice)
+        from friction_audit.reporting.notices import estimate_notices
+
+        chain.warn_about(result.log, estimate_notices(result), voice)
     files = write_figures(
         _results(result, kinds, min_effect, voice),
         kinds,

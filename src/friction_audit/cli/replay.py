@@ -77,10 +77,10 @@ def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "
 
 
 def _warn(found: "LogReplay", voice: Voice) -> None:
-    from friction_audit.reporting.notices import notice_lines, replay_notices
-    from friction_audit.reporting.replay import TABLED
+    from friction_audit.reporting.notices import replay_notices
 
-    voice.warn(notice_lines(notice for notice in replay_notices(found) if notice.code not in TABLED))
+    tabled = not all(joint.reason for joint in found.replay.joints)
+    chain.warn_about(found.estimate.log, replay_notices(found), voice, marked=tabled)
 
 
 def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:

@@ -81,7 +81,9 @@ def command(
             recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)
         if not json:
-            chain.warn_about(estimate, stages)
+            from friction_audit.reporting.notices import estimate_notices
+
+            chain.warn_about(recorded, estimate_notices(estimate), stages)
         given = command_line(context, leave_out=NOT_PART_OF_IT)
         report = _report(estimate, shared.cycles, min_effect, chain.reading_settings(options), given, stages)
         _write(report, files, stages, overwrite=again)

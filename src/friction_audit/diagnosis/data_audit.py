@@ -31,10 +31,10 @@ class _Rule(NamedTuple):
 
 
 RULES = {
-    "batched_stamps": _Rule(0.0, "fault", "samples came in batches: their stamps are guesses, a period wide"),
-    "clock_jitter": _Rule(0.5, "fault", "steps of the clock scatter by {value:.0%} of a step"),
-    "holes": _Rule(0.1, "limit", "{value:.0%} of the time lies in holes"),
-    "stale": _Rule(0.3, "fault", "{value:.0%} of the samples repeat the one before"),
+    "batched_stamps": _Rule(0.0, "fault", "samples came in batches: their time stamps are uncertain by a period"),
+    "clock_jitter": _Rule(0.5, "fault", "the time step varies by {value:.0%}"),
+    "holes": _Rule(0.1, "limit", "gaps take {value:.0%} of the time"),
+    "stale": _Rule(0.3, "fault", "{value:.0%} of the samples are duplicates"),
     "torque_constant": _Rule(
         0.0, "fault", f"the torque reads {{reads:.4g}} N m in all samples: the torque {DEAD} {{channel}}=..."
     ),

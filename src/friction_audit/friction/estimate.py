@@ -182,16 +182,16 @@ def _conclude(
     lost = tuple(_lost(joint, determined))
     if joint.method == "regression":
         message = (
-            "too few energy cycles count, so the coefficients are from a regression of the torque on direction, "
-            "velocity, acceleration and gravity; it assumes a constant inertia and that no other joint acts on this one"
+            "too few energy cycles, so the coefficients are from torque regression, which assumes a constant inertia "
+            "and no coupling with other joints"
         )
         return determined, (Caution(code="from_regression", joint=joint.joint, message=message), *lost)
     separate = found is not None and joint.model == "combined" and np.isfinite(joint.coulomb.low)
     alike = bool(separate) and not _speed_condition(kept) < HIGHEST_CONDITION
     if alike:
         message = (
-            "all cycles have one speed profile, so their energies give friction at its mean speed only; the intervals "
-            "cover the torque regression too; move at several speeds"
+            "all cycles have one speed profile: their energies give friction at the mean speed only; the intervals "
+            "include the torque regression; move at several speeds"
         )
         lost = (Caution(code="one_speed_profile", joint=joint.joint, message=message), *lost)
     return _covering(determined, alike=alike), (*cautions_of(determined), *lost)
@@ -231,8 +231,8 @@ def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFrictio
     if not changed or not all(np.isnan(getattr(found, name).value) for name in UNITS):
         return found
     reason = (
-        f"the cycles do not determine its friction: intervals reach more than {MOST_UNCERTAIN:g} times the torque "
-        "in motion to either side; move at several speeds, back and forth, with more strokes"
+        f"the cycles do not determine its friction: the intervals exceed {MOST_UNCERTAIN:g} times the torque in "
+        "motion; move back and forth more often and at several speeds"
     )
     return replace(found, reason=reason)
 
@@ -241,8 +241,8 @@ def _lost(joint: JointFriction, determined: JointFriction) -> Iterator[Caution]:
     for name in UNITS:
         if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value):
             message = (
-                f"joint {joint.joint} ({joint.name}): the {name} coefficient is not determined: its interval is more "
-                f"than {MOST_UNCERTAIN:g} times the torque in motion; move at several speeds, with more strokes"
+                f"the {name} coefficient is not determined: its interval exceeds {MOST_UNCERTAIN:g} times the torque "
+                "in motion; move more often and at several speeds"
             )
             yield Caution(code=f"{name}_not_determined", joint=joint.joint, message=message)
 

@@ -21,8 +21,8 @@ SHORT_S = 5.0  # a shorter log holds no four strokes back and forth at usual spe
 STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands still
 
 MEANING = {
-    "coulomb": "low-speed friction (Stribeck), friction that depends on position, or a gravity error pulls them apart",
-    "viscous": "friction that is not linear in speed pulls them apart",
+    "coulomb": "Stribeck friction, position-dependent friction or a gravity error",
+    "viscous": "friction that is not linear in speed",
 }
 
 
@@ -30,26 +30,25 @@ def cautions_of(joint: JointFriction) -> Iterator[Caution]:
     """Yield the cautions about one joint's estimate."""
     found = [("not_determined", joint.reason)] if joint.reason else [*_weaknesses(joint), *_disagreements(joint)]
     for code, message in found:
-        yield Caution(code=code, joint=joint.joint, message=f"joint {joint.joint} ({joint.name}): {message}")
+        yield Caution(code=code, joint=joint.joint, message=message)
 
 
 def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, str]]:
     for name in UNITS:
-        value = getattr(joint, name).value
-        if value < 0:
+        if getattr(joint, name).value < 0:
             message = (
-                f"negative {name} coefficient ({value:.3f}); no friction is negative, so the torque holds something "
-                "else: check gravity, payload, a delay, or too little spread of speed"
+                f"negative {name} coefficient: the torque contains more than friction; check gravity, payload, delay "
+                "and the range of speeds"
             )
             yield f"negative_{name}", message
     if abs(joint.correlation) > HIGHEST_CORRELATION:
         message = (
-            f"Coulomb and viscous coefficient are hardly separable here (correlation {joint.correlation:.3f}); their "
-            "sum at the recorded speeds is sound, each alone is not; vary the speed"
+            "Coulomb and viscous coefficients are hardly separable (correlation above "
+            f"{HIGHEST_CORRELATION:g}): only their sum at the recorded speeds is reliable; vary the speed"
         )
         yield "hardly_separable", message
     if joint.cycles < FEW_CYCLES:
-        yield "few_cycles", f"only {joint.cycles} cycles; intervals from so few are wide and rough"
+        yield "few_cycles", f"fewer than {FEW_CYCLES} cycles: the intervals are wide and approximate"
 
 
 def _disagreements(joint: JointFriction) -> Iterator[tuple[str, str]]:
@@ -58,8 +57,8 @@ def _disagreements(joint: JointFriction) -> Iterator[tuple[str, str]]:
         energy, torque = getattr(joint, name), getattr(joint.regression, name)
         if _disagree(energy, torque):
             message = (
-                f"the {name} coefficient is {energy.value:.3f} by energy and {torque.value:.3f} by torque regression, "
-                f"and the intervals do not meet; the interval covers both; {MEANING[name]}"
+                f"the {name} coefficients of energy balance and torque regression differ significantly; the interval "
+                f"covers both; probable cause: {MEANING[name]}"
             )
             yield f"{name}_disagrees", message
     first = joint.window - 1 - (joint.cycles - len(joint.history.cycle))
@@ -68,8 +67,8 @@ def _disagreements(joint: JointFriction) -> Iterator[tuple[str, str]]:
         early, late = (_at(columns, k) for k in (first, -1))
         if _disagree(early, late):
             message = (
-                f"the {name} coefficient changes within the log, from {early.value:.3f} over the first {joint.window} "
-                f"cycles to {late.value:.3f} over the last; the value for the whole log mixes both: look at the history"
+                f"the {name} coefficient changes within the log, from {early.value:.3f} (first {joint.window} cycles) "
+                f"to {late.value:.3f} (last); see the history"
             )
             yield f"{name}_changes", message
 
@@ -85,14 +84,12 @@ def _disagree(a: Coefficient, b: Coefficient) -> bool:
 
 
 ADVICE = {
-    GAP: "a hole in the log lies in every one of these; record without dropping samples",
-    OPEN: "gravity is taken to be still in the torque and no path returns to where it began; name the arm (--robot or "
-    "--urdf), log gravity, say that it is removed already (--gravity removed), or move back and forth "
-    "between the same postures",
-    SMALL: "in none of these did every selected joint move far enough; move all joints, select fewer (--joints), or "
-    "lower --min-path",
-    ONE_WAY: "the joint moved one way only and never back, so there is no closed energy cycle and friction cannot be "
-    "separated from gravity or a torque offset; move it there and back, several times and at different speeds",
+    GAP: "each contains a gap in the log; record without dropping samples",
+    OPEN: "gravity is in the torque and they do not return to their start; remove gravity (--robot, --urdf, "
+    "--gravity removed), or move back and forth between the same postures",
+    SMALL: "a selected joint moved too little; move all joints, select fewer (--joints), or lower --min-path",
+    ONE_WAY: "the joint moved in one direction only, so friction cannot be separated from gravity or a torque offset; "
+    "move it back and forth, several times and at different speeds",
 }
 
 
@@ -108,7 +105,7 @@ def dead_channel(interaction: Interaction, column: int, *, dead_torque: bool) ->
     travel, duration_s = float(np.ptp(q)), float(interaction.t[-1] - interaction.t[0])
     if dead_torque or (np.ptp(torque) == 0.0 and travel > LEAST_TRAVEL_RAD):
         level = f"is {torque[0]:.4g} N m in every sample" if np.ptp(torque) == 0.0 else "hardly changes while it moves"
-        return f"its torque {level}: the channel is dead, or of another joint; check the sensor, or --map its column"
+        return f"its torque {level}: a dead channel, or of another joint; check the sensor, or --map its column"
     if travel > LEAST_TRAVEL_RAD and np.abs(dq).max() * duration_s < 0.5 * travel:
         return (
             f"its velocity is at most {np.abs(dq).max():.2g} rad/s while its position changes by {travel:.3g} rad: dq "
@@ -137,11 +134,11 @@ def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings
     left_out = cycles.reason[cycles.reason != KEPT]
     advice = ADVICE.get(int(np.bincount(left_out).argmax()), "") if len(left_out) else ""
     if kept == 0:
-        return f"{_count(len(left_out))} found, none usable: {advice}"
-    shortage = f"only {_count(kept)} usable, at least {fewest} are needed"
+        return f"all cycles are rejected: {advice}"
+    shortage = f"fewer than {fewest} usable cycles"
     if len(left_out) > kept:
-        return f"{shortage}; {len(left_out)} more were found and left out: {advice}"
-    return f"{shortage}; record more strokes back and forth, or count slower ones with --thresholds auto"
+        return f"{shortage}, the others are rejected: {advice}"
+    return f"{shortage}; move back and forth more often, or count slower cycles with --thresholds auto"
 
 
 def one_speed(cycles: EnergyCycles) -> str:
@@ -173,8 +170,8 @@ def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
     speed = "its speed" if unit == "rad/s" else "the hand's speed"
     if fastest < STANDSTILL * initiation:
         return (
-            f"did not move: {speed} never came near the initiation threshold {initiation:.2g} {unit}; move it back "
-            "and forth"
+            f"did not move: {speed} stays far below the initiation threshold {initiation:.2g} {unit}; move it back and "
+            "forth"
         )
     if fastest <= initiation:
         return (
@@ -182,12 +179,8 @@ def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
             f"{unit}; move it back and forth faster, or lower the thresholds (--thresholds auto)"
         )
     if duration_s < SHORT_S:
-        return f"no complete energy cycle: the log lasts {duration_s:.2g} s; record several strokes back and forth"
+        return f"no complete energy cycle: the log lasts {duration_s:.2g} s; record several motions back and forth"
     return (
-        f"no complete energy cycle in {duration_s:.3g} s: {speed} peaks at {fastest:.2g} {unit} but never came back "
-        f"below {termination:.2g} {unit}; pause between strokes, or choose other --thresholds, as auto"
+        f"no complete energy cycle in {duration_s:.3g} s: {speed} peaks at {fastest:.2g} {unit} and never falls below "
+        f"{termination:.2g} {unit}; pause between motions, or use --thresholds auto"
     )
-
-
-def _count(cycles: int) -> str:
-    return "1 cycle is" if cycles == 1 else f"{cycles} cycles are"

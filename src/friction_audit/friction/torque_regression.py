@@ -91,7 +91,7 @@ def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
     """Say why direction and velocity do not stand for friction; empty if they do."""
     speed, forwards = np.abs(rows.columns[:, 1]), float(np.mean(rows.columns[:, 0] > 0))
     if min(forwards, 1.0 - forwards) < LEAST_ONE_WAY:
-        return f"{100 * max(forwards, 1.0 - forwards):.0f} % of the motion goes one way; move it there and back"
+        return f"{100 * max(forwards, 1.0 - forwards):.0f} % of the motion has one direction; move it back and forth"
     if speed.std() < SMALLEST_SPREAD * speed.mean():
         return f"all motion has one speed ({speed.mean():.2g} rad/s); move at two or more speeds"
     if not condition < HIGHEST_CONDITION:
@@ -102,9 +102,8 @@ def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
     share = 1.0 - _left_by(rows.columns, rows.torque) / _left_by(rows.columns[:, 2:], rows.torque)
     if share < LEAST_FRICTION_SHARE:
         return (
-            f"direction and velocity explain {100 * share:.0f} % of the torque that inertia and gravity leave, at "
-            f"least {100 * LEAST_FRICTION_SHARE:.0f} % are needed; the inertia or gravity of other joints is in the "
-            "torque: give the arm's model (--urdf), or move one joint at a time"
+            f"direction and velocity explain less than {100 * LEAST_FRICTION_SHARE:.0f} % of the torque without "
+            "inertia and gravity: other joints act on it; give its model (--robot, --urdf), or move one joint at a time"
         )
     found = [fit.coefficient(name) for name in ("coulomb", "viscous")]
     if not max(one.low for one in found) > 0.0 or min(one.high for one in found) < 0.0:
@@ -123,8 +122,8 @@ def _coupling(rows: "_Rows", interaction: Interaction, column: int, dead_band_ra
         share = 1.0 - _left_by(more, rows.torque) / left
         if other != column and share > LARGEST_COUPLED_SHARE:
             return (
-                f"{100 * share:.0f} % of the residual follows the velocity of joint {interaction.joint_numbers[other]}"
-                ", so the two share a transmission and one joint alone has no friction of its own"
+                f"the residual follows the velocity of joint {interaction.joint_numbers[other]}: the two share a "
+                "transmission, whose friction one joint alone does not have"
             )
     return ""
 

@@ -45,7 +45,7 @@ class Balance:
         if source != "tau_J":
             return f"F_m = {'-' if self.sign < 0 else ''}{CHANNELS[source]}"
         removed = (["M ddq", "c"] if self.inertia else []) + (["g"] if gravity in ("logged", "model") else [])
-        inside = ", gravity still inside" if gravity == "in-torque" else ""
+        inside = ", gravity included" if gravity == "in-torque" else ""
         if self.drive == "hand":
             return f"F_m = {''.join(f'{name} ' for name in removed)}-{' ' if removed else ''}tau_J{inside}"
         listed = " + ".join(removed)

@@ -39,7 +39,7 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
     if not unused:
         return ()
     instead = "" if log.tau_J is None else ", or ask for the model with --torque tau_J --gravity model"
-    message = f"{', '.join(unused)}: not used: {balance.formula} needs no model of the arm; leave it away{instead}"
+    message = f"{', '.join(unused)}: not used: {balance.formula} needs no model of the arm; remove the option{instead}"
     return (Caution(code="model_not_used", message=message),)
 
 
@@ -51,13 +51,13 @@ def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, 
 def _sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
     evidence = balance.evidence
     if turned:
-        yield Caution(code="sign_turned", message=_turned(log, balance, settings))
+        yield Caution(code="sign_turned", message=_turned(balance))
     if most(evidence, "falls"):
         yield Caution(code="sign_contradicts_drive", message=_contradicted(log, balance, settings))
     elif not balance.proved and voting(evidence):
         message = (
-            f"the energy of most joints neither rises nor falls beyond its noise, so nothing proves {balance.formula}; "
-            "record more strokes in both directions, or make sure of --drive"
+            f"the sign of {balance.formula} is undecided: the net energy of most joints neither rises nor falls "
+            "significantly; move back and forth more often, or give --drive"
         )
         yield Caution(code="sign_unproved", message=message)
     if balance.inertia_left:
@@ -65,16 +65,16 @@ def _sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *,
         model = with_a_model(log, replace(settings, inertia="auto"))
         advice = "" if balance.plan.gravity == "in-torque" else f"; {model}"
         message = (
-            "the arm moves by itself and its inertial and Coriolis torque is still in F_m; joints that move together "
-            f"spoil each other's energy{advice}"
+            "inertial and Coriolis torques of the robot's own motion are in F_m: inertial coupling between moving "
+            f"joints biases the energy balance{advice}"
         )
         yield Caution(code="inertia_in_torque", message=message)
     minority = "falls" if balance.proved else "rises" if most(evidence, "falls") else ""
     for one in voting(evidence):
         if one.verdict == minority:
             message = (
-                f"its energy {one.verdict} ({one.against_motion_nm:.2f} +- {one.standard_error_nm:.2f} N m against the "
-                "motion) while that of most joints does not: gravity, payload or inertia of this joint is wrong"
+                f"its net energy {one.verdict} ({one.against_motion_nm:.2f} ± {one.standard_error_nm:.2f} N m against "
+                "the motion), that of most joints does not: its gravity, payload or inertia is wrong"
             )
             yield Caution(code="sign_disagrees", message=message, joint=one.joint)
 
@@ -104,14 +104,12 @@ def _contradicted(log: JointLog, balance: Balance, settings: TorqueSettings) -> 
     )
 
 
-def _turned(log: JointLog, balance: Balance, settings: TorqueSettings) -> str:
+def _turned(balance: Balance) -> str:
     if balance.plan.source == "interaction":
-        return "the interaction torque as logged makes the net energy fall; its sign was turned"
-    model = "none" if balance.plan.arm is None else settings.robot
-    robot, hand = (settings.command(log.source.path, drive=drive, robot=model) for drive in ("robot", "hand"))
+        return "torque sign flipped: with the logged sign the net energy falls"
     return (
-        "with the hand's balance the net energy does not rise, with the robot's it does: the arm moved by itself, "
-        f"so {balance.formula}; to say so: {robot}; to keep the other: {hand}"
+        f"detected: the robot's motors move the arm (--drive robot), {balance.formula}; with --drive hand the net "
+        "energy does not rise"
     )
 
 
@@ -148,9 +146,7 @@ def gravity_cautions(
             left = _left(coarse, torque[:, column], None if direction is None else direction[:, place], column)
             found += [] if left is None else [(column, *left)]
     several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
-    return tuple(
-        _left_caution(column + 1, log.joint_names[column], left, gravity if several else "") for column, *left in found
-    )
+    return tuple(_left_caution(column + 1, left, gravity if several else "") for column, *left in found)
 
 
 def _left(
@@ -201,22 +197,17 @@ def _fit(plain: Float, across: Float, torque: Float) -> tuple[Float, float, floa
     return coefficients / scale, square, square_plain
 
 
-def _left_caution(joint: int, name: str, left: list[float], gravity: str) -> Caution:
+def _left_caution(joint: int, left: list[float], gravity: str) -> Caution:
     mean, rms, moved, _, by_position = left
-    where = f"joint {joint} ({name})"
     if not by_position:
         message = (
-            f"{where}: the torque holds a constant {mean:.1f} N m that is not friction; over the {moved:.2g} rad that "
-            "the joint moves an offset of the sensor cannot be separated from gravity"
+            f"constant torque of {mean:.1f} N m that is not friction; over {moved:.2g} rad a sensor offset cannot be "
+            "separated from gravity"
         )
         return Caution(code="torque_offset", joint=joint, message=message)
     cause = {
-        "model": "; several joints have it, so a payload is probably missing from the model (--payload mass,x,y,z), or "
-        "another arm is modelled",
-        "logged": "; several joints have it, so the payload was probably not set on the robot",
+        "model": ", of several joints: the model lacks the payload (--payload MASS,X,Y,Z), or the arm is another",
+        "logged": ", of several joints: the payload was probably not set on the robot",
     }.get(gravity, "; check the gravity that was removed, and its direction")
-    message = (
-        f"{where}: gravity of at least {rms:.1f} N m rms over the {moved:.2g} rad that the joint moves is left in the "
-        f"torque{cause}"
-    )
+    message = f"gravity of at least {rms:.1f} N m rms over {moved:.2g} rad is left in the torque{cause}"
     return Caution(code="gravity_error", joint=joint, message=message)

@@ -15,6 +15,7 @@ from friction_audit.robot import Arm, load_arm
 CHANNELS = {"interaction": "tau_interaction", "tau_ext": "tau_ext_hat_filtered", "tau_J": "tau_J"}
 FROM_TAU_J = ("removed", "logged", "model")  # choices of gravity that are about tau_J
 PANDA_JOINTS = 7
+EXPLAINED_BY_OWN_MODEL = 0.1  # share of the torque's variance that the gravity model of an arm of the same kind leaves
 # Median difference from the vendor's own model beyond which a payload must be missing: identified inertias and the
 # vendor's differ by a few tenths of a N m, a forgotten hand makes 2 to 3 N m.
 VENDOR_DISAGREES_NM = 1.0
@@ -78,7 +79,7 @@ def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Pla
         inertia=arm is not None and settings.inertia != "none",
         arm=arm,
         reason=REASONS[reason],
-        warnings=tuple(_cautions(log, settings, source, reason, gravity, robot)),
+        warnings=tuple(_cautions(log, coarse, settings, source, reason, gravity, robot)),
     )
 
 
@@ -185,35 +186,42 @@ def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings,
 
 
 def _cautions(
-    log: JointLog, settings: TorqueSettings, source: str, reason: str, gravity: str, robot: str
+    log: JointLog, coarse: CoarseLog, settings: TorqueSettings, source: str, reason: str, gravity: str, robot: str
 ) -> list[Caution]:
-    where, found = log.source.path, {}
+    found = {}
     if source == "tau_ext":
         found["tau_ext_filtered"] = (
-            "tau_ext_hat_filtered is low-pass filtered by the robot; its delay looks like viscous friction "
-            "(5 ms can add half to the viscous coefficient): trust Coulomb, compare viscous only with the like"
+            "the delay of tau_ext_hat_filtered appears as viscous friction (5 ms: up to half of the coefficient); "
+            "viscous values are only comparable between logs of this channel"
         )
     if reason == "payload":
         found["payload_missing"] = (
-            f"{where}: tau_J differs from the Panda's model by more than {VENDOR_DISAGREES_NM:g} N m where the "
-            "vendor's own estimate does not; give what the arm carried as --payload mass,x,y,z (the hand: "
-            "0.73,-0.01,0,0.03) to use tau_J"
+            f"tau_J differs from the Panda's model by more than {VENDOR_DISAGREES_NM:g} N m: a payload is missing; to "
+            "use tau_J, give it: --payload MASS,X,Y,Z (Franka hand: 0.73,-0.01,0,0.03)"
         )
     if gravity == "in-torque" and robot == "fr3":
-        found["fr3_no_model"] = (
-            f"{where}: an FR3; the built-in model is a Panda's and is not applied unasked: give the FR3's --urdf, or "
-            "--robot panda to use the Panda's all the same"
-        )
+        found["fr3_no_model"] = "FR3: no built-in model; give its --urdf, or --robot panda to use the Panda's model"
     if gravity == "in-torque":
-        model = replace(settings, gravity="auto")
-        command = model.command(where) if robot in ("urdf", "panda") else with_a_model(log, model)
-        by_model = f". To remove it by a model, {command}" if log.source.torque_unit == "N m" else ""
-        asked = " (--gravity in-torque)" if settings.gravity == "in-torque" else ""
+        remedy = (
+            f"; remove it: {_with_gravity_removed(log, coarse, settings)}" if log.source.torque_unit == "N m" else ""
+        )
         found["gravity_in_torque"] = (
-            f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles that return to their start count. "
-            f"If gravity is already removed from it: {removed_command(log, settings)}{by_model}"
+            f"gravity is in the torque: only cycles that return to their start count (--gravity removed: there is none)"
+            f"{remedy}"
         )
     return [Caution(code=code, message=message) for code, message in found.items()]
+
+
+def _with_gravity_removed(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> str:
+    """Return the one command that takes gravity out, with the built-in model where it explains the torque."""
+    settings = replace(settings, gravity="auto")
+    if settings.urdf is None and len(log.joint_names) == PANDA_JOINTS and log.tau_J is not None:
+        measured = coarse.mean(log.tau_J)
+        left = measured - load_arm(None, settings.payload, settings.gravity_vector).gravity(coarse.q)
+        if np.var(left, axis=0).sum() < EXPLAINED_BY_OWN_MODEL * np.var(measured, axis=0).sum():
+            return settings.command(log.source.path, robot="panda")
+    robot = "auto" if settings.robot == "none" else settings.robot
+    return settings.command(log.source.path, robot=robot, **({} if settings.urdf else {"urdf": "FILE"}))
 
 
 def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:

@@ -123,13 +123,12 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
     late = np.where(foreign, 0.0, lag)
     cautions = []
     if late.any():
-        message = f"{_lags(late)} after the change of q, as after a filter; the lag is corrected"
+        message = f"{_lags(late)} (velocity filter); the lag is corrected"
         cautions.append(Caution(code="dq_late", message=message))
     if foreign.any():
         message = (
-            f"{_lags(np.where(foreign, lag, 0.0))} after the change of q, later than a filter makes it, so another "
-            "clock stamped it; it is used as logged, and all energies are wrong by it; log q, dq and torque in one "
-            "message, or shift the dq columns earlier by this much"
+            f"{_lags(np.where(foreign, lag, 0.0))}, more than a filter: another clock; all energies are wrong; log q, "
+            "dq and torque in one message, or shift the dq columns earlier"
         )
         cautions.append(Caution(code="dq_other_clock", message=message))
     return (read_on_time(log, late) if late.any() else log), tuple(cautions)
@@ -139,7 +138,7 @@ def _lags(lag: Float) -> str:
     late = np.flatnonzero(lag)
     least, most = (f"{1e3 * value:.1f}" for value in (lag[late].min(), lag[late].max()))
     much = least if least == most else f"{least} to {most}"
-    return f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}: dq comes {much} ms"
+    return f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}: dq lags q by {much} ms"
 
 
 def noise_density(signal: Float, step_s: float, order: int) -> float:

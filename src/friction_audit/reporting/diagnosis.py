@@ -35,7 +35,7 @@ from friction_audit.reporting.diagnosis_words import (
     where_effect,
 )
 from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
-from friction_audit.reporting.notices import diagnose_notices
+from friction_audit.reporting.notices import diagnose_notices, physics_of
 from friction_audit.reporting.table import Column, Document, Record, Table, to_json
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import in_unit, joints_label
@@ -195,6 +195,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     """
     log, joints = found.estimate.log, found.discrepancy.joints
     unit = log.source.torque_unit
+    marked, physics = physics_of(log, diagnose_notices(found), joints)
     counts = [joint.gap.cycles for joint in joints if joint.gap is not None]
     span = " to ".join(map(str, sorted({min(counts), max(counts)}))) if counts else "0"
     lines = [
@@ -202,7 +203,8 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
         f"interaction torque: {found.estimate.interaction.choice.formula}",
         f"nominal model: {nominal_model(found.settings.model)}",
         f"residual RMS on held-out cycles: {span} per joint, each held out once in {FOLDS} folds; intervals are 95 %",
-        *table_lines(JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled()),
+        *table_lines(JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
+        *physics,
     ]
     details: list[str] = []
     for alike in _alike(joints, together=not verbose):

@@ -12,7 +12,7 @@ from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
 from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
-from friction_audit.reporting.notices import estimate_notices, reason_lines
+from friction_audit.reporting.notices import estimate_notices, physics_of, reason_lines
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import format_coefficient, in_unit, joint_label
@@ -110,8 +110,8 @@ FRICTION = Record(
             on=ALL,
         ),
         Column("correlation", float, "between the two coefficients"),
-        Column("coulomb", Coefficient, get="regression.coulomb", form=_value, title="torque\nCoulomb", on="t"),
-        Column("viscous", Coefficient, get="regression.viscous", form=_value, title="torque\nviscous", on="t"),
+        Column("coulomb", Coefficient, get="regression.coulomb", form=_value, title="regr.\nCoulomb", on="t"),
+        Column("viscous", Coefficient, get="regression.viscous", form=_value, title="regr.\nviscous", on="t"),
         Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", title="regression: Coulomb", on="p"),
         Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),
         Column("residual_rms", float, get="regression.residual_rms_nm", unit="N m", on="f"),
@@ -218,19 +218,20 @@ def estimate_lines(estimate: Estimate) -> list[str]:
     """Return what was chosen, a row per joint, and the reasons of the joints that have no estimate."""
     choice, settings = estimate.interaction.choice, estimate.settings.friction
     joints, unit = estimate.friction.joints, estimate.log.source.torque_unit
+    marked, physics = physics_of(estimate.log, estimate_notices(estimate), joints)
     window = f"history over {settings.cycles_per_point} cycles; intervals are 95 %"
     lines = [
         log_line(estimate.log),
         "; ".join(text for text in (f"interaction torque: {choice.formula}", choice.reason) if text),
         f"drive {choice.drive}, gravity {choice.gravity}, inertia {choice.inertia}; {sign_text(choice)}",
         f"estimator: {estimate.friction.estimator}, {settings.model} model, {window}",
-        *table_lines(FRICTION.people(joints, "t", unit=unit)),
+        *table_lines(FRICTION.people(joints, "t", unit=unit), marked),
     ]
     if any(joint.method != "energy" and not joint.reason for joint in joints):
-        lines.append(f"{MARK} by a regression of the torque: too few energy cycles count")
-    return lines + [in_unit(f"not determined: {line}", unit) for line in reason_lines(joints)]
+        lines.append(f"{MARK} from torque regression: too few energy cycles")
+    return lines + physics + [in_unit(f"not determined: {line}", unit) for line in reason_lines(joints)]
 
 
 def sign_text(choice: TorqueChoice) -> str:
     """Return whether the sign of the torque is consistent with dissipation."""
-    return f"sign {'consistent' if choice.sign_proved else 'not proved consistent'} with dissipation"
+    return f"sign {'consistent with dissipation' if choice.sign_proved else 'undecided'}"

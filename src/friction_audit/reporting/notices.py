@@ -15,6 +15,28 @@ IN_AMPERE = (
 )
 
 
+READ = ("clock_stretched", "velocity_scale", "torque_unit_suspected", "torque_coarse", "torque_in_ampere")
+"""Codes of the reader's findings that change what every number means: warnings about the physics."""
+RECORDED = (
+    "few_cycles",
+    "model_not_used",
+    "dq_other_clock",
+    "cycles",
+    "speed_spread",
+    "reversals",
+    "standstill",
+    "holes",
+)
+"""Codes of later steps that are about the recording and not about the physics."""
+CORRECTED = ("dq_late", "sign_turned")
+"""Codes of what was detected and taken into account; the table says what the torque is made of."""
+TABLED = ("not_determined", "from_regression", "not_replayed")
+"""Codes of what a table or the lines below it say in any case."""
+MARK = "!"
+"""Marks a row of a table with a warning about its physics."""
+SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it no coefficient changes visibly
+
+
 class Notice(NamedTuple):
     """A warning: stable short name, joint number for people or None, one sentence."""
 
@@ -96,6 +118,34 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
 def interaction_notices(interaction: Interaction) -> tuple[Notice, ...]:
     """Return what was noticed while the interaction torque was made."""
     return notices(interaction.warnings)
+
+
+def minor(log: JointLog) -> frozenset[str]:
+    """Return the codes of what was corrected, or is too small to change a result: reported in documents and pages."""
+    share, step_s = SMALL_SHARE * len(log.t), 1.0 / log.rate_hz
+    most = {
+        "dropped_samples": share,
+        "stale_samples": share,
+        "duplicate_stamps": share,
+        "jitter": 2.0 * SMALL_SHARE * step_s,
+    }
+    small = [one for one in log.source.findings if one.amount is not None and one.amount <= most.get(one.code, -1.0)]
+    return frozenset((*CORRECTED, *(one.code for one in small)))
+
+
+def is_physics(notice: Notice, log: JointLog) -> bool:
+    """Return True for a warning that changes what a number of a result means, False for one about the recording."""
+    if notice.code in (*TABLED, *CORRECTED, *RECORDED):
+        return False
+    return notice.code in READ or all(notice.code != finding.code for finding in log.source.findings)
+
+
+def physics_of(log: JointLog, notices: Iterable[Notice], joints: Iterable[Reasoned]) -> tuple[list[int], list[str]]:
+    """Return the rows of a table of joints with a warning about the physics, and the lines that explain the mark."""
+    found = [notice for notice in notices if is_physics(notice, log)]
+    marked = {notice.joint for notice in found}
+    rows = [row for row, joint in enumerate(joints) if joint.joint in marked]
+    return rows, [f"{MARK} {line}" for line in notice_lines(found)]
 
 
 def _on_the_way(estimate: Estimate, own: Iterable[Notice]) -> tuple[Notice, ...]:

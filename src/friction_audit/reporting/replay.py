@@ -14,14 +14,13 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
-from friction_audit.reporting.notices import reason_lines, replay_notices
+from friction_audit.reporting.notices import physics_of, reason_lines, replay_notices
 from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Document, Record, joint_column, to_json
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import in_unit, with_unit
 
 DIVERGED = "div."
 # Codes of the cautions that stand in the answer, with --quiet too.
-TABLED = ("not_replayed", "seems_compensated")
 # Share of the dissipation below which the removed share is not shown as a number.
 WORST = -9.99
 # Numbers of the passivity that stand in the table for files.
@@ -334,6 +333,7 @@ def _signals(without: Signals, replayed: Signals | None) -> dict[str, Any] | Non
 
 def replay_lines(found: LogReplay) -> list[str]:
     """Return what was assumed, a row per joint, what moved in it, steps of friction, and why joints have no result."""
+    marked, physics = physics_of(found.estimate.log, replay_notices(found), found.replay.joints)
     joints, counterfactual, unit = (
         found.replay.joints,
         found.replay.counterfactual,
@@ -342,14 +342,14 @@ def replay_lines(found: LogReplay) -> list[str]:
     who = "person" if found.estimate.interaction.choice.drive == "hand" else "drive"
     sentences = [*_models(found), *(line for joint in joints for line in _moved(joint, who))]
     sentences += [_recovery(joint) for joint in joints if joint.recovery is not None]
-    sentences += [caution.message for caution in found.replay.warnings if caution.code in TABLED[1:]]
     sentences += [f"not replayed: {line}" for line in reason_lines(joints)]
     return [
         log_line(found.estimate.log),
         f"interaction torque: {found.estimate.interaction.choice.formula}",
         f"compensator: {describe_compensator(joints)}",
         f"{counterfactual.name}: {counterfactual.assumes}",
-        *table_lines(JOINT_REPLAY.people(joints, "t", unit=unit)),
+        *table_lines(JOINT_REPLAY.people(joints, "t", unit=unit), marked),
+        *physics,
         *(in_unit(line, unit) for line in sentences),
     ]
 

@@ -1,19 +1,25 @@
 """Table specification -> lines of a terminal."""
 
 import io
+from collections.abc import Collection
 
 from friction_audit.joint_log import JointLog
+from friction_audit.reporting.notices import MARK
 from friction_audit.reporting.table import Table
 
 # Characters of a line.
 WIDEST = 1000
 
 
-def table_lines(table: Table) -> list[str]:
+def table_lines(table: Table, marked: Collection[int] = ()) -> list[str]:
     """Return a table as text, without spaces at the ends of its lines.
 
     It is as wide as the terminal, and wider where numbers would be cut: a terminal breaks long lines, and half a number
     is worse. Columns of phrases give way.
+
+    Args:
+        table: The table.
+        marked: Rows whose first cell gets a mark.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
@@ -24,8 +30,9 @@ def table_lines(table: Table) -> list[str]:
     for column in table.columns:
         head = Text(column.short_head(table.unit))
         drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
-    for row in table.rows:
-        drawn.add_row(*(Text(column.text(row)) for column in table.columns))
+    for number, row in enumerate(table.rows):
+        first, *others = (column.text(row) for column in table.columns)
+        drawn.add_row(*map(Text, (f"{first} {MARK}" if number in marked else first, *others)))
     stream = io.StringIO()
     console = Console(file=stream, highlight=False, markup=False, color_system=None)
     roomy = console.options.update(max_width=WIDEST)

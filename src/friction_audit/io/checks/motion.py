@@ -123,8 +123,8 @@ def _refuse_degrees(recording: Recording, largest_q: float, largest_dq: float, p
     if recording.topic is None and largest_q <= _LARGEST_Q_DEG and _RETURNS < forwards < 1.0 - _RETURNS:
         name, velocity = recording.mapping.get("q", "q"), recording.mapping.get("dq", "dq")
         raise InputError(
-            f"{path}: q ({name}) goes to and fro up to {largest_q:.4g} and dq up to {largest_dq:.4g}: degrees, or a "
-            f"motor of many turns; expected rad and rad/s; say --map q={name}:deg --map dq={velocity}:deg, or "
+            f"{path}: q ({name}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: degrees, or a "
+            f"motor of many turns; expected rad and rad/s; use --map q={name}:deg --map dq={velocity}:deg, or "
             f"--map q={name}:rad --map dq={velocity}:rad"
         )
 
@@ -188,10 +188,7 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
             "of the same joints, or of opposite sign (then --map other columns)"
         )
     message = (
-        f"q changes {ratio:.4g} times the integral of dq: either the clock is stretched (the log seems to last "
-        f"{1.0 / ratio:.4g} times as long as the motion did; viscous coefficients and inertial torques are off by "
-        f"that; --time-scale {ratio:.4g} mends it), or dq has another scale (viscous coefficients are off by that, and "
-        f"times are right; multiply dq by {ratio:.4g}); compare the length of the log with a watch; both are kept as "
-        "they are"
+        f"q changes {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct it with "
+        f"--time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the log's duration with a watch"
     )
     return Finding(code="clock_stretched", message=message, amount=ratio)

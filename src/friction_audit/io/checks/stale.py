@@ -27,8 +27,8 @@ def drop_stale_samples(recording: Recording) -> Recording:
     if stale == 0:
         return recording
     message = (
-        f"{stale} of {len(fresh)} rows ({stale / len(fresh):.1%}) repeat q, dq and torque of the row before while the "
-        "arm moves (the logger was faster than the state); they are left out"
+        f"{stale} of {len(fresh)} rows ({stale / len(fresh):.1%}) are duplicate samples (logged faster than the robot "
+        "updates); they are removed"
     )
     finding = Finding(code="stale_samples", message=message, amount=float(stale))
     return recording.take_rows(fresh).with_findings(finding)
@@ -65,7 +65,7 @@ def _keep_slow_state(recording: Recording, fresh: NDArray[np.bool_]) -> Recordin
     for row in np.flatnonzero(held):
         fresh[rows[row] : rows[row + 1]] = True
     message = (
-        f"q, dq and torque are new only every {period:.3g} s while the arm moves (a bus that asks one motor after the "
-        f"other?); {repeats[held].sum()} rows that repeat them are kept"
+        f"q, dq and torque are updated only every {period:.3g} s (a bus that polls the motors in turn?); "
+        f"{repeats[held].sum()} repeated rows are kept"
     )
     return recording.with_findings(Finding(code="slow_state", message=message, amount=period))

@@ -31,8 +31,8 @@ def check_torque(recording: Recording) -> Recording:
         joint = int(np.argmax(usual))
         if usual[joint] > _LARGEST_NM[name]:
             text = (
-                f"{name} is above {usual[joint]:.4g} in a twentieth of the samples: a very large arm, or mN m; read as "
-                "N m; if it is mN m, divide the column by 1000, or coefficients are too large by that"
+                f"{name} exceeds {usual[joint]:.4g} in 5 % of the samples: a very large arm, or mN m; read as N m; if "
+                "it is mN m, divide the column by 1000"
             )
             amount = float(usual[joint])
             findings.append(Finding(code="torque_unit_suspected", message=text, joint=joint + 1, amount=amount))
@@ -59,14 +59,14 @@ def _poor(recording: Recording, channel: str, joint: int) -> Finding | None:
     if step <= _COARSE * reverses:
         return None
     message = (
-        f"{name} is rounded to steps of {step:.3g}, and {reverses:.2g} of it reverses with the motion: friction is "
-        "known no better than its rounding; log the torque with more digits"
+        f"{name} is quantised to {step:.3g}, the part that reverses with the motion is {reverses:.2g}: quantisation "
+        "limits the estimate; log the torque with more digits"
     )
     return Finding(code="torque_coarse", message=message, joint=joint + 1, amount=step)
 
 
 def _dead(what: str, joint: int) -> Finding:
-    message = f"{what}; no friction is estimated from it; check the sensor, or leave the joint out with --joints"
+    message = f"{what}; no friction is estimated from it; check the sensor, or exclude the joint with --joints"
     return Finding(code="torque_dead", message=message, joint=joint + 1)
 
 

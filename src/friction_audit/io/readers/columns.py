@@ -132,8 +132,8 @@ def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -
     if name is None or ALIASES["tau_J"][name.rank] not in _AMBIGUOUS:
         return ()
     message = (
-        f"column {first['tau_J']!r} of the only joint was read as tau_J, the torque at the joint with gravity inside; "
-        f"if it is the interaction torque already, without gravity, say --map tau_interaction={first['tau_J']}"
+        f"column {first['tau_J']!r} was read as tau_J, the joint torque with gravity; if it is the interaction torque, "
+        f"without gravity, use --map tau_interaction={first['tau_J']}"
     )
     return (Finding(code="torque_ambiguous", message=message),)
 
