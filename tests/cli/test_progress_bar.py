@@ -24,7 +24,7 @@ def watch(monkeypatch: pytest.MonkeyPatch) -> Terminal:
 
 
 def work(voice: Voice) -> None:
-    with voice.progress("simulate") as report:
+    with voice.step("simulate") as report:
         assert report is not None
         time.sleep(0.05)
         for share in (0.25, 0.5):
@@ -48,11 +48,11 @@ def test_short_work_shows_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
-    with Voice(quiet=True, verbose=False).progress("simulate") as report:
+    with Voice(quiet=True, verbose=False).step("simulate") as report:
         assert report is None
     assert terminal.getvalue() == ""
     monkeypatch.setattr("sys.stderr", io.StringIO())
-    with Voice(quiet=False, verbose=True).progress("simulate") as report:
+    with Voice(quiet=False, verbose=True).step("simulate") as report:
         assert report is None
 
 
@@ -77,7 +77,7 @@ def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
         for name in ("read", "estimate"):
             with told.step(name):
                 time.sleep(0.15)
-        with told.progress("simulate") as report:
+        with told.step("simulate") as report:
             assert report is not None
             report(0.5)
             time.sleep(0.15)

@@ -209,7 +209,7 @@ def test_a_log_whose_truth_cannot_be_written_is_not_left_alone(
         ("{one} -o a.csv --duration 0", "duration_s"),
         ("{one} -o a.csv --duration inf", "inf: expected a number"),
         ("{one} -o a.csv --rate=-5", "rate_hz"),
-        ("{one} -o a.csv --duration 5 --set duration_s=6", "--duration 5: --set duration_s says otherwise"),
+        ("{one} -o a.csv --duration 5 --set duration_s=6", "--duration 5: --set duration_s contradicts it"),
         ("{one} -o a.csv --effect stribeck:excess_nm=inf", "excess_nm=inf: expected a number from 0 to 10000"),
         ("{one} -o a.csv --set duration=3", "did you mean duration_s"),
         ("{one} -o a.csv --effect stribek", "did you mean stribeck"),

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
     from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-    from friction_audit.reporting.notices import Notice
+    from friction_audit.reporting.notices import Notice, Reasoned
 
 
 BUG = 1  # exit code: part of the result is missing because of a bug
@@ -79,8 +79,8 @@ def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, ma
         voice: Says them.
         marked: Whether a table follows that shows the warnings about the physics.
     """
-    from friction_audit.reporting.notices import MARK, TABLED, is_physics, minor, notice_lines
-    from friction_audit.reporting.words import count_of
+    from friction_audit.reporting.notices import TABLED, is_physics, minor, notice_lines
+    from friction_audit.reporting.words import MARK, count_of
 
     hidden = {*TABLED, *(() if voice.verbose else minor(log))}
     shown = [notice for notice in notices if notice.code not in hidden]
@@ -93,11 +93,16 @@ def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, ma
 
 def require_an_estimate(result: "Estimate") -> None:
     """Refuse a result without any coefficient, with the reason of each joint."""
+    require_one(result.log, result.friction.joints, "no joint has an estimate")
+
+
+def require_one(log: "JointLog", joints: "Sequence[Reasoned]", lack: str) -> None:
+    """Refuse a result in which every joint has a reason why it has none."""
     from friction_audit.reporting.notices import reason_lines
 
-    if all(joint.reason for joint in result.friction.joints):
-        lines = "".join(f"\n  {line}" for line in reason_lines(result.friction.joints))
-        raise AnalysisError(f"{result.log.source.path}: no joint has an estimate:{lines}")
+    if all(joint.reason for joint in joints):
+        lines = "".join(f"\n  {line}" for line in reason_lines(joints))
+        raise AnalysisError(f"{log.source.path}: {lack}:{lines}")
 
 
 def is_damaged(log: "JointLog") -> bool:

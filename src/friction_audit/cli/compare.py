@@ -10,7 +10,16 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import COMPARISON
-from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, Overwrite, figures_option
+from friction_audit.cli.options import (
+    PNG,
+    ChangeOptions,
+    FigureFolder,
+    FigureFormats,
+    GeneralOptions,
+    Overwrite,
+    figures_option,
+)
+from friction_audit.cli.simulate import changed
 
 if TYPE_CHECKING:
     from friction_audit.compensation.comparison import Comparison
@@ -70,30 +79,11 @@ class ComparisonOptions:
             min=1.0,
         ),
     ] = None
-    effects: Annotated[
-        list[str] | None,
-        option(
-            COMPARISON,
-            "Add an effect that no method models, as in simulate. Repeatable.",
-            "--effect",
-            metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
-            autocompletion=choices.completed_by(lambda: choices.EFFECTS),
-        ),
-    ] = None
-    assignments: Annotated[
-        list[str] | None,
-        option(
-            COMPARISON,
-            "Change a setting of the simulation, as in simulate. Repeatable.",
-            "--set",
-            metavar="NAME=VALUE[@JOINTS]",
-        ),
-    ] = None
-    ideal: Annotated[bool, option(COMPARISON, "Sensors without noise and quantisation.", "--ideal")] = False
 
 
 def command(
     comparison: ComparisonOptions,
+    change: ChangeOptions,
     general: GeneralOptions,
     figures: Annotated[list[str], figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
     formats: FigureFormats = PNG,
@@ -106,30 +96,20 @@ def command(
         name: [folder / f"{name}.{suffix}" for suffix in formats] for name in choices.some_figures(figures, FIGURES)
     }
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
-    scene = _scene(comparison)
+    scene = _scene(comparison, change)
     result = _compare(scene, comparison, voice)
     files = _draw(result, paths, voice, overwrite=overwrite)
     _print(result, scene, files, json=general.json)
 
 
-def _scene(options: ComparisonOptions) -> "Scene":
+def _scene(options: ComparisonOptions, change: ChangeOptions) -> "Scene":
     """Return what the methods are tried on, changed as asked for."""
     from friction_audit.compensation.comparison import SCENES
-    from friction_audit.simulation.assign import assign_texts
-    from friction_audit.simulation.hide import hide
-    from friction_audit.simulation.settings import IDEAL_SENSORS
 
     (scene,) = (one for one in SCENES if one.name == options.arm)
-    settings: Any = scene.settings
-    if options.duration is not None:
-        settings = replace(settings, duration_s=options.duration)
-    if options.ideal:
-        settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
-    settings = hide(assign_texts(settings, options.assignments or ()), options.effects or ())
-    plan = scene.plan
-    if options.margin_persons is not None:
-        plan = replace(plan, margin_seeds=options.margin_persons)
-    return replace(scene, settings=settings, plan=plan)
+    settings: Any = changed(scene.settings, change, duration_s=options.duration)
+    margin = scene.plan.margin_seeds if options.margin_persons is None else options.margin_persons
+    return replace(scene, settings=settings, plan=replace(scene.plan, margin_seeds=margin))
 
 
 def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Comparison":
@@ -137,7 +117,7 @@ def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Compa
     from friction_audit.compensation.comparison.methods import NONE
 
     chosen = [method for method in METHODS if method.name in (NONE, *options.methods)]
-    with voice.progress("compare") as progress:
+    with voice.step("compare") as progress:
         return compare(scene, options.persons, chosen, progress)
 
 

@@ -15,7 +15,6 @@ from friction_audit.errors import UsageError, printable
 
 if TYPE_CHECKING:
     from rich.progress import Progress
-    from rich.status import Status
 
 Report = Callable[[float], None]  # takes the share of the work that is done, 0 to 1
 Count = Callable[[int, int, int], None]  # takes how many pieces of work are done, are there, and failed
@@ -89,15 +88,17 @@ class Voice:
                     remark(f"{'  ' if total and message != total else 'warning: '}{' '.join(message.split())}")
 
     @contextmanager
-    def step(self, name: str) -> Iterator[None]:
-        """Show that a step is under way, on a terminal and only if it takes long."""
-        with self._timed(name), self._stage(name) or (_spinner(name) if self._watched else nullcontext()):
-            yield
+    def step(self, name: str) -> Iterator[Report | None]:
+        """Show that a step is under way, on a terminal and only if it takes long.
 
-    @contextmanager
-    def progress(self, name: str) -> Iterator[Report | None]:
-        """Show how much of a step is done, as ``step`` does; yield what takes the share, None where it is not shown."""
-        with self._timed(name), self._stage(name) or (_bar(name) if self._watched else nullcontext()) as report:
+        Yield what takes the share of it that is done, None where it is not shown.
+        """
+        shown: AbstractContextManager[Report | None]
+        if self.course is not None:
+            shown = self.course.stage(printable(name))
+        else:
+            shown = _bar(name) if self._watched else nullcontext()
+        with self._timed(name), shown as report:
             yield report
 
     @contextmanager
@@ -108,9 +109,6 @@ class Voice:
             return
         with _course(count) as course:
             yield replace(self, course=course)
-
-    def _stage(self, name: str) -> "AbstractContextManager[Report] | None":
-        return None if self.course is None else self.course.stage(printable(name))
 
     @contextmanager
     def count(self, name: str) -> Iterator[Count | None]:
@@ -128,15 +126,6 @@ class Voice:
         yield
         if self.verbose:
             remark(f"{name}: {time.perf_counter() - begin:.2f} s")
-
-
-@contextmanager
-def _spinner(name: str) -> Iterator[None]:
-    from rich.console import Console
-    from rich.text import Text
-
-    with _late(Console(stderr=True).status(Text(f"{printable(name)} ..."))):
-        yield
 
 
 def _new_bar(*columns: str | type) -> "Progress":
@@ -189,20 +178,17 @@ def _counter(name: str) -> Iterator[Count]:
     """Show a bar with the number of pieces done, those that failed, and the time left."""
     from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
 
-    bar = _new_bar(
-        "{task.description} ...", BarColumn, MofNCompleteColumn, "{task.fields[failed]}", TimeRemainingColumn
-    )
+    failures = "{task.fields[failed]}"
+    bar = _new_bar("{task.description} ...", BarColumn, MofNCompleteColumn, failures, TimeRemainingColumn)
     task = bar.add_task(printable(name), total=None, failed="")
-
-    def report(done: int, total: int, failed: int) -> None:
-        bar.update(task, total=total, completed=done, failed=f"{failed} failed" if failed else "")
-
     with _late(bar):
-        yield report
+        yield lambda done, total, failed: bar.update(
+            task, total=total, completed=done, failed=f"{failed} failed" if failed else ""
+        )
 
 
 @contextmanager
-def _late(display: "Status | Progress") -> Iterator[None]:
+def _late(display: "Progress") -> Iterator[None]:
     """Start a display as soon as the work takes long."""
     timer = threading.Timer(PATIENCE_S, display.start)
     timer.daemon = True

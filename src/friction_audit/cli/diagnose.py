@@ -1,6 +1,5 @@
 """``friction-audit diagnose``."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -23,12 +22,10 @@ from friction_audit.cli.options import (
     joint_model_option,
 )
 from friction_audit.cli.outputs import ResultFolder, show
-from friction_audit.errors import AnalysisError
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
-    from friction_audit.joint_log import JointLog
-    from friction_audit.pipeline import AuditSettings, Diagnosis
+    from friction_audit.pipeline import Diagnosis
 
 EXAMPLES = """Examples:
   friction-audit diagnose run.mcap
@@ -92,21 +89,28 @@ def command(
             recorded = chain.read(log, reading, stages)
         if settings.model is not None:
             chain.check_joint_model(options.joint_model, settings.model, recorded)
-        found = _diagnose(recorded, audit, settings, stages)
-        if not shared.general.json:
-            _warn(found, stages)
-        _require_an_answer(found)
-        text = _write(found, chain.reading_settings(reading), out, recorded, stages)
-    show(text, lambda: _lines(found, verbose=voice.verbose), json=shared.general.json)
+        from friction_audit.diagnosis.result import UNANSWERED
+        from friction_audit.pipeline import diagnose_estimate, estimate_log
+        from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
+        from friction_audit.reporting.documents import write_document
+        from friction_audit.reporting.notices import diagnose_notices
+
+        with stages.step("diagnose"):
+            found = diagnose_estimate(estimate_log(recorded, audit), settings)
+        joints, json = found.discrepancy.joints, shared.general.json
+        answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
+        if not json:
+            chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
+        if not answered:
+            chain.require_one(recorded, joints, "no joint can be diagnosed")
+        text = write_document(diagnose_document(found, chain.reading_settings(reading)))
+        out.write_text(DOCUMENT, text)
+        _write_model(found, out, stages)
+        out.write_figures({"diagnosis": found}, [joint.joint for joint in joints], recorded, stages)
+        out.write_exports(diagnose_tables(found), recorded, stages)
+    show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
     chain.exit_for_bugs(joint_bugs(found), voice)
     chain.exit_if_damaged(recorded)
-
-
-def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSettings", voice: Voice) -> "Diagnosis":
-    from friction_audit.pipeline import diagnose_estimate, estimate_log
-
-    with voice.step("diagnose"):
-        return diagnose_estimate(estimate_log(log, audit), settings)
 
 
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
@@ -121,54 +125,19 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
     )
 
 
-def _warn(found: "Diagnosis", voice: Voice) -> None:
-    from friction_audit.reporting.notices import diagnose_notices
-
-    chain.warn_about(found.estimate.log, diagnose_notices(found), voice, marked=_is_answered(found))
-
-
-def _is_answered(found: "Diagnosis") -> bool:
-    from friction_audit.diagnosis.result import UNANSWERED
-
-    return not all(joint.verdict in UNANSWERED and not joint.traceback for joint in found.discrepancy.joints)
-
-
-def _require_an_answer(found: "Diagnosis") -> None:
-    """Refuse a result without an answer for any joint, with the reason of each."""
-    from friction_audit.reporting.notices import reason_lines
-
-    if not _is_answered(found):
-        lines = "".join(f"\n  {line}" for line in reason_lines(found.discrepancy.joints))
-        raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be diagnosed:{lines}")
-
-
 def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
     """Return a sentence and the traceback for each joint whose diagnosis ended in a bug."""
     return [(f"joint {one.joint}: {one.reason}", one.traceback) for one in found.discrepancy.joints if one.traceback]
 
 
-def _write(
-    found: "Diagnosis", reading: dict[str, object], out: ResultFolder, recorded: "JointLog", voice: Voice
-) -> str:
-    """Write what is asked for; return the document."""
+def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:
+    """Write the augmented model of the joints."""
+    if out.folder is None:
+        return
     from friction_audit.diagnosis.augmented_model import augment_models
     from friction_audit.effects.model_file import save_model
-    from friction_audit.reporting.diagnosis import diagnose_document, diagnose_tables
-    from friction_audit.reporting.documents import write_document
 
-    text = write_document(diagnose_document(found, reading))
-    out.write_text(DOCUMENT, text)
-    if out.folder is not None:
-        path = out.folder / MODEL
-        augmented = augment_models(found.discrepancy, found.estimate.log, found.settings.model)
-        voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in augmented.lacking)
-        save_model(augmented.model, path, overwrite=out.overwrite)
-    out.write_figures({"diagnosis": found}, [joint.joint for joint in found.discrepancy.joints], recorded, voice)
-    out.write_exports(diagnose_tables(found), recorded, voice)
-    return text
-
-
-def _lines(found: "Diagnosis", *, verbose: bool) -> "Iterable[str]":
-    from friction_audit.reporting.diagnosis import diagnose_lines
-
-    return diagnose_lines(found, verbose=verbose)
+    path = out.folder / MODEL
+    augmented = augment_models(found.discrepancy, found.estimate.log, found.settings.model)
+    voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in augmented.lacking)
+    save_model(augmented.model, path, overwrite=out.overwrite)

@@ -1,12 +1,10 @@
 """``friction-audit estimate``."""
 
-from collections.abc import Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
     NO_EXPORT,
     PNG,
@@ -19,10 +17,6 @@ from friction_audit.cli.options import (
     folder_option,
 )
 from friction_audit.cli.outputs import ResultFolder, show
-
-if TYPE_CHECKING:
-    from friction_audit.joint_log import JointLog
-    from friction_audit.pipeline import Estimate
 
 EXAMPLES = """Examples:
   friction-audit estimate run.mcap
@@ -53,37 +47,23 @@ def command(
         with chain.loading("friction_audit.friction.estimate"):
             recorded = chain.read(log, options, stages)
         result = chain.estimate(recorded, settings, stages)
-        if not shared.general.json:
-            _warn(result, stages)
+        from friction_audit.reporting.documents import write_document
+        from friction_audit.reporting.estimate import (
+            estimate_document,
+            estimate_lines,
+            estimate_tables,
+            history_table,
+        )
+        from friction_audit.reporting.notices import estimate_notices
+
+        joints, json = result.friction.joints, shared.general.json
+        if not json:
+            chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
         chain.require_an_estimate(result)
-        text = _write(result, chain.reading_settings(options), out, recorded, stages)
-    show(text, lambda: _lines(result), json=shared.general.json)
-    chain.exit_if_damaged(result.log)
-
-
-def _warn(result: "Estimate", voice: Voice) -> None:
-    from friction_audit.reporting.notices import estimate_notices
-
-    tabled = not all(joint.reason for joint in result.friction.joints)
-    chain.warn_about(result.log, estimate_notices(result), voice, marked=tabled)
-
-
-def _write(
-    result: "Estimate", reading: dict[str, object], out: ResultFolder, recorded: "JointLog", voice: Voice
-) -> str:
-    """Write what is asked for; return the document."""
-    from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.estimate import estimate_document, estimate_tables, history_table
-
-    text = write_document(estimate_document(result, reading))
-    out.write_text(DOCUMENT, text)
-    out.write_csv(HISTORY, history_table(result))
-    out.write_figures({"estimate": result}, result.interaction.joint_numbers, recorded, voice)
-    out.write_exports(estimate_tables(result), recorded, voice)
-    return text
-
-
-def _lines(result: "Estimate") -> "Iterable[str]":
-    from friction_audit.reporting.estimate import estimate_lines
-
-    return estimate_lines(result)
+        text = write_document(estimate_document(result, chain.reading_settings(options)))
+        out.write_text(DOCUMENT, text)
+        out.write_csv(HISTORY, history_table(result))
+        out.write_figures({"estimate": result}, [joint.joint for joint in joints], recorded, stages)
+        out.write_exports(estimate_tables(result), recorded, stages)
+    show(text, lambda: estimate_lines(result), json=json)
+    chain.exit_if_damaged(recorded)

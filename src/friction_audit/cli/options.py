@@ -21,6 +21,7 @@ from friction_audit.cli.grouped_help import (
     OUTPUT,
     READING,
     SELECTION,
+    SIMULATION,
     TORQUE,
     show_every_option,
 )
@@ -259,3 +260,34 @@ class LogOptions:
     cycles: CycleOptions
     general: GeneralOptions
     overwrite: Overwrite = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ChangeOptions:
+    """What of a simulation differs from its scenario."""
+
+    effects: Annotated[
+        list[str] | None,
+        option(
+            SIMULATION,
+            "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.",
+            "--effect",
+            metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
+            autocompletion=choices.completed_by(lambda: choices.EFFECTS),
+        ),
+    ] = None
+    assignments: Annotated[
+        list[str] | None,
+        option(
+            SIMULATION,
+            "Change a setting: joints.coulomb_nm=0.4@2,5. Repeatable.",
+            "--set",
+            metavar="NAME=VALUE[@JOINTS]",
+        ),
+    ] = None
+    ideal: Annotated[
+        bool,
+        option(
+            SIMULATION, "Sensors without noise and quantisation, no dropped samples; --set may override.", "--ideal"
+        ),
+    ] = False

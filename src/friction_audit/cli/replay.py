@@ -1,6 +1,5 @@
 """``friction-audit replay``."""
 
-from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,12 +18,10 @@ from friction_audit.cli.options import (
 )
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
-from friction_audit.errors import AnalysisError
 
 if TYPE_CHECKING:
-    from friction_audit.compensation.settings import ModelFile, ReplaySettings
+    from friction_audit.compensation.settings import ModelFile
     from friction_audit.joint_log import JointLog
-    from friction_audit.pipeline import Estimate, LogReplay
 
 EXAMPLES = """Examples:
   friction-audit replay run.mcap
@@ -59,28 +56,26 @@ def command(
             recorded = chain.read(log, reading, stages)
         if settings.joint_model is not None:
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
-        found = _replay(chain.estimate(recorded, audit, stages), settings, stages)
-        if not shared.general.json:
-            _warn(found, stages)
+        estimated = chain.estimate(recorded, audit, stages)
+        from friction_audit.pipeline import replay_estimate
+        from friction_audit.reporting.documents import write_document
+        from friction_audit.reporting.notices import replay_notices
+        from friction_audit.reporting.replay import history_table, replay_document, replay_lines, replay_tables
+
+        with stages.step("replay"):
+            found = replay_estimate(estimated, settings)
+        joints, json = found.replay.joints, shared.general.json
+        if not json:
+            chain.warn_about(recorded, replay_notices(found), stages, marked=not all(one.reason for one in joints))
             _warn_of_moments(settings.joint_model, recorded, stages)
-        _require_a_joint(found)
-        text = _write(found, chain.reading_settings(reading), out, recorded, stages)
-    show(text, lambda: _lines(found), json=shared.general.json)
+        chain.require_one(recorded, joints, "no joint can be replayed")
+        text = write_document(replay_document(found, chain.reading_settings(reading)))
+        out.write_text(DOCUMENT, text)
+        out.write_csv(HISTORY, history_table(found))
+        out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded, stages)
+        out.write_exports(replay_tables(found), recorded, stages)
+    show(text, lambda: replay_lines(found), json=json)
     chain.exit_if_damaged(recorded)
-
-
-def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "LogReplay":
-    from friction_audit.pipeline import replay_estimate
-
-    with voice.step("replay"):
-        return replay_estimate(estimate, settings)
-
-
-def _warn(found: "LogReplay", voice: Voice) -> None:
-    from friction_audit.reporting.notices import replay_notices
-
-    tabled = not all(joint.reason for joint in found.replay.joints)
-    chain.warn_about(found.estimate.log, replay_notices(found), voice, marked=tabled)
 
 
 def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:
@@ -93,33 +88,3 @@ def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -
             voice.warn(
                 [f"joint {number}: {names} of the model holds for moments of {joint.provenance.log}, not of this log"]
             )
-
-
-def _require_a_joint(found: "LogReplay") -> None:
-    """Refuse a result without any joint, with the reason of each."""
-    from friction_audit.reporting.notices import reason_lines
-
-    if all(joint.reason for joint in found.replay.joints):
-        lines = "".join(f"\n  {line}" for line in reason_lines(found.replay.joints))
-        raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be replayed:{lines}")
-
-
-def _write(
-    found: "LogReplay", reading: dict[str, object], out: ResultFolder, recorded: "JointLog", voice: Voice
-) -> str:
-    """Write what is asked for; return the document."""
-    from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.replay import history_table, replay_document, replay_tables
-
-    text = write_document(replay_document(found, reading))
-    out.write_text(DOCUMENT, text)
-    out.write_csv(HISTORY, history_table(found))
-    out.write_figures({"replay": found}, [joint.joint for joint in found.replay.joints], recorded, voice)
-    out.write_exports(replay_tables(found), recorded, voice)
-    return text
-
-
-def _lines(found: "LogReplay") -> "Iterable[str]":
-    from friction_audit.reporting.replay import replay_lines
-
-    return replay_lines(found)

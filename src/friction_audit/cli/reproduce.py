@@ -69,7 +69,7 @@ def _reproduce(
     claims: list[Claim] = []
     simulations: Simulations = {}
     for one in chosen:
-        with voice.progress(f"simulate figure {one.figure}") as progress:
+        with voice.step(f"simulate figure {one.figure}") as progress:
             simulations = simulate_figures([one], seeds, progress, simulations)
         with voice.step(f"check and draw figure {one.figure}"):
             found = one.check(simulations)

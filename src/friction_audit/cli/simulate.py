@@ -12,7 +12,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
-from friction_audit.cli.options import GeneralOptions, Overwrite
+from friction_audit.cli.options import ChangeOptions, GeneralOptions, Overwrite
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -61,33 +61,6 @@ class SimulationOptions:
             metavar="FILE.toml",
         ),
     ] = None
-    effects: Annotated[
-        list[str] | None,
-        option(
-            SIMULATION,
-            "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.",
-            "--effect",
-            metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
-            autocompletion=choices.completed_by(lambda: choices.EFFECTS),
-        ),
-    ] = None
-    assignments: Annotated[
-        list[str] | None,
-        option(
-            SIMULATION,
-            "Change a setting of the scenario: joints.coulomb_nm=0.4@2,5. Repeatable.",
-            "--set",
-            metavar="NAME=VALUE[@JOINTS]",
-        ),
-    ] = None
-    ideal: Annotated[
-        bool,
-        option(
-            SIMULATION,
-            "Sensors and clock without noise, quantisation and dropped samples; --set may restore some of it.",
-            "--ideal",
-        ),
-    ] = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -113,6 +86,7 @@ def command(
     ] = None,
     *,
     simulation: SimulationOptions,
+    change: ChangeOptions,
     lists: ListOptions,
     general: GeneralOptions,
     out: Annotated[
@@ -140,48 +114,48 @@ def command(
         return
     chosen = _find_scenario(scenario)
     path, writer = _choose_output(out, dialect, truth, overwrite=overwrite)
-    run = _Run(replace(chosen, settings=_settings(chosen, simulation)), simulation.seed)
-    voice = general.voice
-    log = run.simulate(path, voice)
-    simulated = run.write(log, path, writer, truth, voice, overwrite=overwrite)
-    _report(simulated, log, path, writer, truth, voice, json=general.json)
+    asked = {"duration_s": simulation.duration, "rate_hz": simulation.rate}
+    model = simulation.joint_model
+    chosen = replace(chosen, settings=changed(chosen.settings, change, model, **asked))
+    log = _simulate(chosen, simulation.seed, path, general.voice)
+    simulated = _write(chosen, simulation.seed, log, path, writer, truth, general.voice, overwrite=overwrite)
+    _report(simulated, log, path, writer, truth, general.voice, json=general.json)
 
 
-@dataclass(frozen=True, slots=True)
-class _Run:
-    """A scenario, its settings as asked for, and the seed."""
+def _simulate(scenario: "Scenario", seed: int, path: Path, voice: Voice) -> "JointLog":
+    from friction_audit.simulation.scenarios import simulate
 
-    scenario: "Scenario"
-    seed: int
+    with voice.step(f"simulate {scenario.name}") as progress:
+        return simulate(scenario.settings, seed, path=str(path), progress=progress).log
 
-    def simulate(self, path: Path, voice: Voice) -> "JointLog":
-        from friction_audit.simulation.scenarios import simulate
 
-        with voice.progress(f"simulate {self.scenario.name}") as progress:
-            return simulate(self.scenario.settings, self.seed, path=str(path), progress=progress).log
+def _write(
+    scenario: "Scenario",
+    seed: int,
+    log: "JointLog",
+    path: Path,
+    writer: "Writer",
+    truth: Path | None,
+    voice: Voice,
+    *,
+    overwrite: bool,
+) -> "SimulatedLog":
+    """Write the log and its truth, both or neither: the log is put in place when the truth is there."""
+    from friction_audit.io.files import sha256_of, whole_file
+    from friction_audit.io.writers.write_log import check_fit
+    from friction_audit.reporting.documents import SimulatedLog, truth_document, write_document
+    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
 
-    def write(
-        self, log: "JointLog", path: Path, writer: "Writer", truth: Path | None, voice: Voice, *, overwrite: bool
-    ) -> "SimulatedLog":
-        """Write the log and its truth, both or neither: the log is put in place when the truth is there."""
-        from friction_audit.io.files import sha256_of, whole_file
-        from friction_audit.io.writers.write_log import check_fit
-
-        with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
-            check_fit(log, writer)
-            writer.write(log, draft)
-            simulated = self._tell(sha256_of(draft))
-            if truth is not None:
-                _write_truth(simulated, truth, overwrite=overwrite)
-        return simulated
-
-    def _tell(self, sha256: str) -> "SimulatedLog":
-        from friction_audit.reporting.documents import SimulatedLog
-        from friction_audit.simulation.hide import hidden_effects, settings_in_sight
-
-        settings = self.scenario.settings
-        effects = [asdict(effect) for effect in hidden_effects(settings)]
-        return SimulatedLog(self.scenario.name, self.seed, settings_in_sight(settings), effects, sha256)
+    with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
+        check_fit(log, writer)
+        writer.write(log, draft)
+        effects = [asdict(effect) for effect in hidden_effects(scenario.settings)]
+        settings = settings_in_sight(scenario.settings)
+        simulated = SimulatedLog(scenario.name, seed, settings, effects, sha256_of(draft))
+        if truth is not None:
+            with whole_file(truth, overwrite=overwrite) as other:
+                other.write_text(write_document(truth_document(simulated)), encoding="utf-8")
+    return simulated
 
 
 def _find_scenario(name: str | None) -> "Scenario":
@@ -207,66 +181,51 @@ def _choose_output(
     if out is None:
         raise UsageError("--output: missing; expected the file of the log, e.g. --output run.parquet")
     writer = choose_writer(out, dialect)
-    if truth is not None:
-        _check_truth(truth, out)
     chain.check_outputs([out], overwrite=overwrite, folder=not writer.suffix)
-    chain.check_outputs([] if truth is None else [truth], overwrite=overwrite)
+    if truth is not None:
+        if truth.suffix.lower() != ".json":
+            raise UsageError(f"--truth {truth}: ending {truth.suffix or 'missing'}: expected .json; rename it")
+        true, log = truth.resolve(), out.resolve()
+        if true.is_relative_to(log) or log.is_relative_to(true):
+            raise UsageError(f"--truth {truth}: is the log {out} or lies in it; choose another name")
+        chain.check_outputs([truth], overwrite=overwrite)
     return out, writer
 
 
-def _check_truth(truth: Path, out: Path) -> None:
-    if truth.suffix.lower() != ".json":
-        raise UsageError(f"--truth {truth}: ending {truth.suffix or 'missing'}: expected .json; rename it")
-    told, log = truth.resolve(), out.resolve()
-    if told.is_relative_to(log) or log.is_relative_to(told):
-        raise UsageError(f"--truth {truth}: is the log {out} or lies in it; choose another name")
+def changed(settings: Any, change: ChangeOptions, model: Path | None = None, **asked: float | None) -> Any:  # noqa: ANN401 - of any scenario
+    """Return settings of a simulation, changed as asked for.
 
-
-def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa: ANN401 - of any scenario
-    """Return the scenario's settings, changed as asked for."""
-    from friction_audit.simulation.assign import assign_texts
-    from friction_audit.simulation.hide import hide
-    from friction_audit.simulation.settings import IDEAL_SENSORS
-
-    numbers = {"duration_s": options.duration, "rate_hz": options.rate}
-    asked = {name: value for name, value in numbers.items() if value is not None}
-    settings: Any = scenario.settings
-    settings = replace(settings, **asked)
-    if options.ideal:
-        settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
-    if options.joint_model is not None:
-        settings = _with_model(settings, options.joint_model)
-    settings = assign_texts(settings, options.assignments or ())
-    for name, value in asked.items():
-        if getattr(settings, name) != value:
-            option = name.partition("_")[0]
-            raise UsageError(f"--{option} {value:g}: --set {name} says otherwise; leave one of them out")
-    return hide(settings, options.effects or ())
-
-
-def _with_model(settings: Any, path: Path) -> Any:  # noqa: ANN401 - of any scenario
-    """Return the settings with the joints of a model's file.
+    Args:
+        settings: Of any scenario.
+        change: Effects, assignments, ideal sensors.
+        model: File of a joint model that replaces the joints.
+        asked: Numbers by name, None for the scenario's.
 
     Raises:
         InputError: If the file is none.
-        UsageError: If the scenario cannot take its joints.
+        UsageError: If the scenario cannot take a change, or two contradict each other.
     """
     from friction_audit.effects.model_file import load_model
+    from friction_audit.simulation.assign import assign_texts
     from friction_audit.simulation.from_model import with_model
+    from friction_audit.simulation.hide import hide
+    from friction_audit.simulation.settings import IDEAL_SENSORS
 
-    model = load_model(path)
-    try:
-        return with_model(settings, model)
-    except UsageError as error:
-        raise UsageError(f"--joint-model {path}: {error}") from error
-
-
-def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:
-    from friction_audit.io.files import whole_file
-    from friction_audit.reporting.documents import truth_document, write_document
-
-    with whole_file(truth, overwrite=overwrite) as draft:
-        draft.write_text(write_document(truth_document(simulated)), encoding="utf-8")
+    given = {name: value for name, value in asked.items() if value is not None}
+    settings = replace(settings, **given)
+    if change.ideal:
+        settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
+    if model is not None:
+        joints = load_model(model)
+        try:
+            settings = with_model(settings, joints)
+        except UsageError as error:
+            raise UsageError(f"--joint-model {model}: {error}") from error
+    settings = assign_texts(settings, change.assignments or ())
+    for name, value in given.items():
+        if getattr(settings, name) != value:
+            raise UsageError(f"--{name.partition('_')[0]} {value:g}: --set {name} contradicts it; remove one of them")
+    return hide(settings, change.effects or ())
 
 
 def _report(

@@ -15,7 +15,7 @@ from friction_audit.robot import Arm, load_arm
 CHANNELS = {"interaction": "tau_interaction", "tau_ext": "tau_ext_hat_filtered", "tau_J": "tau_J"}
 FROM_TAU_J = ("removed", "logged", "model")  # choices of gravity that are about tau_J
 PANDA_JOINTS = 7
-EXPLAINED_BY_OWN_MODEL = 0.1  # share of the torque's variance that the gravity model of an arm of the same kind leaves
+EXPLAINED_BY_OWN_MODEL = 0.1  # share of the torque's variance that the model of an arm of the same kind leaves
 # Median difference from the vendor's own model beyond which a payload must be missing: identified inertias and the
 # vendor's differ by a few tenths of a N m, a forgotten hand makes 2 to 3 N m.
 VENDOR_DISAGREES_NM = 1.0
@@ -217,7 +217,8 @@ def _with_gravity_removed(log: JointLog, coarse: CoarseLog, settings: TorqueSett
     settings = replace(settings, gravity="auto")
     if settings.urdf is None and len(log.joint_names) == PANDA_JOINTS and log.tau_J is not None:
         measured = coarse.mean(log.tau_J)
-        left = measured - load_arm(None, settings.payload, settings.gravity_vector).gravity(coarse.q)
+        arm = load_arm(None, settings.payload, settings.gravity_vector)
+        left = measured - arm.inverse_dynamics(coarse.q, coarse.dq, np.gradient(coarse.dq, coarse.t, axis=0))
         if np.var(left, axis=0).sum() < EXPLAINED_BY_OWN_MODEL * np.var(measured, axis=0).sum():
             return settings.command(log.source.path, robot="panda")
     robot = "auto" if settings.robot == "none" else settings.robot

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.reporting.words import NEWTON_METRES, in_unit, joints_label
+from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
 
 IN_AMPERE = (
     "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of "
@@ -32,8 +32,6 @@ CORRECTED = ("dq_late", "sign_turned")
 """Codes of what was detected and taken into account; the table says what the torque is made of."""
 TABLED = ("not_determined", "from_regression", "not_replayed")
 """Codes of what a table or the lines below it say in any case."""
-MARK = "!"
-"""Marks a row of a table with a warning about its physics."""
 SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it no coefficient changes visibly
 
 
@@ -144,7 +142,7 @@ def physics_of(log: JointLog, notices: Iterable[Notice], joints: Iterable[Reason
     """Return the rows of a table of joints with a warning about the physics, and the lines that explain the mark."""
     found = [notice for notice in notices if is_physics(notice, log)]
     marked = {notice.joint for notice in found}
-    rows = [row for row, joint in enumerate(joints) if joint.joint in marked]
+    rows = [row for row, joint in enumerate(joints) if joint.joint in marked and not joint.reason]
     return rows, [f"{MARK} {line}" for line in notice_lines(found)]
 
 

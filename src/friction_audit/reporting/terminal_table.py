@@ -4,8 +4,8 @@ import io
 from collections.abc import Collection
 
 from friction_audit.joint_log import JointLog
-from friction_audit.reporting.notices import MARK
 from friction_audit.reporting.table import Table
+from friction_audit.reporting.words import MARK
 
 # Characters of a line.
 WIDEST = 1000

@@ -10,6 +10,7 @@ from friction_audit.friction.history import Coefficient
 
 NEWTON_METRES = "N m"
 NOTHING = "-"
+MARK = "!"  # of a row of a table with a warning about its physics
 # Characters of a joint's name; no column and no panel has room for more.
 LONGEST_NAME = 24
 # The same above a panel and above a column of a table of joints.
