@@ -27,17 +27,13 @@ def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     """Return the messages and the mark of damage of every code of a warning in the source."""
     found: dict[str, tuple[tuple[str, ...], bool]] = {}
     for path in sorted(SOURCE.rglob("*.py")):
-        text = path.read_text()
-        if not any(f"{maker}(" in text for maker in MAKERS) and "RULES = " not in text:
-            continue
-        module = ast.parse(text)
-        pairs = _pairs_codes(module)
+        module = ast.parse(path.read_text())
         for function in (*(node for node in module.body if isinstance(node, ast.FunctionDef)), module):
-            for code, message, damaged in _made(function, pairs=pairs):
+            for code, message, damaged in _made(function, pairs=_pairs_codes(module)):
                 for spelt in _spelt(code):
                     texts, lost = found.get(spelt, ((), False))
-                    first = beginning(_text(message, function, module))
-                    found[spelt] = texts if first in (*texts, "") else (*texts, first), lost or damaged
+                    text = beginning(_text(message, function, module))
+                    found[spelt] = texts if text in (*texts, "") else (*texts, text), lost or damaged
     return dict(sorted(found.items()))
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from friction_audit.cli.report import SECTIONS
 from friction_audit.errors import AnalysisError
 from friction_audit.reporting import report as log_report
 from tests.cli.conftest import Run
@@ -26,12 +27,13 @@ def test_every_format_is_written_and_the_document_is_the_file(run: Run, logs: Pa
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted((*NAMES, PDF))
     page, document, markdown = ((tmp_path / "out" / name).read_text(encoding="utf-8") for name in NAMES)
     assert json.loads(document) == answer.document()
-    command = f"friction-audit report {logs / 'moved1.csv'} --format html --format json --format markdown --format pdf "
+    command = "friction-audit report moved1.csv --format html --format json --format markdown --format pdf "
     command += "--output out"
     assert answer.document()["command"] == command
     assert command in page
     assert command in markdown
     assert answer.document()["message"] in page
+    assert all(str(logs) not in text for text in (page, document, markdown))
     assert (tmp_path / "out" / PDF).read_bytes().startswith(b"%PDF-")
 
 
@@ -46,6 +48,13 @@ def test_a_part_without_an_answer_leaves_the_others(
     text = (tmp_path / "damaged.report.md").read_text(encoding="utf-8")
     assert WHY in text
     assert "that friction dissipated" in text
+
+
+def test_sections_that_are_not_asked_for_are_not_computed(run: Run, logs: Path) -> None:
+    document = run("report", logs / "moved1.csv", "--json", "--sections", "friction,recording").document()
+    assert document["sections"] == ["friction", "recording"]
+    assert (document["diagnose"], document["replay"], document["unanswered"]) == (None, None, [])
+    assert SECTIONS == log_report.SECTIONS
 
 
 def test_json_alone_writes_no_file(run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

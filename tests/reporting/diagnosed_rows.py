@@ -74,5 +74,5 @@ NAMED = replace(NAMED, simulation=moved())
 ALL = by_hand.diagnosis((NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT))
 
 
-def of(joint: JointDiagnosis) -> Diagnosis:
-    return by_hand.diagnosis((joint,))
+def of(*joints: JointDiagnosis) -> Diagnosis:
+    return by_hand.diagnosis(joints)

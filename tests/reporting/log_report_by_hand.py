@@ -54,6 +54,19 @@ def still() -> LogReport:
     return report_estimate(estimate, ReplaySettings(), DiagnosisSettings(), command=COMMAND)
 
 
+def cut(report: LogReport, *numbers: int) -> LogReport:
+    """Return a report of some of its joints."""
+    friction, diagnosis, replay = report.estimate.friction, report.diagnosis, report.replay
+    if diagnosis is not None:
+        joints = tuple(one for one in diagnosis.discrepancy.joints if one.joint in numbers)
+        diagnosis = replace(diagnosis, discrepancy=Discrepancy(joints=joints))
+    if replay is not None:
+        own = tuple(one for one in replay.replay.joints if one.joint in numbers)
+        replay = replace(replay, replay=replace(replay.replay, joints=own))
+    friction = replace(friction, joints=tuple(one for one in friction.joints if one.joint in numbers))
+    return replace(report, estimate=replace(report.estimate, friction=friction), diagnosis=diagnosis, replay=replay)
+
+
 def _with_finding(log: JointLog, message: str) -> JointLog:
     lost = Finding(code="truncated", message=message, amount=3, damaged=True)
     return replace(log, source=replace(log.source, findings=(lost,)))

@@ -18,7 +18,7 @@ from friction_audit.reporting.figures.over_time import (
     y_limits,
 )
 from friction_audit.reporting.figures.registry import Figure, figures_of
-from friction_audit.reporting.figures.series import joint_series
+from friction_audit.reporting.figures.series import choose_series
 from friction_audit.reporting.figures.velocity_torque import (
     centre_nm,
     draw_velocity_torque,
@@ -59,7 +59,7 @@ def test_fitted_friction_is_odd_and_lacks_what_the_model_lacks(single: Estimate)
 
 
 def test_the_fit_is_drawn_where_the_torque_is_and_its_formula_is_one(single: Estimate) -> None:
-    (series,) = joint_series(single, 1)
+    (series,) = choose_series(single, 1).joints
     assert centre_nm(series) == pytest.approx(0.0, abs=0.02)
     assert centre_nm(replace(series, torque=series.torque + 0.5)) == pytest.approx(0.5, abs=0.02)
     formula = fitted_label(series.friction, centre_nm(series))
@@ -69,14 +69,14 @@ def test_the_fit_is_drawn_where_the_torque_is_and_its_formula_is_one(single: Est
 
 def test_a_logged_compensator_acts_against_friction_too(single: Estimate) -> None:
     helped = replace(single.interaction, compensation=np.full_like(single.interaction.torque, 0.2))
-    (series,) = joint_series(replace(single, interaction=helped), 1)
+    (series,) = choose_series(replace(single, interaction=helped), 1).joints
     assert centre_nm(series) == pytest.approx(0.2, abs=0.02)
     figure = draw_velocity_torque(replace(single, interaction=helped), 1)
     assert figure.get_supylabel() == "Interaction and compensator torque [N m]"
 
 
 def test_arrows_run_along_two_neighbouring_cycles_that_count(single: Estimate) -> None:
-    (series,) = joint_series(single, 1)
+    (series,) = choose_series(single, 1).joints
     cycles, strokes = series.cycles, typical_strokes(series)
     row = cycles.start.tolist().index(strokes.start)
     following = next(r for r in range(row + 1, len(cycles.joint)) if cycles.reason[r] == 0)
@@ -88,7 +88,7 @@ def test_arrows_run_along_two_neighbouring_cycles_that_count(single: Estimate) -
 
 def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(velocity_torque, "MOST_POINTS", 1000)
-    (series,) = joint_series(single, 1)
+    (series,) = choose_series(single, 1).joints
     loop = filtered_loop(series, filtered_curve(series))
     assert loop.every > 1
     assert loop.every % 2 == 1
@@ -99,7 +99,7 @@ def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monke
 
 
 def test_the_net_energy_is_the_integral_of_power_and_meets_the_stairs(single: Estimate) -> None:
-    (series,) = joint_series(single, 1)
+    (series,) = choose_series(single, 1).joints
     edges, stairs = dissipated_stairs(series)
     assert stairs[0] == 0.0
     assert stairs == pytest.approx(np.interp(edges, series.t, series.net_energy_j), abs=0.01)
@@ -121,7 +121,7 @@ def test_a_long_log_shows_its_first_cycles_apart(crowded: Estimate) -> None:
     figure = draw_energy(crowded, 1)
     whole, zoomed = figure.axes
     assert (whole.get_title(loc="left"), zoomed.get_title(loc="left")) == ("joint 1", "cycles 1 to 40 of 87")
-    assert zoomed.get_xlim()[1] == pytest.approx(joint_series(crowded, 1)[0].cycles.stop_s[39])
+    assert zoomed.get_xlim()[1] == pytest.approx(choose_series(crowded, 1).joints[0].cycles.stop_s[39])
     assert len(whole.patches) == 1
     assert len([patch for patch in zoomed.patches if not patch.get_hatch()]) == 20
     (dots,) = [line for line in zoomed.lines if line.get_marker() == "o"]
@@ -129,7 +129,8 @@ def test_a_long_log_shows_its_first_cycles_apart(crowded: Estimate) -> None:
     assert {"part drawn below", "cycle (every other)", "zero velocity", "rejected cycle"} <= set(legend(figure))
     sheet = draw_energy(crowded, None)
     titles = [axes.get_title(loc="left") for axes in sheet.axes]
-    assert titles == ["joint 1", "cycles 1 to 40 of 87", "joint 2", "cycles 1 to 40 of 86", "joint 3"]
+    assert titles == ["joint 1", "cycles 1 to 40 of 87", "joint 2", "cycles 1 to 40 of 86"]
+    assert sheet.get_supxlabel().endswith("joint 3: did not move")
     assert "part drawn on the right" in legend(sheet)
     signals = draw_signals(crowded, 1)
     assert not signals.axes[0].patches
@@ -137,7 +138,7 @@ def test_a_long_log_shows_its_first_cycles_apart(crowded: Estimate) -> None:
 
 
 def test_first_cycles_hold_their_own_samples(crowded: Estimate) -> None:
-    series, _, still = joint_series(crowded, None)
+    series, _, still = (choose_series(crowded, joint).joints[0] for joint in (1, 2, 3))
     part = series.first_cycles(5)
     assert len(part.cycles.joint) == 5
     assert part.t[part.cycles.start] == pytest.approx(series.cycles.start_s[:5])

@@ -1,5 +1,6 @@
 """Pages in a browser: quiet, whole at any width, on paper, by day and night, by keys, without barriers."""
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,10 @@ CASES = (
 )
 """The worst, and those that are harmless next to them."""
 # Widths of a phone, a tablet and a laptop, and of A4 between margins of 14 mm at 96 dots to the inch. [px]
-WIDTHS, PAPER = (360, 768, 1280), 688
+WIDTHS, PAPER = (360, 390, 768, 1280, 1440, 1920), 688
+# Tables that are wider than their column.
+SCROLLED = """[...document.querySelectorAll('.scroll')].filter((one) => one.checkVisibility())
+    .filter((one) => one.scrollWidth > one.clientWidth + 1).map((one) => one.getAttribute('aria-label'))"""
 WIDE = """[...document.querySelectorAll('table, svg, pre')].filter((one) => one.checkVisibility())
     .filter((one) => one.getBoundingClientRect().right > window.innerWidth + 1).map((one) => one.outerHTML)"""
 
@@ -47,6 +51,7 @@ def test_a_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> N
         for width in WIDTHS:
             opened.page.set_viewport_size({"width": width, "height": 900})
             assert overflow(opened) <= 0, width
+            assert opened.evaluate(SCROLLED) == [], width
     opened.page.mouse.wheel(0, 3000)
     assert opened.requests[0].startswith("file:")
     assert [one for one in opened.requests if not one.startswith("data:")] == opened.requests[:1]
@@ -70,6 +75,7 @@ def test_paper_holds_everything_dark_on_white(open_page: Open, case: str) -> Non
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: str) -> None:
     opened = open_page(page(case), scheme=scheme)
+    unfold(opened)
     figures = opened.page.locator("figure svg")
     assert figures.count() == count
     for k in range(count):
@@ -100,12 +106,13 @@ def test_a_log_without_cycles_and_one_of_twenty_joints(open_page: Open) -> None:
     assert opened.page.locator("figure svg").count() == 0
     opened = open_page(page("twenty joints"))
     assert opened.page.locator("#verdicts .badge").count() == 20
+    unfold(opened)
     assert opened.page.locator("figure svg").count() == 3
 
 
 def column(opened: Opened, number: int) -> list[str]:
     cells: list[str] = opened.evaluate(
-        "(k) => [...document.querySelector('table.sortable').tBodies[0].rows].map((row) => row.cells[k].textContent)",
+        "(k) => [...document.querySelectorAll('table')[1].tBodies[0].rows].map((row) => row.cells[k].textContent)",
         number,
     )
     return cells
@@ -113,7 +120,7 @@ def column(opened: Opened, number: int) -> list[str]:
 
 def test_a_table_is_sorted_by_mouse_and_by_keys(open_page: Open) -> None:
     opened = open_page(page("batch"))
-    table = opened.page.locator("table.sortable").first
+    table = opened.page.locator("table.sortable").nth(1)
     change = table.get_by_role("button", name="change")
     change.click()
     head = table.locator("th[aria-sort]")
@@ -172,6 +179,15 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     assert opened.complaints == []
 
 
+def test_the_value_under_the_pointer_is_shown(open_page: Open) -> None:
+    opened = open_page(page("plain"))
+    box = opened.page.locator("figure svg").first.bounding_box()
+    assert box is not None
+    opened.page.mouse.move(box["x"] + 0.2 * box["width"], box["y"] + 0.5 * box["height"])
+    words = opened.page.locator(".value").text_content() or ""
+    assert re.search(r"Velocity \[rad/s\]: .*\nInteraction torque \[N m\]: ", words)
+
+
 def test_a_page_can_be_read_without_scripts(open_page: Open) -> None:
     opened = open_page(page("batch"), scripts=False)
     assert opened.page.locator("table.sortable button, figure button").count() == 0
@@ -182,11 +198,13 @@ def test_a_page_can_be_read_without_scripts(open_page: Open) -> None:
 def test_the_contents_lead_to_every_section(open_page: Open) -> None:
     opened = open_page(page("batch"))
     targets = opened.evaluate("[...document.querySelectorAll('.contents a')].map((one) => one.hash.slice(1))")
-    assert targets == opened.evaluate("[...document.querySelectorAll('main section')].map((one) => one.id)")
+    assert targets == opened.evaluate("[...document.querySelectorAll('main > section')].map((one) => one.id)")
     opened.page.keyboard.press("Tab")
     assert opened.evaluate("document.activeElement.className") == "skip"
     opened.page.keyboard.press("Enter")
     assert opened.evaluate("location.hash") == "#main"
+    opened.page.locator(".contents a", has_text="Settings").click()
+    until(opened, "document.querySelector('#settings details').open")
 
 
 @pytest.mark.parametrize(

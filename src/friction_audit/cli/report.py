@@ -1,5 +1,6 @@
 """``friction-audit report``."""
 
+import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -35,9 +36,11 @@ EXAMPLES = """Examples:
   friction-audit report run.mcap
   friction-audit report run.csv --drive robot -o results
   friction-audit report run.parquet --joints 1,3-5 --format html,pdf
+  friction-audit report run.csv --sections friction,recording
   friction-audit report run.bag --json | jq '.joints[] | {joint, verdict}'"""
 
 DEFAULT = "html"
+SECTIONS = ("friction", "diagnosis", "compensator", "recording")
 FORMATS = tuple(choices.REPORT_FORMATS)
 PARTS = 4  # stages before anything is written: read, estimate, replay, diagnose
 # Parameters that change nothing in the report; the values of a --config file are written out.
@@ -65,6 +68,16 @@ def command(
             "with --json alone no file is written."
         ),
     ] = None,
+    sections: Annotated[
+        list[str],
+        option(
+            OUTPUT,
+            "Sections of the report; repeatable, or separated by commas. Without diagnosis it takes seconds. Default: "
+            "all.",
+            "--sections",
+            some_of=SECTIONS,
+        ),
+    ] = [],  # noqa: B006 - Typer copies it
     min_effect: MinEffect = 0.0,
     export: Exports = NO_EXPORT,
 ) -> None:
@@ -84,8 +97,9 @@ def command(
             from friction_audit.reporting.notices import estimate_notices
 
             chain.warn_about(recorded, estimate_notices(estimate), stages)
-        given = command_line(context, leave_out=NOT_PART_OF_IT)
-        report = _report(estimate, shared.cycles, min_effect, chain.reading_settings(options), given, stages)
+        typed = shlex.quote(str(log))
+        given = command_line(context, leave_out=NOT_PART_OF_IT).replace(typed, shlex.quote(_name(log)))
+        report = _report(estimate, shared.cycles, min_effect, sections, chain.reading_settings(options), given, stages)
         _write(report, files, stages, overwrite=again)
         exported = _export(report, out, recorded, stages)
     _print(report, (*files.values(), *exported), json=json)
@@ -99,6 +113,7 @@ def _report(
     estimate: "Estimate",
     cycles: CycleOptions,
     min_effect: float,
+    sections: Sequence[str],
     reading: dict[str, object],
     command: str,
     voice: Voice,
@@ -107,7 +122,10 @@ def _report(
     from friction_audit.reporting.report import report_estimate
 
     replay, diagnosis = replay_settings(ReplayOptions(), cycles), DiagnosisSettings(min_effect_nm=min_effect)
-    return report_estimate(estimate, replay, diagnosis, reading=reading, command=command, step=voice.step)
+    wanted = sections or SECTIONS
+    return report_estimate(
+        estimate, replay, diagnosis, sections=wanted, reading=reading, command=command, step=voice.step
+    )
 
 
 def _export(report: "LogReport", out: ResultFolder, recorded: "JointLog", voice: Voice) -> list[Path]:
@@ -122,11 +140,15 @@ def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: b
     return {name: (folder or Path()) / f"{_stem(log)}.report{choices.REPORT_FORMATS[name]}" for name in wanted}
 
 
-def _stem(log: Path) -> str:
-    """Return what the files of a report begin with: the name of the log without its ending."""
+def _name(log: Path) -> str:
     from friction_audit.reporting.report import name_of_log
 
-    name = name_of_log(log)
+    return name_of_log(log)
+
+
+def _stem(log: Path) -> str:
+    """Return what the files of a report begin with: the name of the log without its ending."""
+    name = _name(log)
     return name if log.is_dir() else Path(name).stem
 
 

@@ -12,15 +12,12 @@ from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_tables import (
     CHECK,
-    COMPETITOR,
-    DECISION,
     EFFECT,
     FINDING,
     JOINT_DIAGNOSIS,
     NEGLIGIBLE,
     PARAMETER,
     STEP,
-    UNTESTABLE,
     effect_rows,
     finding_rows,
     steps_of,
@@ -140,31 +137,6 @@ def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     return tuple(record.file(((one.joint, one.name, of(one)) for one in joints), unit) for record, of in rows)
 
 
-def page_tables(found: Diagnosis) -> tuple[Table, ...]:
-    """Return the tables of a diagnosis for the page that have rows."""
-    joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
-    effects = effect_rows(joints)
-    competitors = [(row, one) for row in effects for one in row.effect.evidence if one.name != row.effect.name]
-    undecided = [row for row in effects if row.effect.alternatives]
-    tables = (
-        JOINT_DIAGNOSIS.people(joints, caption="Residual of the model on held-out cycles (RMS)", unit=unit).filled(),
-        EFFECT.people(effects, caption="Missing effects, the largest of a joint first; intervals are 95 %", unit=unit),
-        DECISION.people(undecided, caption="What to record to distinguish effects that this log does not"),
-        NEGLIGIBLE.people(
-            effect_rows(joints, "negligible"), caption="Negligible effects", folded=True, unit=unit
-        ).filled(),
-        COMPETITOR.people(
-            competitors,
-            caption="Competing effects in the place of each effect: from 6 on the evidence against them is strong",
-            folded=True,
-        ),
-        UNTESTABLE.people(
-            untestable_rows(joints), caption="Effects that this log cannot show, and why", folded=True, unit=unit
-        ),
-    )
-    return tuple(table for table in tables if table.rows)
-
-
 def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
     """Return model, profile and the numbers of each bin."""
     every = [("nominal", one) for one in joint.profiles] + [("augmented", one) for one in joint.remaining]
@@ -180,7 +152,7 @@ def data_tables(found: Diagnosis | None) -> tuple[Table, ...]:
     rows = finding_rows(() if found is None else found.discrepancy.joints)
     bad = [row for row in rows if row[1].verdict != "fine"]
     tables = (
-        FINDING.people(bad, caption="Limits and faults of the data"),
+        FINDING.people(bad, caption="Limits and faults of the data", folded=True),
         FINDING.people(rows, caption="Every check of the data", folded=True),
     )
     return tuple(table for table in tables if table.rows)

@@ -12,6 +12,7 @@ from friction_audit.reporting.diagnosis_words import (
     effect_numbers,
     joint_message,
     names_of,
+    plain_names,
     where_effect,
     where_words,
 )
@@ -116,6 +117,10 @@ def _bounds(row: EffectRow) -> dict[str, tuple[float, float]]:
     return {name: (number.low, number.high) for name, number in row.known.items()}
 
 
+def _labelled(row: EffectRow) -> str:
+    return f"{row.names}: {row.effect.label}"
+
+
 EFFECT = Record(
     (
         joint_column("joint"),
@@ -123,7 +128,7 @@ EFFECT = Record(
         Column("effect", str, get="effect.name", on="f"),
         Column("name", str, "name in the catalogue", "effect.name", on="j"),
         Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
-        Column("effect", str, get=lambda row: f"{row.names}: {row.effect.label}", title="effect", on="p"),
+        Column("effect", str, get=lambda row: plain_names(_labelled(row)), title="effect", words=True, on="p"),
         Column("label", str, "in words", "effect.label"),
         Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
         Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
@@ -168,18 +173,11 @@ PARAMETER = Record(
     name="effect_parameters",
     summary="a parameter of an effect, with its 95 % interval; empty where the log does not identify it",
 )
-DECISION = Record(
-    (
-        joint_column("joint"),
-        Column("effects", str, get="names", title="effects", on="p"),
-        Column("decide", str, get=lambda row: decide_words(row.effect), title="motion", on="p"),
-    )
-)
 COMPETITOR = Record(
     (
         joint_column("0.joint"),
-        Column("effect", str, get="0.effect.name", title="effect", on="p"),
-        Column("competitor", str, get="1.name", title="competing effect", on="p"),
+        Column("effect", str, get=lambda row: plain_names(row[0].effect.name), title="effect", on="p"),
+        Column("competitor", str, get=lambda row: plain_names(row[1].name), title="competing effect", on="p"),
         Column(
             "two_ln_bayes_factor", float, get="1.two_ln_bayes_factor", form="+.0f", title="2 ln Bayes factor", on="p"
         ),
@@ -189,7 +187,7 @@ COMPETITOR = Record(
 UNTESTABLE = Record(
     (
         joint_column("0"),
-        Column("effects", str, get=lambda row: ", ".join(row[1]), title="effects", on="p"),
+        Column("effects", str, get=lambda row: plain_names(", ".join(row[1])), title="effects", on="p"),
         Column("why", str, get="2", title="why", on="p"),
     )
 )

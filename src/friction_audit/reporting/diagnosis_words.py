@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, Profile, ResidualCheck
 from friction_audit.effects.joint_model import ArmModel
-from friction_audit.effects.registry import motion_to_decide, terms
+from friction_audit.effects.registry import NAMES, motion_to_decide, terms
 from friction_audit.effects.warm_up import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -22,6 +22,7 @@ ENDS = {"_hz": " Hz", "_s": " s", "_rad": " rad", "_nm": " N m"}
 IDLE = {"warm_up_per_k": UNFELT_PER_K}
 # An entry in the meaning of a parameter that chooses a form: ``0 smooth, 1 dead band, else so many steps``.
 CHOICE = re.compile(r"(-?\d+|else) ([^,]+)")
+UNDERSCORED = re.compile(rf"\b({'|'.join(name for name in (*NAMES, CONTACT_EVENT) if '_' in name)})\b")
 CONTACTS_LISTED = 3
 CLEAR = 2.0  # standard errors from which the mean of a bin differs from zero
 UNITS = {
@@ -48,6 +49,11 @@ def others_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> tuple[str,
 def names_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> str:
     """Return the name of one of some effects and of those indistinguishable from it."""
     return " or ".join((effect.name, *others_of(effect, effects)))
+
+
+def plain_names(text: str) -> str:
+    """Return a text with the names of effects as people write them, without underscores."""
+    return UNDERSCORED.sub(lambda found: found[0].replace("_", " ").replace("coulomb", "Coulomb"), text)
 
 
 def decide_words(effect: NamedEffect) -> str:
@@ -82,6 +88,23 @@ def joint_message(joint: JointDiagnosis) -> str:
     left = f"{format_share(joint.remainder_share)} of what is left has no name: {remainder_words(joint)}"
     parts = (_touched(joint), _cause(joint), left if joint.checks else "", _todo(joint))
     return "; ".join(part for part in parts if part)
+
+
+def brief(joint: JointDiagnosis) -> str:
+    """Return the answer for a joint in a line: cause, size, what to do."""
+    if joint.reason or joint.verdict == "adequate":
+        return joint_message(joint).removeprefix("the model is adequate: ")
+    first, *rest = joint.added or (None,)
+    parts = ["most of the residual has no name" if joint.verdict == "unexplained" else "", _touched(joint)]
+    if first is not None:
+        size = f"{first.size_nm:.2g} N m, {format_share(first.friction_share)} of friction"
+        parts.append(f"{names_of(first, joint.effects)} ({size}){f' and {len(rest)} more' if rest else ''}")
+    unsure = next((one for one in joint.effects if one.alternatives), None)
+    if joint.verdict != "unexplained" and unsure is not None:
+        parts.append(f"to separate: {decide_words(unsure).partition(':')[0].partition(';')[0]}")
+    elif joint.verdict != "unexplained":
+        parts.append(_todo(joint))
+    return plain_names("; ".join(filter(None, parts)))
 
 
 def negligible_words(joint: JointDiagnosis) -> str:

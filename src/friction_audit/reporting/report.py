@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -11,22 +11,23 @@ from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.effects.registry import NAMES
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
-from friction_audit.friction.history import JointFriction
+from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
-from friction_audit.reporting.diagnosis_tables import WORDS
-from friction_audit.reporting.diagnosis_words import joint_message, names_of
+from friction_audit.reporting.diagnosis_tables import TONES, WORDS
+from friction_audit.reporting.diagnosis_words import brief, names_of, plain_names
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
 from friction_audit.reporting.replay import REPLAY, replay_tables, replay_values
-from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, to_json
+from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, Tone, joint_column, to_json
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 
 T = TypeVar("T")
+SECTIONS = ("friction", "diagnosis", "compensator", "recording")
+"""Sections of a report that can be left out."""
 Step = Callable[[str], AbstractContextManager[object]]
 """Takes the name of a step and returns what is entered while it is under way."""
 
@@ -58,6 +59,13 @@ class JointReport:
         """Name in the log."""
         return self.friction.name
 
+    @property
+    def answer(self) -> str:
+        """What the nominal model misses, its size and what to do; empty where that was not tested."""
+        found = self.discrepancy
+        # That a joint did not move needs to be reported once.
+        return "" if found is None or (found.verdict == "not_testable" and self.friction.reason) else brief(found)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LogReport:
@@ -68,6 +76,7 @@ class LogReport:
         diagnosis: What the nominal model misses, or None without an answer.
         replay: What a compensator would have done, or None without an answer.
         unanswered: Why there is no answer, of the parts that are None.
+        sections: Which sections were asked for, of SECTIONS.
         reading: How the log was read: options of the reader by name.
         command: The command that makes the report again; empty if there was none.
     """
@@ -76,6 +85,7 @@ class LogReport:
     diagnosis: Diagnosis | None = None
     replay: LogReplay | None = None
     unanswered: tuple[Unanswered, ...] = ()
+    sections: tuple[str, ...] = SECTIONS
     reading: Mapping[str, object] = field(default_factory=dict)
     command: str = ""
 
@@ -105,30 +115,41 @@ def report_estimate(
     replay_settings: ReplaySettings,
     diagnosis_settings: DiagnosisSettings,
     *,
+    sections: Sequence[str] = SECTIONS,
     reading: Mapping[str, object] | None = None,
     command: str = "",
     step: Step = nullcontext,
 ) -> LogReport:
     """Run what follows an estimate; a part without an answer leaves the others as they are.
 
+    Of the log the report has the name, not the path: a page is sent to others.
+
     Args:
         estimate: The estimate.
         replay_settings: Of the replay.
         diagnosis_settings: Of the diagnosis.
+        sections: Which are asked for; replay and diagnosis run only for theirs.
         reading: How the log was read: options of the reader by name.
         command: The command that makes the report again.
         step: Called with the part that is under way.
     """
     unanswered: list[Unanswered] = []
-    with step("replay"):
-        replay = _answer("replay", lambda: replay_estimate(estimate, replay_settings), unanswered)
-    with step("diagnose"):
-        diagnosis = _answer("diagnose", lambda: diagnose_estimate(estimate, diagnosis_settings), unanswered)
+    source = replace(estimate.log.source, path=name_of_log(Path(estimate.log.source.path)))
+    estimate = replace(estimate, log=replace(estimate.log, source=source))
+    known = any(not joint.reason for joint in estimate.friction.joints)
+    replay = diagnosis = None
+    if "compensator" in sections and known:
+        with step("replay"):
+            replay = _answer("replay", lambda: replay_estimate(estimate, replay_settings), unanswered)
+    if "diagnosis" in sections and known:
+        with step("diagnose"):
+            diagnosis = _answer("diagnose", lambda: diagnose_estimate(estimate, diagnosis_settings), unanswered)
     return LogReport(
         estimate=estimate,
         diagnosis=diagnosis,
         replay=replay,
         unanswered=tuple(unanswered),
+        sections=tuple(name for name in SECTIONS if name in sections),
         reading=reading or {},
         command=command,
     )
@@ -161,9 +182,9 @@ def report_notices(report: LogReport) -> tuple[Notice, ...]:
 
 
 ESTIMATED, NO_ESTIMATE = "estimated", "no estimate"
+VERDICT_TONES: Mapping[str, Tone] = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fine"}
 # Answers that a lead gives for joints one by one; more are counted.
 MOST_GROUPS = 4
-EFFECT_NAMES = frozenset(NAMES)
 
 
 def verdict_word(joint: JointReport) -> str:
@@ -173,17 +194,6 @@ def verdict_word(joint: JointReport) -> str:
     if joint.friction.reason:
         return NO_ESTIMATE
     return ESTIMATED if joint.discrepancy is None else WORDS["not_testable"]
-
-
-def verdict_sentence(joint: JointReport) -> str:
-    """Return the answer for a joint in a line: its friction, missing effects, what a compensator would have saved."""
-    found, parts = joint.discrepancy, [friction_words(joint.friction)]
-    # That a joint did not move needs to be reported once.
-    if found is not None and not (joint.friction.reason and found.verdict == "not_testable"):
-        parts.append(joint_message(found))
-    if joint.replay is not None:
-        parts.append(removal_words(joint.replay))
-    return " ".join(_as_sentence(part) for part in parts if part)
 
 
 def friction_words(friction: JointFriction) -> str:
@@ -208,12 +218,6 @@ def removal_words(joint: JointReplay) -> str:
     return f"a compensator would have removed {removed:.0f} % of the energy put in"
 
 
-def _as_sentence(text: str) -> str:
-    """Return a text with a capital at its start, unless that is the name of an effect, and a full stop."""
-    start = text if text.partition(" ")[0] in EFFECT_NAMES else f"{text[:1].upper()}{text[1:]}"
-    return start if start.endswith((".", "!", "?")) else f"{start}."
-
-
 def lead_sentence(report: LogReport) -> str:
     """Return the answer for the whole log, in two sentences."""
     joints = report.joints
@@ -229,9 +233,9 @@ def lead_sentence(report: LogReport) -> str:
     if len(groups) > MOST_GROUPS:
         words = [verdict_word(one) for one in known]
         counts = "; ".join(f"{word}: {count_of(words.count(word), 'joint')}" for word in dict.fromkeys(words))
-        return f"{estimated} {_as_sentence(counts)}"
+        return f"{estimated} {counts[:1].upper()}{counts[1:]}."
     parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
-    return f"{estimated} {_as_sentence(parts)}" if parts else estimated
+    return plain_names(f"{estimated} {parts[:1].upper()}{parts[1:]}.") if parts else estimated
 
 
 def _missing(found: JointDiagnosis) -> str:
@@ -267,12 +271,23 @@ def report_settings(report: LogReport) -> dict[str, Any]:
 # Keys of the documents of the parts that the whole document has once.
 SHARED = ("source", "settings", "warnings")
 UNANSWERED = Record((Column("part", str, "the command"), Column("message", str, "why it has no answer")))
+
+
+def _message(joint: JointReport) -> str:
+    return joint.answer or friction_words(joint.friction)
+
+
 VERDICT = Record(
     (
         JOINT,
         NAME,
+        joint_column(),
+        Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
+        Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
         Column("verdict", str, "the verdict of the page", verdict_word),
-        Column("message", str, "what the page says of the joint, in a line", verdict_sentence),
+        Column("verdict", str, get=verdict_word, title="verdict", tone=VERDICT_TONES.__getitem__, on="p"),
+        Column("message", str, "cause, size, what to do; or why there is no answer", _message),
+        Column("answer", str, title="cause, size, what to do", words=True, on="p"),
     )
 )
 
@@ -283,7 +298,7 @@ def _part(document: Document) -> Record:
 
 REPORT = Document(
     "report",
-    3,
+    4,
     "All parts of a report, as on its page",
     Record(
         (
@@ -292,6 +307,7 @@ REPORT = Document(
             SETTINGS,
             WARNINGS,
             Column("message", str, "the lead of the page"),
+            Column("sections", [str], "sections that were asked for"),
             Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
             Column("joints", [VERDICT], "per joint"),
             Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
@@ -311,6 +327,7 @@ def report_document(report: LogReport) -> dict[str, Any]:
             "settings": report_settings(report),
             "warnings": report_notices(report),
             "message": lead_sentence(report),
+            "sections": report.sections,
             "unanswered": report.unanswered,
             "joints": report.joints,
             "estimate": report.estimate.friction,

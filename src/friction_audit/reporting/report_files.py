@@ -7,12 +7,13 @@ from friction_audit import __version__
 from friction_audit.errors import UsageError, printable
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.html.log_page import log_page
-from friction_audit.reporting.html.page import Command, Figure, Page, Part, Section, Terms, Text, Verdicts, render_page
+from friction_audit.reporting.html.page import Command, Figure, Page, Part, Section, Terms, Text, render_page
 from friction_audit.reporting.report import LogReport, report_document
 from friction_audit.reporting.table import Table
 
-# Characters that Markdown, its tables, its formulas or the HTML in it may take for something.
-SPECIAL = re.compile(r"([\\`*_{}\[\]<>()#+!|~&$])")
+# Characters that Markdown, its tables, its formulas or the HTML in it may take for something: an underscore, a hash or
+# a plus only where no letter is before it.
+SPECIAL = re.compile(r"([\\`*{}\[\]<>|~&$]|(?<!\w)[_#+]|_(?!\w))")
 FENCE = "```"
 
 
@@ -61,8 +62,6 @@ def _part(part: Part) -> Iterator[str]:
             yield from (_row(_text(part.text(column, row)) for column in part.columns) for row in part.rows)
         case Figure():
             yield f"Figure: {_text(part.picture.description)}"
-        case Verdicts():
-            yield from (f"- **{_text(one.word)}** {_text(one.name)}: {_text(one.sentence)}" for one in part.verdicts)
         case Text(listed=True):
             yield from (f"- {_text(line)}" for line in part.lines)
         case Text():

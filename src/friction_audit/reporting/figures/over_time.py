@@ -7,6 +7,7 @@ import numpy as np
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import (
+    Numbers,
     add_legend,
     band,
     break_at_gaps,
@@ -22,7 +23,7 @@ from friction_audit.reporting.figures.panels import (
     thin_extremes,
     write_message,
 )
-from friction_audit.reporting.figures.series import JointSeries, joint_series, shade_cycles
+from friction_audit.reporting.figures.series import JointSeries, choose_series, estimated, shade_cycles
 from friction_audit.reporting.figures.style import (
     BORDER,
     COLUMN_IN,
@@ -47,10 +48,10 @@ GAP_PERIODS = 20  # sampling periods without a sample after which no line is dra
 
 
 @figure_style()
-def draw_signals(estimate: "Estimate", joint: int | None) -> "Figure":
-    """Draw velocity and torque of one joint above each other, or every joint on a sheet, a row for each."""
-    joints = joint_series(estimate, joint)
-    figure, rows = pairs(len(joints), sheet=joint is None)
+def draw_signals(estimate: "Estimate", joint: Numbers) -> "Figure":
+    """Draw velocity and torque of one joint above each other, or every joint that moved on a sheet, a row for each."""
+    joints, sheet, note = choose_series(estimate, joint)
+    figure, rows = pairs(len(joints), sheet=sheet)
     for row, series in zip(rows, joints, strict=True):
         signals = ((series.dq, "Velocity [rad/s]", series.title), (series.torque, "Torque [N m]", ""))
         for axes, (signal, label, title) in zip(row, signals, strict=True):
@@ -60,7 +61,7 @@ def draw_signals(estimate: "Estimate", joint: int | None) -> "Figure":
             label_panel(axes, title, y=label)
     add_legend(figure)
     figure.align_ylabels()
-    figure.supxlabel("Time [s]")
+    figure.supxlabel(f"Time [s]{note}")
     return figure
 
 
@@ -79,20 +80,19 @@ SMALLEST_ENERGY_J = 0.01  # half height of the panel of a joint that stands stil
 
 
 @figure_style()
-def draw_energy(estimate: "Estimate", joint: int | None) -> "Figure":
-    """Draw the net energy of one joint or of every joint on a sheet; of a long log its first cycles apart."""
-    joints = joint_series(estimate, joint)
+def draw_energy(estimate: "Estimate", joint: Numbers) -> "Figure":
+    """Draw the net energy of one joint or of those that moved on a sheet; of a long log its first cycles apart."""
+    joints, sheet, note = choose_series(estimate, joint)
     if any(series.is_crowded for series in joints):
         figure = _draw_long(joints)
     else:
-        sheet = len(joints) > 1
         figure, panels = grid([1.4 if sheet else 1.8] * len(joints), sheet=sheet, across=2, head_in=0.6)
         for axes, series in zip(panels, joints, strict=True):
             _draw_cycles(axes, series)
             label_panel(axes, series.title)
             write_message(axes, series.not_determined)
     add_legend(figure, ("net energy", "dissipated, per cycle", "zero velocity"))
-    figure.supxlabel("Time [s]")
+    figure.supxlabel(f"Time [s]{note}")
     figure.supylabel("Net energy [J]")
     return figure
 
@@ -154,10 +154,10 @@ SMALLEST_SHARE, SMALLEST_RANGE = 0.02, 1e-6  # of the value, and of all: a panel
 
 
 @figure_style()
-def draw_coefficients(estimate: "Estimate", joint: int | None) -> "Figure":
+def draw_coefficients(estimate: "Estimate", joint: Numbers) -> "Figure":
     """Draw Coulomb and viscous friction of one joint above each other, or every joint on a sheet, a row for each."""
-    joints = joint_series(estimate, joint)
-    figure, rows = pairs(len(joints), sheet=joint is None)
+    joints, sheet, note = choose_series(estimate, joint, estimated)
+    figure, rows = pairs(len(joints), sheet=sheet)
     cycles = estimate.settings.friction.cycles_per_point
     window = "last cycle" if cycles == 1 else f"last {cycles} cycles"
     cut = False
@@ -183,7 +183,7 @@ def draw_coefficients(estimate: "Estimate", joint: int | None) -> "Figure":
             found.set_label("95 %, cut at the edge" if cut else "95 %")
     add_legend(figure, (window, "95 %", "95 %, cut at the edge"))
     figure.align_ylabels()
-    figure.supxlabel("Time [s]")
+    figure.supxlabel(f"Time [s]{note}")
     return figure
 
 

@@ -1,15 +1,15 @@
 """The parts of figures: grids of panels, titles, messages, legends, limits, thinned and filtered curves."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, printable, shortened
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.style import BORDER, COLUMN_IN, FILTERED, MUTED, RAW, SHEET_IN, Look
-from friction_audit.reporting.words import NEWTON_METRES, in_unit, joint_label
+from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit, joint_label, joints_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,6 +29,7 @@ class Numbered(Protocol):
 
 
 T = TypeVar("T", bound=Numbered)
+Numbers = int | tuple[int, ...] | None  # of one joint at column width, of the joints of a sheet, or None for all
 
 
 def chosen_joints(joints: Sequence[T], joint: int | None) -> tuple[T, ...]:
@@ -44,9 +45,40 @@ def chosen_joints(joints: Sequence[T], joint: int | None) -> tuple[T, ...]:
     return chosen
 
 
+class Chosen(NamedTuple, Generic[T]):
+    """Joints to be drawn, whether on a sheet, and a line on those that are left out of it."""
+
+    joints: tuple[T, ...]
+    sheet: bool
+    note: str
+
+
+def choose(joints: Sequence[T], numbers: Numbers, has: Callable[[T], object], why: str) -> Chosen[T]:
+    """Return one joint at column width, or those of a sheet that have something to show; one alone is no sheet.
+
+    Args:
+        joints: All joints of a result.
+        numbers: Which of them.
+        has: Whether there is something to show of a joint.
+        why: What a joint without it has not, for the line that stands for it.
+
+    Raises:
+        UsageError: If the result does not hold a joint.
+    """
+    if isinstance(numbers, int):
+        return Chosen(chosen_joints(joints, numbers), sheet=False, note="")
+    every = [one for one in joints if numbers is None or one.joint in numbers]
+    shown = [one for one in every if has(one)]
+    without = [one.joint for one in every if one not in shown]
+    if not shown:
+        shown, without = every, []
+    note = f"\n{joints_label(without)}: {why}" if without else ""
+    return Chosen(tuple(shown), sheet=len(shown) > 1, note=note)
+
+
 def joint_title(joint: int, name: str) -> str:
-    """Return what a panel of a figure calls a joint."""
-    return f"joint {joint_label(joint, name)}"
+    """Return what a panel of a figure calls a joint; no panel has room for more of its name."""
+    return f"joint {joint_label(joint, shortened(printable(name), SHORTEST_NAME))}"
 
 
 def new_figure(width_in: float, height_in: float) -> "Figure":

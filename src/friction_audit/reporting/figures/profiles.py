@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from friction_audit.diagnosis.profiles import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
-from friction_audit.reporting.diagnosis_words import effect_numbers, where_words
+from friction_audit.reporting.diagnosis_words import effect_numbers, plain_names, where_words
 from friction_audit.reporting.figures.panels import (
+    Numbers,
     add_legend,
-    chosen_joints,
+    choose,
     every_nth,
     grid,
     is_narrow,
@@ -54,6 +56,11 @@ STRETCHED, WIDENING = ("speed", "displacement"), 30.0
 POINTS = 60  # stretches with equally many samples over which a fitted torque is averaged for a line
 
 
+def wave_of(effect: NamedEffect) -> OwnAxis | None:
+    """Return the wave that a ripple is drawn over; what no quantity shows is not drawn over its own fitted torque."""
+    return effect.own if ORDER in effect.parameters else None
+
+
 class Row(NamedTuple):
     """A row of the figure: a joint and its residual before and after; None where there is nothing."""
 
@@ -73,7 +80,7 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
     rows: dict[str, Row] = {}
     for effect in joint.added:
-        own = effect.own
+        own = wave_of(effect)
         row = along(effect.curve.axis) if own is None else Row(joint, own.before, own.after, own)
         rows.setdefault(own.label if own else effect.curve.axis, row)
     found = list(rows.values())
@@ -83,11 +90,11 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
 
 @figure_style()
-def draw_residual(found: "Diagnosis", joint: int | None) -> "Figure":
+def draw_residual(found: "Diagnosis", joint: Numbers) -> "Figure":
     """Draw the residual before and after along every axis that shows an effect; a sheet has that of the largest."""
-    joints = chosen_joints(found.discrepancy.joints, joint)
-    rows = [row for one in joints for row in (rows_of(one) if joint is not None else rows_of(one)[:1])]
-    if joint is None:
+    joints, sheet, note = choose(found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable")
+    rows = [row for one in joints for row in (rows_of(one)[:1] if sheet else rows_of(one))]
+    if sheet:
         figure = new_figure(SHEET_IN, 0.75 + 1.4 * len(rows))
         panels = iter(figure.subplots(len(rows), 2, squeeze=False, sharey="row").ravel())
         counts = [2] * len(rows)
@@ -100,7 +107,8 @@ def draw_residual(found: "Diagnosis", joint: int | None) -> "Figure":
     add_legend(figure)
     corners = sorted({round(one.traces.corner_hz, 6) for one in joints if one.traces is not None})
     ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys((*corners[:1], *corners[-1:])))
-    figure.supylabel(f"Residual{f' below {ends} Hz' if corners else ''} [N m]")
+    figure.supylabel(f"Measured less model{f', low-pass {ends} Hz' if corners else ''} [N m]")
+    figure.supxlabel(note.strip())
     return figure
 
 
@@ -111,7 +119,7 @@ def _draw_row(panels: "list[Axes]", row: Row) -> None:
     if row.before is None or traces is None:
         write_verdict(panels[0], joint)
         return
-    names = " and ".join(effect.name for effect in joint.added)
+    names = plain_names(" and ".join(effect.name for effect in joint.added))
     contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
     titles = (f"{joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
@@ -179,12 +187,12 @@ def name_axis(axes: "Axes", profile: Profile) -> None:
 
 
 @figure_style()
-def draw_effects(found: "Diagnosis", joint: int | None) -> "Figure":
+def draw_effects(found: "Diagnosis", joint: Numbers) -> "Figure":
     """Draw a panel per effect of one joint at column width, parameters below, or of every joint on a sheet."""
-    sheet = joint is None
+    joints, sheet, note = choose(found.discrepancy.joints, joint, lambda one: one.effects, "no effect named")
     panels: list[Callable[[Axes], None]] = []
     heights: list[float] = []
-    for one in chosen_joints(found.discrepancy.joints, joint):
+    for one in joints:
         drawn = [panel for effect in one.effects for panel in _effect_panels(one, effect, sheet=sheet)]
         panels += drawn or [partial(write_verdict, joint=one)]
         heights += [1.55 if sheet else 2.3 for _ in drawn] or [0.9]
@@ -193,6 +201,7 @@ def draw_effects(found: "Diagnosis", joint: int | None) -> "Figure":
         draw(axes)
     add_legend(figure)
     figure.supylabel("Torque of the effect [N m]")
+    figure.supxlabel(note.strip())
     return figure
 
 
@@ -200,7 +209,7 @@ def _effect_panels(joint: JointDiagnosis, effect: NamedEffect, *, sheet: bool) -
     if effect.name != CONTACT_EVENT or joint.contacts is None:
         return [partial(_draw_effect, joint=joint, effect=effect)]
     t, residual, spans = joint.contacts.t, joint.contacts.residual_nm, joint.contacts.spans_s
-    title = f"{joint_title(joint.joint, joint.name)}: {effect.name}"
+    title = f"{joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}"
     panels = [partial(_draw_contacts, joint=joint, title=title, ends=(float(t[0]), float(t[-1])))]
     if not sheet:
         largest = max(spans, key=lambda span: np.nanmax(np.abs(residual[(t >= span[0]) & (t <= span[1])]), initial=0.0))
@@ -211,10 +220,10 @@ def _effect_panels(joint: JointDiagnosis, effect: NamedEffect, *, sheet: bool) -
 
 def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> None:
     """Draw the effect as the log shows it, and as it was fitted."""
-    traces, own = joint.traces, effect.own
+    traces, own = joint.traces, wave_of(effect)
     assert traces is not None
     shown = traces.measured - traces.after + effect.torque
-    label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {effect.name}")
+    label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}")
     along = traces.along[effect.curve.axis] if own is None else own.values
     curve = effect.curve if own is None else own.curve
     draw_profile(axes, curve, along, traces.dq, shown)

@@ -26,8 +26,8 @@ class Figure:
     title: str
     caption: str = ""
 
-    def draw(self, result: Any, joint: int | None = None) -> "MatplotlibFigure":
-        """Draw one joint, given by its number (1..n), at column width, or all joints on a sheet.
+    def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "MatplotlibFigure":
+        """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet.
 
         Raises:
             UsageError: If the result does not hold that joint.
@@ -43,8 +43,8 @@ FIGURES = (
         result="estimate",
         draws="over_time.draw_coefficients",
         title="Coefficients over time",
-        caption="After each cycle the coefficients of the last cycles with their 95 % interval; dashed those of the "
-        "whole log with theirs. Intervals that are far wider than the rest are cut at the edge.",
+        caption="Coefficients of a window of cycles that moves over the log, with their 95 % interval; dashed those of "
+        "the whole log with theirs. Intervals that are far wider than the rest are cut at the edge.",
     ),
     Figure(
         name="velocity-torque",
@@ -81,22 +81,12 @@ FIGURES = (
         result="replay",
         draws="replay.draw_replay_velocity_torque",
         title="Velocity-torque curves with the compensator",
-        caption="Torque that the person has to give, without the compensator and with it from its first estimate on.",
-    ),
-    Figure(
-        name="verdicts",
-        result="diagnosis",
-        draws="verdicts.draw_verdicts",
-        title="Residual torque of each joint",
-        caption="Residual torque of the nominal model and with the effects named, and the noise floor. The detection "
-        "limit is the smallest effect that would have been found.",
     ),
     Figure(
         name="ladder",
         result="diagnosis",
         draws="verdicts.draw_ladder",
         title="Residual torque after each effect",
-        caption="From the nominal model by each effect that was added down to the noise floor, on held-out cycles.",
     ),
     Figure(
         name="residual",
@@ -111,22 +101,13 @@ FIGURES = (
         result="diagnosis",
         draws="profiles.draw_effects",
         title="The effects named",
-        caption="Each effect as the log shows it, with its interval, and the fitted effect over it; an effect that no "
-        "one quantity shows is drawn over its own fitted torque, so that it lies on the diagonal.",
+        caption="Each effect as the log shows it, over the quantity that shows most of it, and the fitted effect.",
     ),
     Figure(
         name="simulation",
         result="diagnosis",
         draws="simulation.draw_simulation",
         title="Measured and simulated",
-        caption="Torque and motion as measured, of the nominal model and of the model augmented by the effects named, "
-        "on held-out cycles.",
-    ),
-    Figure(
-        name="evidence",
-        result="diagnosis",
-        draws="verdicts.draw_evidence",
-        title="Competing effects of each effect named",
     ),
     Figure(
         name="changes",

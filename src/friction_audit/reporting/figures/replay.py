@@ -8,8 +8,9 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import (
     CUTOFF_HZ,
+    Numbers,
     add_legend,
-    chosen_joints,
+    choose,
     cutoff_hz,
     draw_curve,
     draw_dots,
@@ -53,11 +54,11 @@ WITHOUT: dict[str, Any] = {"color": FITTED, "ls": DASHED}
 
 
 @figure_style()
-def draw_replay(found: "LogReplay", joint: int | None) -> "Figure":
-    """Draw one joint at column width, or every joint on a sheet, a row for each."""
-    joints = chosen_joints(found.replay.joints, joint)
-    title = found.replay.counterfactual.title
-    figure = _draw_sheet(joints, title) if joint is None else _draw_column(joints[0], title)
+def draw_replay(found: "LogReplay", joint: Numbers) -> "Figure":
+    """Draw one joint at column width, or every joint that was replayed on a sheet, a row for each."""
+    joints, sheet, note = choose(found.replay.joints, joint, lambda one: not one.reason, "not replayed")
+    title = f"{found.replay.counterfactual.title}{note}"
+    figure = _draw_sheet(joints, title) if sheet else _draw_column(joints[0], title)
     figure.align_ylabels()
     return figure
 
@@ -189,15 +190,14 @@ DOTS, LOOP_POINTS, POINTS_PER_PERIOD = 8000, 12_000, 10
 
 
 @figure_style()
-def draw_replay_velocity_torque(found: "LogReplay", joint: int | None) -> "Figure":
-    """Draw torque over velocity of one joint at column width, or of every joint on a sheet."""
-    joints = chosen_joints(found.replay.joints, joint)
-    sheet = joint is None
+def draw_replay_velocity_torque(found: "LogReplay", joint: Numbers) -> "Figure":
+    """Draw torque over velocity of one joint at column width, or of every joint that was replayed on a sheet."""
+    joints, sheet, note = choose(found.replay.joints, joint, lambda one: not one.reason, "not replayed")
     figure, panels = grid([1.75 if sheet else 2.3] * len(joints), sheet=sheet, across=4, head_in=0.6)
     for axes, one in zip(panels, joints, strict=True):
         _draw_loops(axes, one)
     add_legend(figure)
-    figure.supxlabel(f"Velocity [rad/s], {found.replay.counterfactual.title}")
+    figure.supxlabel(f"Velocity [rad/s], {found.replay.counterfactual.title}{note}")
     figure.supylabel("Interaction torque [N m]")
     return figure
 

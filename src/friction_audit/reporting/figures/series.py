@@ -1,6 +1,6 @@
 """The signals, cycles and friction of one joint of an estimate, as figures draw them."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -9,7 +9,7 @@ import numpy as np
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.reporting.figures.panels import chosen_joints, joint_title
+from friction_audit.reporting.figures.panels import Chosen, Numbers, choose, joint_title
 from friction_audit.reporting.figures.style import REJECTED, SHADE, Look
 
 if TYPE_CHECKING:
@@ -88,16 +88,31 @@ class JointSeries:
         )
 
 
-def joint_series(estimate: "Estimate", joint: int | None) -> tuple[JointSeries, ...]:
-    """Return the series of one joint, given by its number, or with None of all.
+def moved(friction: JointFriction) -> bool:
+    """Return whether there is motion to draw."""
+    return friction.moving_s > 0.0 or not friction.reason
 
-    Raises:
-        UsageError: If the result does not hold that joint.
-    """
+
+def estimated(friction: JointFriction) -> bool:
+    """Return whether there are coefficients to draw."""
+    return not friction.reason
+
+
+def choose_series(
+    estimate: "Estimate", numbers: Numbers, has: Callable[[JointFriction], bool] = moved
+) -> Chosen[JointSeries]:
+    """Return the series of the joints to be drawn, see ``choose``."""
+    why = "did not move" if has is moved else "no estimate"
+    found = choose(estimate.friction.joints, numbers, has, why)
+    return Chosen(tuple(_series(estimate, found.joints)), found.sheet, found.note)
+
+
+def _series(estimate: "Estimate", joints: Iterable[JointFriction]) -> Iterator[JointSeries]:
     interaction = estimate.interaction
     columns = {number: column for column, number in enumerate(interaction.joint_numbers)}
-    return tuple(
-        JointSeries(
+    for friction in joints:
+        column = columns[friction.joint]
+        yield JointSeries(
             joint=friction.joint,
             name=interaction.joint_names[column],
             t=interaction.t,
@@ -107,9 +122,6 @@ def joint_series(estimate: "Estimate", joint: int | None) -> tuple[JointSeries, 
             cycles=estimate.cycles.of_joint(column),
             friction=friction,
         )
-        for friction in chosen_joints(estimate.friction.joints, joint)
-        for column in (columns[friction.joint],)
-    )
 
 
 def shade_cycles(axes: "Axes", series: JointSeries) -> None:

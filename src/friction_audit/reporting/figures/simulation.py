@@ -8,10 +8,12 @@ import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap, Traces
 from friction_audit.joint_log import Float
+from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures.panels import (
+    Numbers,
     add_legend,
     break_at_gaps,
-    chosen_joints,
+    choose,
     is_narrow,
     joint_title,
     label_panel,
@@ -20,7 +22,7 @@ from friction_audit.reporting.figures.panels import (
     new_figure,
     thin_extremes,
 )
-from friction_audit.reporting.figures.series import joint_series
+from friction_audit.reporting.figures.series import choose_series
 from friction_audit.reporting.figures.style import (
     BORDER,
     COLUMN_IN,
@@ -62,11 +64,11 @@ class Piece(NamedTuple):
 
 
 @figure_style()
-def draw_simulation(found: "Diagnosis", joint: int | None) -> "Figure":
-    """Draw one joint at column width, panels above each other, or every joint on a sheet, a row for each."""
-    joints = chosen_joints(found.discrepancy.joints, joint)
+def draw_simulation(found: "Diagnosis", joint: Numbers) -> "Figure":
+    """Draw one joint at column width, panels above each other, or every joint tested on a sheet, a row for each."""
+    joints, sheet, note = choose(found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable")
     across = 3 if any(one.simulation is not None for one in joints) else 2
-    if joint is None:
+    if sheet:
         figure = new_figure(SHEET_IN, 0.75 + 1.25 * len(joints))
         rows = figure.subplots(len(joints), across, squeeze=False, sharex="row").tolist()
     else:
@@ -75,7 +77,7 @@ def draw_simulation(found: "Diagnosis", joint: int | None) -> "Figure":
     for row, one in zip(rows, joints, strict=True):
         _draw_joint(row, found, one, alone=len(joints) == 1)
     add_legend(figure)
-    figure.supxlabel("Time within the held-out cycles shown [s]")
+    figure.supxlabel(f"Time within the held-out cycles shown [s]{note}")
     figure.align_ylabels()
     return figure
 
@@ -90,10 +92,10 @@ def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis,
         write_verdict(panels[0], joint)
         return
     pieces = shown_cycles(traces, motion)
-    names = " and ".join(effect.name for effect in joint.added) if alone else "the effects named"
+    names = plain_names(" and ".join(effect.name for effect in joint.added)) if alone else "the effects named"
     with_effects = f"with {names}" if joint.added else ""
     filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
-    (series,) = joint_series(found.estimate, joint.joint)
+    (series,) = choose_series(found.estimate, joint.joint).joints
     raw = thin_extremes(*lay_out(pieces, series.t, series.driving_torque), POINTS)
     panels[0].plot(*raw, color=RAW, lw=0.5, label="measured, raw", zorder=1)
     measured = _draw(panels[0], pieces, traces.t, traces.measured, color=FILTERED, lw=1.0, label=filtered, zorder=2)

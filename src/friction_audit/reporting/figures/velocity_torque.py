@@ -9,6 +9,7 @@ from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import (
     CUTOFF_HZ,
     MOST_POINTS,
+    Numbers,
     add_legend,
     cutoff_hz,
     draw_arrow,
@@ -21,7 +22,7 @@ from friction_audit.reporting.figures.panels import (
     smooth,
     write_message,
 )
-from friction_audit.reporting.figures.series import JointSeries, joint_series
+from friction_audit.reporting.figures.series import JointSeries, choose_series
 from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW, figure_style
 
 if TYPE_CHECKING:
@@ -48,14 +49,13 @@ class Loop(NamedTuple):
 
 
 @figure_style()
-def draw_velocity_torque(estimate: "Estimate", joint: int | None) -> "Figure":
-    """Draw one joint at column width, or every joint on a sheet."""
-    joints = joint_series(estimate, joint)
-    sheet = joint is None
+def draw_velocity_torque(estimate: "Estimate", joint: Numbers) -> "Figure":
+    """Draw one joint at column width, or every joint that moved on a sheet."""
+    joints, sheet, note = choose_series(estimate, joint)
     figure, panels = grid([1.75 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.5)
     formulas = [_draw_panel(axes, series, sheet=sheet) for axes, series in zip(panels, joints, strict=True)]
     add_legend(figure, formula=None if sheet else formulas[0])
-    figure.supxlabel("Velocity [rad/s]")
+    figure.supxlabel(f"Velocity [rad/s]{note}")
     compensated = joints[0].compensation is not None
     figure.supylabel("Interaction and compensator torque [N m]" if compensated else "Interaction torque [N m]")
     return figure

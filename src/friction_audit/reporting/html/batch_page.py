@@ -40,8 +40,6 @@ from friction_audit.reporting.html.page import (
     Section,
     Terms,
     Text,
-    Verdict,
-    Verdicts,
     citation_section,
     render_page,
     settings_section,
@@ -125,6 +123,15 @@ NUMBERS = Record(
         Column(
             "p", get=lambda row: row.found.p_value if row.found.values else math.nan, form=format_p, title="p", on="p"
         ),
+    )
+)
+
+
+ARM = Record(
+    (
+        Column("arm", str, get="robot", title="arm", code=True, on="p"),
+        Column("verdict", str, get=arm_verdict, title="verdict", tone=TONES.__getitem__, on="p"),
+        Column("sentence", str, get=arm_sentence, title="answer", words=True, on="p"),
     )
 )
 
@@ -305,7 +312,12 @@ def batch_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET)
             _verdict_section(summary),
             *_arm_sections(summary, drawn),
             *_failed_section(summary),
-            Section(anchor="words", title="How to read it", parts=(Terms(pairs=tuple(WORDS.items())),)),
+            Section(
+                anchor="words",
+                title="How to read it",
+                parts=(Terms(pairs=tuple(WORDS.items()), words=True),),
+                folded=True,
+            ),
             settings_section(summary.settings, summary.command),
             citation_section(),
         ),
@@ -339,12 +351,7 @@ def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
 
 
 def _verdict_section(summary: BatchSummary) -> Section:
-    verdicts = Verdicts(
-        verdicts=[
-            Verdict(name=arm.robot, word=arm_verdict(arm), tone=TONES[arm_verdict(arm)], sentence=arm_sentence(arm))
-            for arm in summary.arms
-        ]
-    )
+    verdicts = ARM.people(summary.arms, caption="Drift of each arm")
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
     limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
     parts = (Text(lines=limits, listed=True, tone="alert"),) if limits else ()

@@ -1,40 +1,53 @@
-"""LogReport -> one HTML page: verdicts, the recording, friction, the compensator, missing effects, every setting."""
+"""LogReport -> one HTML page: the answer and the velocity-torque sheet first, details by joint and by topic folded."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from friction_audit.preprocessing.interaction import TorqueChoice
-from friction_audit.reporting.diagnosis import data_tables, page_tables
-from friction_audit.reporting.diagnosis_tables import TONES
-from friction_audit.reporting.diagnosis_words import nominal_model
-from friction_audit.reporting.estimate import FRICTION as FRICTION_RECORD
-from friction_audit.reporting.estimate import sign_text
-from friction_audit.reporting.html.log_figures import COMPENSATOR, FRICTION, MISSING, Drawn, draw_figures
+from friction_audit.reporting.diagnosis import data_tables
+from friction_audit.reporting.diagnosis_tables import (
+    COMPETITOR,
+    EFFECT,
+    JOINT_DIAGNOSIS,
+    UNTESTABLE,
+    effect_rows,
+    untestable_rows,
+)
+from friction_audit.reporting.diagnosis_words import (
+    decide_words,
+    names_of,
+    negligible_words,
+    nominal_model,
+    plain_names,
+    remainder_words,
+)
+from friction_audit.reporting.estimate import FRICTION, sign_text
+from friction_audit.reporting.html.log_figures import Drawn, draw_figures
 from friction_audit.reporting.html.page import (
     Page,
     Part,
     Section,
     Terms,
     Text,
-    Verdict,
-    Verdicts,
     citation_section,
     settings_section,
+    terms_of,
 )
 from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
-from friction_audit.reporting.notices import log_notices, notice_lines
+from friction_audit.reporting.notices import notice_lines, reason_lines
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.report import (
-    ESTIMATED,
-    NO_ESTIMATE,
+    VERDICT,
+    JointReport,
     LogReport,
+    friction_words,
     lead_sentence,
     report_notices,
     report_settings,
-    verdict_sentence,
     verdict_word,
 )
 from friction_audit.reporting.table import Column, JointName, Record, Table, joint_column
-from friction_audit.reporting.words import NOTHING, count_of, format_start, in_unit, joint_label
+from friction_audit.reporting.words import count_of, format_start, in_unit, joint_label, joints_label
 
 NO_FIGURES = Drawn(by_section={}, left_out={})
 WORDS = {
@@ -43,7 +56,7 @@ WORDS = {
     "energy cycle": "From one moment of rest to the next: no energy is stored in the motion at either end, so that "
     "the energy put in is the energy that friction dissipated.",
     "Coulomb, viscous": "Friction that does not depend on the speed, and friction that grows with it.",
-    "95 % interval": "Holds noise and the differences between strokes; not errors of the model, such as a wrong "
+    "95 % interval": "Holds noise and the differences between cycles; not errors of the model, such as a wrong "
     "payload.",
     "condition number": "How well the cycles separate the two coefficients; from some hundreds on they do not.",
     "adequate": "No effect of the catalogue above the detection limit is missing from the model; a smaller one may be.",
@@ -64,7 +77,11 @@ WORDS = {
     "removed": "Share of the energy put in that the compensator would have removed; energy given out counts as left.",
     "passive": "The compensated joint never gave out more energy than was put into it.",
 }
-VERDICT_TONES = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fine"}
+RECORD = (
+    "To record: move one joint at a time, back and forth over most of its range, at least twelve times, at three or "
+    "more speeds, with a rest at each end; then several joints together. Log q, dq and the joint torque at 100 Hz or "
+    "more, with nothing touching the arm where it moves by itself."
+)
 CHANNEL = Record(
     (
         Column("channel", str, get="0", title="channel", on="p"),
@@ -86,22 +103,28 @@ SIGN = Record(
 def log_page(report: LogReport, *, figures: bool = True) -> Page:
     """Return what the page of a log is made of, with figures or without."""
     drawn = draw_figures(report) if figures else NO_FIGURES
+    topics = {"friction": _friction, "diagnosis": _missing, "compensator": _compensator, "recording": _recording}
+    answered = [one for one in report.joints if not one.friction.reason or one.answer]
+    joints = Section(
+        anchor="joints", title="Joints", sections=[_joint(report, one) for one in answered], on_paper=False
+    )
     return Page(
         title=f"Joint friction: {report.file_name}",
         lead=in_unit(lead_sentence(report), report.unit),
         facts=tuple(_facts(report)),
         sections=(
-            Section(anchor="verdicts", title="Verdict per joint", parts=(_verdicts(report),)),
-            _recording(report),
-            _friction(report, drawn),
-            _compensator(report, drawn),
-            _missing(report, drawn),
+            Section(anchor="verdicts", title="Friction and verdict", parts=tuple(_answer(report, answered, drawn))),
+            *([joints] if answered else ()),
+            *(topics[name](report, drawn) for name in report.sections if name in topics),
             _warnings(report),
-            Section(anchor="words", title="How to read it", parts=(Terms(pairs=tuple(WORDS.items())),)),
+            Section(
+                anchor="words", title="How to read it", parts=(Terms(pairs=tuple(WORDS.items()), words=True),),
+                folded=True, on_paper=False,
+            ),
             settings_section(report_settings(report), report.command),
             citation_section(),
         ),
-    )
+    )  # fmt: skip
 
 
 def _facts(report: LogReport) -> Iterator[tuple[str, str]]:
@@ -115,25 +138,133 @@ def _facts(report: LogReport) -> Iterator[tuple[str, str]]:
     yield "Cycles", str(sum(one.friction.cycles for one in report.joints))
 
 
-def _verdicts(report: LogReport) -> Verdicts:
-    return Verdicts(
-        verdicts=[
-            Verdict(
-                name=f"Joint {joint_label(one.joint, one.name)}",
-                word=verdict_word(one),
-                tone=VERDICT_TONES[verdict_word(one)],
-                sentence=in_unit(verdict_sentence(one), report.unit),
-            )
-            for one in report.joints
-        ]
+def _answer(report: LogReport, answered: list[JointReport], drawn: Drawn) -> Iterator[Part]:
+    """Yield the table of the answers, why the other joints have none, and the velocity-torque sheet."""
+    if answered:
+        caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
+        yield VERDICT.people(answered, caption=caption, unit=report.unit).filled()
+    without = [in_unit(line, report.unit) for line in reason_lines(one.friction for one in report.joints)]
+    if without:
+        yield Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
+    if all(one.friction.reason for one in report.joints):
+        yield Text(lines=(RECORD,))
+    yield from _pictures(drawn, "verdicts")
+
+
+def _joint(report: LogReport, one: JointReport) -> Section:
+    label, unit, found = joint_label(one.joint, one.name), report.unit, one.discrepancy
+    pairs = dict(terms_of(FRICTION, one.friction, unit).pairs)
+    if found is not None:
+        pairs |= terms_of(JOINT_DIAGNOSIS, found, unit).pairs
+        pairs |= {"negligible": negligible_words(found)} if found.negligible else {}
+        pairs |= {"left without a name": remainder_words(found)} if found.checks else {}
+    if one.replay is not None:
+        pairs |= terms_of(JOINT_REPLAY, one.replay, unit).pairs
+    own = [notice.message for notice in report_notices(report) if notice.joint == one.joint]
+    return Section(
+        anchor=f"joint-{one.joint}",
+        title=f"Joint {label}",
+        note=in_unit(f"{friction_words(one.friction)}; {verdict_word(one)}", unit),
+        parts=(
+            Terms(pairs=[(name, in_unit(plain_names(text), unit)) for name, text in pairs.items()]),
+            *_effects(report, one),
+            *([Text(lines=own, listed=True, tone="unsure")] if own else ()),
+        ),
+        folded=True,
     )
 
 
-def _recording(report: LogReport) -> Section:
+def _effects(report: LogReport, one: JointReport) -> Iterator[Part]:
+    """Yield the tables of the diagnosis of a joint that have rows."""
+    if one.discrepancy is None:
+        return
+    rows, joint = effect_rows([one.discrepancy]), f"joint {one.joint}"
+    competing = [(row, other) for row in rows for other in row.effect.evidence if other.name != row.effect.name]
+    tables = (
+        EFFECT.people(rows, caption=f"Missing effects of {joint}, the largest first", unit=report.unit),
+        COMPETITOR.people(
+            competing,
+            caption=f"Effects competing with those of {joint}: from 6 on the evidence against them is strong",
+            folded=True,
+        ),
+        UNTESTABLE.people(
+            untestable_rows([one.discrepancy]), caption=f"Effects that this log cannot show on {joint}",
+            folded=True, unit=report.unit,
+        ),
+    )  # fmt: skip
+    for table in tables[: 1 if rows else 0]:
+        yield _of_one_joint(table)
+    undecided = [row for row in rows if row.effect.alternatives]
+    if undecided:
+        separate = (
+            f"To separate {names_of(row.effect, row.joint.effects)}: {decide_words(row.effect)}." for row in undecided
+        )
+        yield Text(lines=[plain_names(line).replace(" or ", " from ", 1) for line in separate])
+    yield from (_of_one_joint(table) for table in tables[1:] if table.rows)
+
+
+def _of_one_joint(table: Table) -> Table:
+    return replace(table, columns=[column for column in table.columns if column.name != "joint"])
+
+
+def _friction(report: LogReport, drawn: Drawn) -> Section:
+    found = report.estimate.friction
+    lines = [f"Estimator {found.estimator}, {report.estimate.settings.friction.model} model.", *_windows(report)]
+    parts = (Text(lines=lines), *_pictures(drawn, "friction"))
+    return Section(anchor="friction", title="Friction over time", parts=parts, folded=True)
+
+
+def _windows(report: LogReport) -> Iterator[str]:
+    """Yield over how many cycles each point of the history is, and which joints are too short for a change to show."""
+    windows: dict[int, list[int]] = {}
+    for one in report.joints:
+        if not one.friction.reason and one.friction.method == "energy":
+            windows.setdefault(min(one.friction.window, one.friction.cycles), []).append(one.joint)
+    for window, joints in windows.items():
+        yield f"Each point of the history is of {count_of(window, 'cycle')}: {joints_label(joints)}."
+
+
+def _compensator(report: LogReport, drawn: Drawn) -> Section:
+    title = "What a compensator would have done"
+    if report.replay is None:
+        return Section(anchor="compensator", title=title, parts=_unanswered(report, "replay"), folded=True)
+    found = report.replay.replay
+    lines = (
+        f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}.",
+        f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}.",
+    )
+    parts = (Text(lines=lines), *_pictures(drawn, "compensator"))
+    return Section(anchor="compensator", title=title, parts=parts, folded=True)
+
+
+def _missing(report: LogReport, drawn: Drawn) -> Section:
+    title = "What the model misses"
+    if report.diagnosis is None:
+        return Section(anchor="diagnosis", title=title, parts=_unanswered(report, "diagnose"), folded=True)
+    model = Text(lines=(f"Nominal model: {nominal_model(report.diagnosis.settings.model)}.",))
+    rows = effect_rows(report.diagnosis.discrepancy.joints)
+    effects = EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
+    parts = (model, *([effects] if rows else ()), *_pictures(drawn, "diagnosis"))
+    return Section(anchor="diagnosis", title=title, parts=parts, folded=True)
+
+
+def _unanswered(report: LogReport, part: str) -> tuple[Text, ...]:
+    why = [one.message for one in report.unanswered if one.part == part]
+    return (Text(lines=why or ["No joint has an estimate."], tone="unsure"),)
+
+
+def _pictures(drawn: Drawn, section: str) -> Iterator[Part]:
+    """Yield the figures of a section, and the names of those that found no room."""
+    yield from drawn.by_section.get(section, ())
+    left_out = drawn.left_out.get(section, ())
+    if left_out:
+        more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
+        yield Text(lines=(f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
+
+
+def _recording(report: LogReport, drawn: Drawn) -> Section:  # noqa: ARG001 - as of the sections with figures
     estimate = report.estimate
     summary = summarize_log(estimate.log, estimate.interaction, estimate.cycles)
-    found = notice_lines(log_notices(estimate.log))
-    fine = Text(lines=("The reader found nothing wrong with the recording.",))
     channels = CHANNEL.people(
         estimate.log.source.channels.items(),
         caption="Channels as they are called in the log; {i} is the number of the joint",
@@ -142,19 +273,13 @@ def _recording(report: LogReport) -> Section:
     return Section(
         anchor="recording",
         title="What was recorded",
+        folded=any(not one.friction.reason for one in report.joints),
         parts=(
-            Terms(pairs=tuple(_source(summary))),
-            Text(lines=found, listed=True, tone="unsure") if found else fine,
+            Terms(pairs=[*_source(summary), *_torque(estimate.interaction.choice, report.unit)]),
             MOTION.people(summary.joints, caption="How the joints moved"),
             channels,
-        ),
-        sections=(
-            Section(
-                anchor="torque",
-                title="Interaction torque",
-                parts=(Terms(pairs=tuple(_torque(estimate.interaction.choice, report.unit))), *_sign(report)),
-            ),
-            *_data_audit(report),
+            *_sign(report),
+            *data_tables(report.diagnosis),
         ),
     )
 
@@ -171,8 +296,8 @@ def _source(summary: LogSummary) -> Iterator[tuple[str, str]]:
 
 
 def _torque(choice: TorqueChoice, unit: str) -> Iterator[tuple[str, str]]:
-    yield "Formula", in_unit(f"{choice.formula}; {choice.reason}" if choice.reason else choice.formula, unit)
-    yield "Source", choice.source
+    yield "Interaction torque", in_unit("; ".join(filter(None, (choice.formula, choice.reason))), unit)
+    yield "Torque source", choice.source
     yield "Driven by", "a hand on the arm" if choice.drive == "hand" else "the robot itself"
     yield "Gravity", choice.gravity
     yield "Inertia", choice.inertia
@@ -192,68 +317,7 @@ def _sign(report: LogReport) -> tuple[Table, ...]:
     return (SIGN.people(rows, caption=caption, folded=True, unit=report.unit),) if rows else ()
 
 
-def _data_audit(report: LogReport) -> Iterator[Section]:
-    tables = data_tables(report.diagnosis)
-    if tables:
-        fine = all(table.folded for table in tables)
-        lead = (Text(lines=("No limit and no fault was found.",)),) if fine else ()
-        yield Section(anchor="data", title="Audit of the data", parts=(*lead, *tables))
-
-
-def _friction(report: LogReport, drawn: Drawn) -> Section:
-    settings, found = report.estimate.settings.friction, report.estimate.friction
-    how = (
-        f"Estimator {found.estimator}, {settings.model} model; each point of the history is made of the last "
-        f"{count_of(settings.cycles_per_point, 'cycle')}."
-    )
-    caption = "Coefficients over the whole log with 95 % intervals, and a regression of the torque for comparison"
-    table = FRICTION_RECORD.people(found.joints, caption=caption, unit=report.unit).filled()
-    return Section(anchor=FRICTION, title="Friction", parts=(Text(lines=(how,)), table, *_pictures(drawn, FRICTION)))
-
-
-def _compensator(report: LogReport, drawn: Drawn) -> Section:
-    title = "What a compensator would have done"
-    if report.replay is None:
-        return Section(anchor=COMPENSATOR, title=title, parts=_unanswered(report, "replay"))
-    found = report.replay.replay
-    lines = (
-        f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}.",
-        f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}.",
-    )
-    caption = "Energy and torque of the person without the compensator and with it"
-    table = JOINT_REPLAY.people(found.joints, caption=caption, unit=report.unit).filled()
-    return Section(anchor=COMPENSATOR, title=title, parts=(Text(lines=lines), table, *_pictures(drawn, COMPENSATOR)))
-
-
-def _missing(report: LogReport, drawn: Drawn) -> Section:
-    title = "What the model misses"
-    if report.diagnosis is None:
-        return Section(anchor=MISSING, title=title, parts=_unanswered(report, "diagnose"))
-    model = Text(lines=(f"Nominal model: {nominal_model(report.diagnosis.settings.model)}.",))
-    tables = page_tables(report.diagnosis)
-    shown, folded = ([table for table in tables if table.folded is later] for later in (False, True))
-    return Section(anchor=MISSING, title=title, parts=(model, *shown, *_pictures(drawn, MISSING), *folded))
-
-
-def _unanswered(report: LogReport, part: str) -> tuple[Text, ...]:
-    why = [one.message for one in report.unanswered if one.part == part]
-    return (Text(lines=why or [NOTHING], tone="unsure"),)
-
-
-def _pictures(drawn: Drawn, section: str) -> Iterator[Part]:
-    """Yield the figures of a section, and the names of those that found no room."""
-    yield from drawn.by_section.get(section, ())
-    left_out = drawn.left_out.get(section, ())
-    if left_out:
-        more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
-        yield Text(lines=(f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
-
-
 def _warnings(report: LogReport) -> Section:
-    read = set(log_notices(report.estimate.log))
-    lines = notice_lines(one for one in report_notices(report) if one not in read)
+    lines = notice_lines(report_notices(report))
     note = Text(lines=lines, listed=True, tone="unsure") if lines else Text(lines=("There are none.",))
-    lead = Text(
-        lines=("What was noticed on the way from the log to these results, in addition to the reader's findings.",)
-    )
-    return Section(anchor="warnings", title="Warnings", parts=(lead, note))
+    return Section(anchor="warnings", title="Warnings", parts=(note,), folded=True, note=str(len(lines)))

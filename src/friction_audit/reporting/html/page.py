@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from friction_audit import __version__
 from friction_audit.errors import printable
 from friction_audit.reporting.html.svg import Picture
-from friction_audit.reporting.table import Column, Record, Table, Tone
+from friction_audit.reporting.table import Column, Record, Row, Table, Tone
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -24,23 +24,6 @@ class Figure:
     picture: Picture
     title: str
     caption: str
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Verdict:
-    """A verdict on something: in a word, as a colour, and in a sentence."""
-
-    name: str
-    word: str
-    tone: Tone
-    sentence: str = ""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Verdicts:
-    """A list of verdicts."""
-
-    verdicts: Sequence[Verdict]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -61,22 +44,36 @@ class Command:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Terms:
-    """Words and what they mean, or names and values."""
+    """Names and values, side by side where there is room, or words and what they mean, a line each."""
 
     pairs: Sequence[tuple[str, str]]
+    words: bool = False
 
 
-Part = Table | Figure | Verdicts | Text | Command | Terms
+Part = Table | Figure | Text | Command | Terms
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Section:
-    """A section with a heading, and sections in it; the anchor is unique: ASCII letters, digits and hyphens."""
+    """A section with a heading, and sections in it.
+
+    Attributes:
+        anchor: Unique: ASCII letters, digits and hyphens.
+        title: The heading.
+        parts: What stands in it.
+        sections: Sections in it, after the parts.
+        folded: Whether a screen shows it only when asked for; paper shows it whole.
+        note: What stands next to the heading of a folded section.
+        on_paper: Whether paper has it.
+    """
 
     anchor: str
     title: str
     parts: Sequence[Part] = ()
     sections: Sequence["Section"] = ()
+    folded: bool = False
+    note: str = ""
+    on_paper: bool = True
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -100,7 +97,7 @@ def citation_section() -> Section:
     """Return how to cite."""
     lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
     parts = (Text(lines=(lead,)), Text(lines=(METHOD, PROGRAM), listed=True))
-    return Section(anchor="cite", title="How to cite", parts=parts)
+    return Section(anchor="cite", title="How to cite", parts=parts, folded=True)
 
 
 UNSET = "not set"
@@ -116,7 +113,7 @@ def settings_section(settings: Mapping[str, object], command: str) -> Section:
     """Return every setting, defaults included, and the command."""
     table = SETTING.people(flattened(settings), caption="Every setting, defaults included", folded=True)
     again = (Text(lines=("This command makes the page again:",)), Command(line=command)) if command else ()
-    return Section(anchor="settings", title="Settings", parts=(*again, table))
+    return Section(anchor="settings", title="Settings", parts=(*again, table), folded=True)
 
 
 def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
@@ -142,12 +139,19 @@ def _setting_text(value: object) -> str:
     return str(value)
 
 
+def terms_of(record: Record, row: Row, unit: str) -> Terms:
+    """Return a row of a table as names and values, without what has no value."""
+    table = record.people([row], unit=unit).filled()
+    columns = [column for column in table.columns if column.name != "joint"]
+    return Terms(pairs=[(column.head(unit), table.text(column, row)) for column in columns])
+
+
 def render_page(page: Page, *, paper: bool = False) -> str:
     """Return the page as HTML; the same page gives the same bytes.
 
     Args:
         page: The page.
-        paper: Whether it is to be printed: nothing folded, no script.
+        paper: Whether it is to be printed: sections open, no script, without the long tables that a screen folds.
     """
     script = "" if paper else _resource("page.js")
     text = _environment().get_template("page.html.j2").render(

@@ -32,6 +32,7 @@
       button.type = "button";
       button.textContent = head.textContent;
       button.title = "Sort by this column";
+      for (const row of table.tBodies[0].rows) if (column) row.cells[column].dataset.head = head.textContent;
       head.replaceChildren(button);
       button.addEventListener("click", () => sortBy(table, head, column));
     });
@@ -123,6 +124,68 @@
     button.addEventListener("click", () => open(figure));
     figure.append(button);
   }
+
+  // Figures: the value under the pointer, of the nearest curve where one is near. A panel is
+  // [left, top, width, height, values along x, values along y, name of x, name of y].
+  const tip = document.createElement("div");
+  tip.className = "value";
+  tip.setAttribute("aria-hidden", "true");
+  const at = (values, share) => {
+    const place = Math.min(Math.max(share, 0), 1) * (values.length - 1);
+    const low = Math.min(Math.floor(place), values.length - 2);
+    return values[low] + (values[low + 1] - values[low]) * (place - low);
+  };
+  const curves = new WeakMap();
+  const curvesOf = (svg) => {
+    if (!curves.has(svg)) {
+      curves.set(svg, [...svg.querySelectorAll("[data-curve]")].map((one) => ({
+        name: one.dataset.curve,
+        points: [...one.querySelectorAll("path")].flatMap((path) =>
+          [...path.getAttribute("d").matchAll(/(-?[\d.]+) (-?[\d.]+)/g)].map((found) => [+found[1], +found[2]])),
+      })));
+    }
+    return curves.get(svg);
+  };
+  const nearest = (svg, [x, y], [left, top, width, height], reach) => {
+    let best = null;
+    for (const { name, points } of curvesOf(svg)) {
+      for (const [px, py] of points) {
+        const far = Math.hypot(px - x, py - y);
+        const inside = px >= left && px <= left + width && py >= top && py <= top + height;
+        if (inside && far < reach) { reach = far; best = { name, x: px, y: py }; }
+      }
+    }
+    return best;
+  };
+  document.addEventListener("pointermove", (event) => {
+    const svg = event.target.closest ? event.target.closest("svg[data-panels]") : null;
+    tip.remove();
+    if (!svg) return;
+    const inverse = svg.getScreenCTM().inverse();
+    const { x, y } = new DOMPoint(event.clientX, event.clientY).matrixTransform(inverse);
+    const panel = JSON.parse(svg.dataset.panels).find((one) =>
+      x >= one[0] && x <= one[0] + one[2] && y >= one[1] && y <= one[1] + one[3]);
+    if (!panel) return;
+    const found = nearest(svg, [x, y], panel, 12 * inverse.a) || { name: "", x, y };
+    const across = at(panel[4], (found.x - panel[0]) / panel[2]);
+    const up = at(panel[5], 1 - (found.y - panel[1]) / panel[3]);
+    const lines = [`${panel[6]}: ${across.toPrecision(3)}`, `${panel[7]}: ${up.toPrecision(3)}`];
+    tip.textContent = [...(found.name ? [found.name] : []), ...lines].join("\n");
+    (dialog.open ? dialog : document.body).append(tip);
+    tip.style.left = `${Math.min(event.clientX + 14, window.innerWidth - tip.offsetWidth - 4)}px`;
+    tip.style.top = `${Math.min(event.clientY + 14, window.innerHeight - tip.offsetHeight - 4)}px`;
+  });
+
+  // A link to something that is folded unfolds it.
+  const unfold = () => {
+    const target = location.hash ? document.getElementById(location.hash.slice(1)) : null;
+    if (!target) return;
+    const inside = target.querySelector(":scope > details");
+    for (let one = inside || target; one; one = one.parentElement) if (one.tagName === "DETAILS") one.open = true;
+    target.scrollIntoView();
+  };
+  window.addEventListener("hashchange", unfold);
+  unfold();
 
   // Paper shows what is folded on the screen.
   const folded = () => [...document.querySelectorAll("details:not([open])")];
