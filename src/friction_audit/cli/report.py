@@ -97,8 +97,7 @@ def command(
             from friction_audit.reporting.notices import estimate_notices
 
             chain.warn_about(recorded, estimate_notices(estimate), stages)
-        typed = shlex.quote(str(log))
-        given = command_line(context, leave_out=NOT_PART_OF_IT).replace(typed, shlex.quote(_name(log)))
+        given = _again(context, log)
         report = _report(estimate, shared.cycles, min_effect, sections, chain.reading_settings(options), given, stages)
         _write(report, files, stages, overwrite=again)
         exported = _export(report, out, recorded, stages)
@@ -138,6 +137,12 @@ def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: b
     """Return the file of each format; none where the document is printed and nothing else was asked for."""
     wanted = formats or ([] if printed and folder is None else [DEFAULT])
     return {name: (folder or Path()) / f"{_stem(log)}.report{choices.REPORT_FORMATS[name]}" for name in wanted}
+
+
+def _again(context: typer.Context, log: Path) -> str:
+    """Return the command with the log's name in place of its path."""
+    given = command_line(context, leave_out=NOT_PART_OF_IT)
+    return given.replace(shlex.quote(str(log)), shlex.quote(_name(log)))
 
 
 def _name(log: Path) -> str:

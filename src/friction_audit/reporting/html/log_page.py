@@ -34,7 +34,7 @@ from friction_audit.reporting.html.page import (
     terms_of,
 )
 from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
-from friction_audit.reporting.notices import notice_lines, reason_lines
+from friction_audit.reporting.notices import notice_lines, physics_of, reason_lines
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.report import (
     VERDICT,
@@ -143,6 +143,9 @@ def _answer(report: LogReport, answered: list[JointReport], drawn: Drawn) -> Ite
     if answered:
         caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
         yield VERDICT.people(answered, caption=caption, unit=report.unit).filled()
+    _, physics = physics_of(report.estimate.log, report_notices(report), [one.friction for one in report.joints])
+    if physics:
+        yield Text(lines=physics, listed=True, tone="unsure")
     without = [in_unit(line, report.unit) for line in reason_lines(one.friction for one in report.joints)]
     if without:
         yield Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
