@@ -25,7 +25,7 @@ def page_of(text: str, name: str) -> str:
     effect, hidden = effect_of(name), HIDDEN[name]
     lines = text.splitlines()
     lines[0] = f"# {name}"
-    lines[2] = f"*{hidden.summary[0].upper()}{hidden.summary[1:]}.* Family: {effect.family}. Label: {effect.label}."
+    lines[2] = f"*{hidden.summary[0].upper()}{hidden.summary[1:]}.* Family: {effect.family}."
     text = "\n".join(lines) + "\n"
     condition = re.search(r"^Not tested where.*$", text, re.MULTILINE)
     text = _section(text, "Parameters", parameter_section(hidden))
@@ -42,7 +42,7 @@ def parameter_section(hidden: type[HiddenEffect]) -> str:
 
 def separation(effect: Effect) -> str:
     """Return the axis, and what separates an effect from those that it names."""
-    lines = [f"Axis: {effect.axis}. [Motion to record](index.md)."]
+    lines = [f"Axis: {effect.axis}."]
     own = [name for name in NAMES if name in effect.separate]
     others = [one.name for one in effects() if effect.name in one.separate and one.name not in own]
     if own:
