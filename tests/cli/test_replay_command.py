@@ -3,8 +3,11 @@ import json
 import re
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
+from friction_audit.cli import main
 from tests.cli.conftest import Run
 
 WRITTEN = {"replay.json", "replay.csv", "replay.png", "replay-velocity-torque.png"}
@@ -119,3 +122,62 @@ def test_plot_draws_a_replay(kind: str, run: Run, logs: Path) -> None:
     answer = run("plot", logs / "moved2.csv", "--figures", kind, "-o", "x")
     assert answer.code == 0
     assert answer.out.split() == [f"x/{kind}.png", f"x/{kind}-joint1.png", f"x/{kind}-joint2.png"]
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A rig, a robot that moves by itself, and a rig whose torque falls with the speed."""
+    folder = tmp_path_factory.mktemp("simulated")
+    for name, words in {"rig": "joint", "robot": "joint-driven"}.items():
+        with pytest.raises(SystemExit):
+            main(["simulate", words, "--duration", "30", "-o", str(folder / f"{name}.csv"), "-q"])
+    falling = pd.read_csv(folder / "rig.csv")
+    falling["tau_interaction_1"] -= 0.2 * falling["dq_1"]
+    falling.to_csv(folder / "falling.csv", index=False)
+    return folder
+
+
+@pytest.mark.parametrize("assume", ["same-motion", "same-torque"])
+@pytest.mark.parametrize("name", ["rig", "robot"])
+def test_what_is_removed_follows_from_the_energies_of_its_row(
+    name: str, assume: str, run: Run, simulated: Path
+) -> None:
+    for joint in run("replay", simulated / f"{name}.csv", "--assume", assume, "--json").document()["joints"]:
+        without, left = joint["energy_without_j"], joint["energy_with_j"]
+        assert joint["reason"] or joint["dissipation_removed"] == pytest.approx(1.0 - abs(left) / without, abs=1e-9)
+
+
+@pytest.mark.parametrize("assume", ["same-motion", "same-torque", "same-operator"])
+def test_no_person_is_named_where_the_robot_moved_by_itself(assume: str, run: Run, simulated: Path) -> None:
+    answer = run("replay", simulated / "robot.csv", "--assume", assume)
+    assert "drive" in answer.out + answer.err
+    assert "person" not in answer.out + answer.err
+
+
+@pytest.mark.parametrize("drive", ["hand", "robot"])
+def test_negative_viscous_friction_stays_visible_with_q(drive: str, run: Run, simulated: Path) -> None:
+    answer = run("replay", simulated / "falling.csv", "-q", "--drive", drive)
+    assert "negative viscous" in answer.out
+
+
+@pytest.mark.usefixtures("sketched")
+def test_signals_hold_the_torque_in_force_computed_a_sample_before(run: Run, simulated: Path, tmp_path: Path) -> None:
+    given = ("--coefficients", "coulomb=0,viscous=0.05", "--no-passivity")
+    assert run("replay", simulated / "rig.csv", *given, "--export", "csv", "-o", "out").code == 0
+    rows = pd.read_csv(tmp_path / "out" / "replay_signals.csv")
+    given_nm = rows["compensation_nm"] + rows["passivity_nm"] + rows["limited_nm"]
+    assert rows["compensation_nm"][1:].to_numpy() == pytest.approx(0.05 * rows["dq_without_rad_s"][:-1], abs=1e-9)
+    assert (rows["interaction_with_nm"] + given_nm).to_numpy() == pytest.approx(
+        rows["interaction_without_nm"], abs=1e-9
+    )
+
+
+@pytest.mark.usefixtures("sketched")
+def test_the_history_file_holds_the_energies_that_give_its_coefficients(
+    run: Run, simulated: Path, tmp_path: Path
+) -> None:
+    assert run("estimate", simulated / "rig.csv", "--estimator", "paper", "-o", "out").code == 0
+    rows = pd.read_csv(tmp_path / "out" / "history.csv")
+    columns, energy = rows[["path_rad", "square_speed_rad2_s"]].to_numpy(), rows["dissipated_j"].to_numpy()
+    found = [np.linalg.solve(columns[k - 1 : k + 1], energy[k - 1 : k + 1]) for k in range(1, len(rows))]
+    np.testing.assert_allclose(found, rows[["coulomb_nm", "viscous_nms_per_rad"]].to_numpy()[1:], rtol=1e-6, atol=1e-9)

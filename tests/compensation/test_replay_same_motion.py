@@ -90,19 +90,6 @@ def test_with_the_noise_of_a_panda_little_is_left(logs: int, window: int, operat
     assert np.median(removed) >= 0.95
 
 
-def test_torques_and_energies_add_up() -> None:
-    log = log_of(BENCH)
-    joint = joint_of(log, energy_compensator())
-    assert joint.replayed is not None
-    assert joint.numbers is not None
-    given = joint.replayed.compensation_nm + joint.replayed.passivity_nm
-    np.testing.assert_allclose(joint.replayed.interaction_nm + given, column(log.tau_interaction), atol=1e-12)
-    dq = log.dq[:, 0]
-    work = float(np.sum(0.25 * (given[1:] + given[:-1]) * (dq[1:] + dq[:-1]) * np.diff(log.t)))
-    assert joint.numbers.energy_without_j - joint.numbers.energy_with_j == pytest.approx(work, abs=1e-9)
-    assert joint.replayed.net_energy_j[-1] == pytest.approx(joint.numbers.energy_with_j, abs=1e-9)
-
-
 def test_the_coefficients_after_the_last_cycle_are_told() -> None:
     joint = joint_of(log_of(BENCH), energy_compensator())
     assert joint.history is not None
@@ -242,16 +229,6 @@ def test_limits_of_an_arm_hold_and_are_reported() -> None:
     assert joint.numbers.peak_compensation_nm == pytest.approx(0.1)
     assert joint.numbers.limited_fraction > 0.3
     assert [caution.code for caution in found.replay.warnings] == ["torque_limited"]
-
-
-def test_a_joint_at_rest_says_why() -> None:
-    log = log_of(BENCH)
-    still = replace(log, q=0.0 * log.q, dq=0.0 * log.dq, tau_interaction=0.0 * log.q)
-    found = replay(still, energy_compensator())
-    joint = found.replay.joints[0]
-    assert "did not move" in joint.reason
-    assert joint.numbers is None
-    assert [caution.code for caution in found.replay.warnings] == ["not_replayed"]
 
 
 def test_too_few_cycles_say_so() -> None:

@@ -61,16 +61,6 @@ def test_the_paper_needs_k_cycles_and_then_estimates_after_each() -> None:
     assert np.isnan(joint.coulomb.low)
 
 
-def test_the_papers_coefficients_follow_from_its_history() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    history = estimate(t, v, friction(v, a), FrictionSettings(estimator="paper", compare=False)).history
-    columns = np.stack([history.path_rad, history.square_speed_rad2_s], axis=1)
-    for row in range(1, len(history.cycle)):
-        pair = slice(row - 1, row + 1)
-        found = np.linalg.solve(columns[pair], history.dissipated_j[pair])
-        np.testing.assert_allclose(found, [history.coulomb_nm[row], history.viscous_nms_per_rad[row]], rtol=1e-9)
-
-
 def test_the_paper_gives_nothing_where_its_cycles_are_copies() -> None:
     t, v, a = strokes([0.8, -0.8] * 4, [1.0] * 8)
     joint = estimate(t, v, friction(v, a), FrictionSettings(estimator="paper", compare=False))

@@ -20,7 +20,6 @@ from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import in_unit, with_unit
 
 DIVERGED = "div."
-# Codes of the cautions that stand in the answer, with --quiet too.
 # Share of the dissipation below which the removed share is not shown as a number.
 WORST = -9.99
 # Numbers of the passivity that stand in the table for files.
