@@ -39,10 +39,3 @@ def test_too_few_have_no_interval(values: list[float], mean: float) -> None:
 )
 def test_medians_by_hand(values: list[float], expected: tuple[float, float, float]) -> None:
     assert median_interval(values) == expected
-
-
-@pytest.mark.parametrize(("values", "median"), [([], nan), ([2.0], 2.0), ([5.0, 1.0, 2.0, 3.0, 4.0], 3.0)])
-def test_too_few_have_a_median_at_most(values: list[float], median: float) -> None:
-    interval = median_interval(values)
-    assert interval.value == pytest.approx(median, nan_ok=True)
-    assert np.isnan([interval.low, interval.high]).all()

@@ -110,19 +110,6 @@ def test_sums_by_hand() -> None:
     np.testing.assert_array_equal(signals.net_energy_j, [0.0, 1.0, -1.0])
 
 
-def test_damping_is_torque_against_velocity() -> None:
-    nothing = np.zeros(3)
-    signals = Signals(
-        t=np.arange(3.0),
-        dq=np.array([0.0, 2.0, -1.0]),
-        interaction_nm=nothing,
-        compensation_nm=nothing,
-        passivity_nm=np.array([0.0, -1.0, 3.0]),
-        limited_nm=np.zeros(3),
-    )
-    np.testing.assert_array_equal(signals.damping_nms_per_rad, [0.0, 0.5, 3.0])
-
-
 def test_limits_are_those_of_the_arm() -> None:
     assert limits_of("panda", 5) == Limits(torque_nm=12.0, rate_nm_s=1000.0)
     assert limits_of("fr3", 4).torque_nm == 87.0

@@ -6,7 +6,7 @@ import pytest
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction
-from friction_audit.reproduce.compared import KEPT, ORDER, is_ranked, rows_of, steps_down
+from friction_audit.reproduce.compared import KEPT, ORDER, rows_of
 
 SEEDS = 2
 COMPARED = [one for one in REPRODUCTIONS if one.figure in ("13", "14")]
@@ -58,9 +58,3 @@ def test_figures_are_drawn(one: Reproduction, short: Comparison) -> None:
 def test_rows_come_in_the_papers_order(short: Comparison) -> None:
     for role in ("paper", "full"):
         assert [row.method for row in rows_of(short, role)] == list(ORDER)
-
-
-def test_order_by_hand() -> None:
-    assert is_ranked([3.0, 2.0, 1.0])
-    assert not is_ranked([3.0, 1.0, 2.0])
-    assert steps_down([3.0, 1.0, 2.0]) == 1

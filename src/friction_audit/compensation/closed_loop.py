@@ -41,22 +41,6 @@ class Recorded(NamedTuple):
         return self.torque + self.logged if len(self.logged) else self.torque
 
 
-class Torques(NamedTuple):
-    """Torques of a replay, n samples each; a torque at sample i is the one in force at t[i].
-
-    Attributes:
-        interaction: Torque of the person. [N m]
-        compensation: Torque that the compensator's law asks for. [N m]
-        passivity: Torque that its passivity controller adds. [N m]
-        limited: What the limits of torque and rate change of their sum. [N m]
-    """
-
-    interaction: Float
-    compensation: Float
-    passivity: Float
-    limited: Float
-
-
 class Control(NamedTuple):
     """The compensator of a joint, and where its run is written.
 
@@ -66,7 +50,7 @@ class Control(NamedTuple):
         tally: Record of TALLY; changed.
         feed: Friction that a compensator with a joint's model feeds forward.
         cuts: Per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all.
-        torques: Receives the torques.
+        torques: Receives torques in force at each t[i]: of the person, law, passivity controller, limits, (4, n). [N m]
         rows: Receives a row per cycle, shape (most, COLUMNS).
     """
 
@@ -75,7 +59,7 @@ class Control(NamedTuple):
     tally: Record
     feed: Feed
     cuts: NDArray[np.int64]
-    torques: Torques
+    torques: Float
     rows: Float
 
 
@@ -142,9 +126,8 @@ def tick(control: Control, i: int, dt: float, q: float, v: float, interaction: f
 def write_torques(control: Control, i: int, interaction: float) -> None:
     """Write down the torques in force at sample i."""
     torques, memory = control.torques, control.memory
-    torques.interaction[i] = interaction
-    torques.compensation[i], torques.passivity[i] = memory.compensation_nm, memory.passivity_nm
-    torques.limited[i] = memory.limited_nm
+    torques[0, i], torques[1, i] = interaction, memory.compensation_nm
+    torques[2, i], torques[3, i] = memory.passivity_nm, memory.limited_nm
 
 
 @compiled()

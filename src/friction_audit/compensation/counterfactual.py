@@ -10,7 +10,6 @@ from friction_audit.compensation.closed_loop import (
     Drive,
     Joint,
     Recorded,
-    Torques,
     run_closed_loop,
     run_same_motion,
 )
@@ -200,7 +199,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
         tally=tally,
         feed=feed,
         cuts=scene.cuts,
-        torques=Torques(*np.empty((4, len(t)))),
+        torques=np.empty((4, len(t))),
         rows=np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS)),
     )
     if scene.joint is None:
@@ -210,7 +209,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
         dq = np.empty(len(t))
         samples = run_closed_loop(control, *_joint_and_drive(scene, scene.joint, motion), dq)
     tally["diverged"] = samples < len(t)
-    interaction, compensation, passivity, limited = (signal[:samples] for signal in control.torques)
+    interaction, compensation, passivity, limited = control.torques[:, :samples]
     return Run(
         signals=Signals(
             t=t[:samples],
