@@ -97,14 +97,38 @@ class Source:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class JointLog:
+class Recording:
+    """What a report says of a log: its clock, its joints and its source, without the channels.
+
+    Attributes:
+        t: Time since the first sample, strictly increasing, t[0] = 0, shape (n,). [s]
+        joint_names: One name per joint, in the order of the columns.
+        source: Where the log came from.
+    """
+
+    t: Float
+    joint_names: tuple[str, ...]
+    source: Source
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first to the last sample. [s]"""
+        return float(self.t[-1])
+
+    @property
+    def rate_hz(self) -> float:
+        """Sampling rate, from the median time step. [Hz]"""
+        return 1.0 / median_step(self.t)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointLog(Recording):
     """A recorded joint log: n samples of j joints.
 
     Arrays of shape (n, j) are float64, finite, read-only, and best laid out column by column (Fortran order):
     every step works through one joint at a time.
 
-    Attributes:
-        t: Time since the first sample, strictly increasing, t[0] = 0, shape (n,). [s]
+    Attributes, in addition to those of a ``Recording``:
         q: Joint position, shape (n, j). [rad]
         dq: Joint velocity, shape (n, j). [rad/s]
         tau_J: Measured link-side torque, gravity and payload included, shape (n, j). [N m]
@@ -115,14 +139,11 @@ class JointLog:
         tau_compensation: Torque of a friction compensator that was active, positive towards positive motion. [N m]
         tau_passivity: Torque of that compensator's passivity controller, logged apart from it. [N m]
         temperature: Joint temperature. [degC]
-        joint_names: One name per joint, in the order of the columns.
-        source: Where the log came from.
 
     Raises:
         InputError: If a shape, the clock or a value breaks the promise, or no torque channel is there.
     """
 
-    t: Float
     q: Float
     dq: Float
     tau_J: Float | None = None
@@ -133,8 +154,6 @@ class JointLog:
     tau_compensation: Float | None = None
     tau_passivity: Float | None = None
     temperature: Float | None = None
-    joint_names: tuple[str, ...]
-    source: Source
 
     def __post_init__(self) -> None:
         """Prove the invariants and make the arrays read-only."""
@@ -151,16 +170,6 @@ class JointLog:
         """Return the per-joint channels that were recorded, by name, in the order of JOINT_CHANNELS."""
         found = ((name, getattr(self, name)) for name in JOINT_CHANNELS)
         return {name: array for name, array in found if array is not None}
-
-    @property
-    def duration_s(self) -> float:
-        """Time from the first to the last sample. [s]"""
-        return float(self.t[-1])
-
-    @property
-    def rate_hz(self) -> float:
-        """Sampling rate, from the median time step. [Hz]"""
-        return 1.0 / median_step(self.t)
 
     def take_joints(self, columns: Sequence[int]) -> "JointLog":
         """Return the log of some joints only, given by column (0-based)."""
@@ -243,4 +252,4 @@ def _check_channel(name: str, array: Float | None, shape: tuple[int, int], path:
         raise InputError(f"{path}: {name} holds values that are not finite")
 
 
-assert tuple(f.name for f in fields(JointLog))[1:-2] == JOINT_CHANNELS
+assert tuple(f.name for f in fields(JointLog))[3:] == JOINT_CHANNELS

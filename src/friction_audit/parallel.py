@@ -1,5 +1,6 @@
 """Work side by side: threads for what releases the interpreter (numpy, compiled loops), processes for what holds it."""
 
+import ctypes
 import gc
 import multiprocessing
 import os
@@ -10,10 +11,11 @@ import warnings
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
@@ -61,12 +63,27 @@ def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
         return list(pool.map(work, range(joints)))
 
 
-def workers_for(pieces: int) -> int:
-    """Return how many processes are to share pieces of work: 1 where this process is not to be forked."""
+def workers_for(pieces: int, working_bytes: int = 0) -> int:
+    """Return how many processes are to share pieces of work: 1 where this process is not to be forked.
+
+    Args:
+        pieces: How many there are.
+        working_bytes: Memory that each process needs of its own; all of them fit into what is available.
+    """
     first = threading.current_thread() is threading.main_thread() and multiprocessing.parent_process() is None
     if sys.platform != "linux" or not (first and _OWN.get()) or _ALONE.get():
         return 1
-    return max(min(WORKERS, len(os.sched_getaffinity(0)), pieces), 1)
+    lines = Path("/proc/meminfo").read_text().splitlines()
+    available = next(1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
+    return max(min(WORKERS, len(os.sched_getaffinity(0)), pieces, available // max(working_bytes, 1)), 1)
+
+
+def release_memory() -> None:
+    """Give freed memory back to the system, which Arrow and Linux C libraries keep; forked processes would copy it."""
+    if arrow := sys.modules.get("pyarrow"):
+        arrow.default_memory_pool().release_unused()
+    with suppress(OSError, AttributeError):  # another C library
+        ctypes.CDLL(None).malloc_trim(0)
 
 
 def in_processes(
@@ -88,6 +105,7 @@ def in_processes(
     if workers == 1:
         yield from map(work, range(pieces))
         return
+    release_memory()
     with threadpool_limits(limits=1, user_api="blas"), processes(workers, "fork", work) as pool:
         futures = {piece: _submit(pool, piece) for piece in begun or range(pieces)}
         for piece in range(pieces):
@@ -144,7 +162,10 @@ _WORK: Callable[[int], Any] | None = None  # of a forked process
 
 def _do(piece: int) -> Any:  # noqa: ANN401
     assert _WORK is not None
-    return _WORK(piece)
+    try:
+        return _WORK(piece)
+    finally:
+        release_memory()
 
 
 def _begin(work: Callable[[int], Any] | None) -> None:

@@ -1,11 +1,13 @@
 """The stages on one log: estimate, replay, diagnose. Each imports what it needs when it is called."""
 
-from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
 
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import JointLog, Recording
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import extract_interaction
@@ -15,6 +17,7 @@ from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
 if TYPE_CHECKING:
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
+    from friction_audit.diagnosis.diagnose_joint import Subject
     from friction_audit.diagnosis.result import Discrepancy
     from friction_audit.diagnosis.settings import DiagnosisSettings
 
@@ -121,8 +124,26 @@ def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "Di
 
 def diagnose_estimate(estimate: Estimate, settings: "DiagnosisSettings") -> Diagnosis:
     """Find what the nominal model misses on the joints of a log that was estimated before."""
-    from friction_audit.diagnosis.diagnose import diagnose
+    from friction_audit.diagnosis.diagnose import diagnose_subjects
+
+    found = diagnose_subjects(diagnosis_subjects(estimate, settings), settings)
+    return Diagnosis(estimate=estimate, discrepancy=found, settings=settings)
+
+
+def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tuple[Subject, ...]":
+    """Prepare the joints of a log that was estimated before."""
+    from friction_audit.diagnosis.diagnose import subjects_of
 
     arm = known_arm(estimate.log, estimate.settings.torque, estimate.interaction.choice)
-    found = diagnose(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, settings, arm)
-    return Diagnosis(estimate=estimate, discrepancy=found, settings=settings)
+    return subjects_of(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, settings, arm)
+
+
+def without_samples(estimate: Estimate) -> Estimate:
+    """An estimate for a report alone: its log has no channels, its interaction no samples. Their memory is freed."""
+    log, seen = estimate.log, estimate.interaction
+    bare = Recording(t=log.t, joint_names=log.joint_names, source=log.source)
+    nothing = np.zeros((0, len(seen.joint_names)))
+    interaction = replace(
+        seen, t=np.zeros(0), q=nothing, dq=nothing, torque=nothing, compensation=None, hand_speed=None
+    )
+    return replace(estimate, log=cast("JointLog", bare), interaction=interaction)

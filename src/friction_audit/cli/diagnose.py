@@ -85,18 +85,23 @@ def command(
     out = ResultFolder(folder=folder, name="diagnose", figures=kinds, formats=formats, exports=export, overwrite=again)
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
     with voice.stages(2 + out.stages) as stages:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "scipy.signal"):
             recorded = chain.read(log, reading, stages)
         if settings.model is not None:
             chain.check_joint_model(options.joint_model, settings.model, recorded)
+        from friction_audit.diagnosis.diagnose import diagnose_subjects
         from friction_audit.diagnosis.result import UNANSWERED
-        from friction_audit.pipeline import diagnose_estimate, estimate_log
+        from friction_audit.pipeline import Diagnosis, diagnosis_subjects, estimate_log, without_samples
         from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.notices import diagnose_notices
 
         with stages.step("diagnose"):
-            found = diagnose_estimate(estimate_log(recorded, audit), settings)
+            estimate = estimate_log(recorded, audit)
+            subjects = diagnosis_subjects(estimate, settings)
+            estimate = without_samples(estimate)  # most of the memory, released before processes are forked
+            recorded = estimate.log
+            found = Diagnosis(estimate=estimate, discrepancy=diagnose_subjects(subjects, settings), settings=settings)
         joints, json = found.discrepancy.joints, shared.general.json
         answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
         if not json:

@@ -22,6 +22,7 @@ from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.robot import Arm
 
 FEWEST_SAMPLES = 10  # below it nothing is said about the work of a joint
+WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
 
 
 def diagnose(
@@ -32,7 +33,19 @@ def diagnose(
     settings: DiagnosisSettings,
     arm: Arm | None = None,
 ) -> Discrepancy:
-    """Diagnose every joint of an interaction.
+    """Diagnose every joint of an interaction; arguments as of ``subjects_of``."""
+    return diagnose_subjects(subjects_of(log, interaction, cycles, friction, settings, arm), settings)
+
+
+def subjects_of(
+    log: JointLog,
+    interaction: Interaction,
+    cycles: EnergyCycles,
+    friction: FrictionHistory,
+    settings: DiagnosisSettings,
+    arm: Arm | None = None,
+) -> tuple[Subject, ...]:
+    """Prepare every joint; of the log's own samples nothing is needed afterwards.
 
     Args:
         log: The log, in the window of the interaction.
@@ -43,33 +56,34 @@ def diagnose(
         arm: The model of the arm where it is known.
     """
     prepared = prepare(interaction, cycles, log, arm)
-    candidates = [c for c in effects() if settings.candidates is None or c.name in settings.candidates]
     inertias = known_inertias(arm, interaction.choice, log.q)
 
-    def subject(data: JointData) -> Subject:
-        number = interaction.joint_numbers[data.joint]
+    def one(joint: int) -> Subject:
+        number = interaction.joint_numbers[joint]
         return Subject(
-            data=data,
+            data=prepared[joint],
             number=number,
-            name=interaction.joint_names[data.joint],
-            findings=audit_data(log, interaction, data),
-            from_energy=_from_energy(friction, data.joint),
+            name=interaction.joint_names[joint],
+            findings=audit_data(log, interaction, prepared[joint]),
+            from_energy=_from_energy(friction, joint),
             model=None if settings.model is None else settings.model.joints[number - 1],
             known_inertia_kg_m2=float(inertias[number - 1]),
-            lacking=friction.joints[data.joint].reason,
+            lacking=friction.joints[joint].reason,
         )
+
+    return tuple(per_joint(one, len(prepared)))
+
+
+def diagnose_subjects(subjects: Sequence[Subject], settings: DiagnosisSettings) -> Discrepancy:
+    """Diagnose joints side by side."""
+    candidates = [c for c in effects() if settings.candidates is None or c.name in settings.candidates]
 
     def one(k: int) -> JointDiagnosis:
         """Diagnose a joint; an error is the result of this joint and not the end of the others."""
-        data = prepared[k]
-        unanswered = partial(
-            JointDiagnosis,
-            joint=interaction.joint_numbers[data.joint],
-            name=interaction.joint_names[data.joint],
-            from_energy=_from_energy(friction, data.joint),
-        )
+        subject = subjects[k]
+        unanswered = partial(JointDiagnosis, joint=subject.number, name=subject.name, from_energy=subject.from_energy)
         try:
-            return diagnose_joint(subject(data), candidates, settings)
+            return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
             return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
@@ -77,7 +91,8 @@ def diagnose(
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
             return unanswered(verdict="failed", reason=bug_sentence("the diagnosis", error), traceback=traced(error))
 
-    workers = workers_for(len(prepared))
+    prepared = [subject.data for subject in subjects]
+    workers = workers_for(len(prepared), WORKING_BYTES * max((len(data.t) for data in prepared), default=0))
     # Half of the work is in the interpreter, for which threads would wait.
     if workers > 1:
         return Discrepancy(joints=tuple(in_processes(one, len(prepared), workers, longest_first(prepared))))

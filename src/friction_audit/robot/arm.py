@@ -1,11 +1,12 @@
 """The rigid-body model of an arm, evaluated on whole arrays. MuJoCo does the dynamics."""
 
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, replace
-from importlib import resources
+from importlib import import_module, resources
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -218,8 +219,10 @@ def load_arm(
     Raises:
         UsageError: If the file cannot be read as an arm with inertias.
     """
-    import mujoco as mj
-
+    # In a thread of its own: MuJoCo keeps an error from its import, and with that all frames that the import was called
+    # from, a whole log among them.
+    with ThreadPoolExecutor(max_workers=1) as pool:
+        mj: Any = pool.submit(import_module, "mujoco").result()
     where = "the built-in Panda" if urdf is None else str(urdf)
     parsed = parse_urdf(_read(urdf), where)
     try:
