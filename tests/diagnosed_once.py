@@ -13,15 +13,14 @@ from friction_audit.diagnosis.result import Discrepancy
 
 FOUND: dict[str, Discrepancy] = {}
 """What was found, by all that it was found from."""
-_diagnose = diagnose.diagnose
+_diagnose = diagnose.diagnose_subjects
 
 
-def _remembering(log: Any, interaction: Any, cycles: Any, friction: Any, settings: Any, arm: Any) -> Discrepancy:
+def _remembering(subjects: Any, settings: Any) -> Discrepancy:
     """Diagnose what was not diagnosed before; the name of the file is no part of what a diagnosis is made from."""
-    given = (log.t, log.channels(), log.joint_names, interaction, cycles, friction, settings, arm)
-    key = sha256(pickle.dumps(given)).hexdigest()
+    key = sha256(pickle.dumps((subjects, settings))).hexdigest()
     if key not in FOUND:
-        FOUND[key] = _diagnose(log, interaction, cycles, friction, settings, arm)
+        FOUND[key] = _diagnose(subjects, settings)
     return FOUND[key]
 
 
@@ -29,5 +28,5 @@ def _remembering(log: Any, interaction: Any, cycles: Any, friction: Any, setting
 def diagnosed_once() -> Iterator[None]:
     """Diagnose the same numbers with the same settings once."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(diagnose, "diagnose", _remembering)
+        patch.setattr(diagnose, "diagnose_subjects", _remembering)
         yield

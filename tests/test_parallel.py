@@ -78,19 +78,6 @@ def test_results_come_in_order_from_all_processes(tmp_path: Path) -> None:
     assert multiprocessing.active_children() == []
 
 
-@forked
-def test_pieces_are_begun_in_the_order_that_is_asked_for(tmp_path: Path) -> None:
-    def work(piece: int) -> int:
-        before = len(list(tmp_path.iterdir()))
-        (tmp_path / str(piece)).touch()
-        until(lambda: {"2", "3"} <= {one.name for one in tmp_path.iterdir()})  # both processes have begun
-        return before
-
-    before = list(in_processes(work, 4, 2, begun=(2, 3, 0, 1)))
-    assert max(before[2:]) <= 1
-    assert min(before[:2]) >= 2
-
-
 def test_one_worker_is_this_process_and_does_a_piece_when_it_is_asked_for() -> None:
     done: list[int] = []
     results = in_processes(done.append, 3, 1)

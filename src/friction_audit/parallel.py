@@ -87,7 +87,7 @@ def release_memory() -> None:
 
 
 def in_processes(
-    work: Callable[[int], Result], pieces: int, workers: int, begun: Sequence[int] | None = None
+    work: Callable[[int], Result], pieces: int, workers: int
 ) -> Iterator[Result]:
     """Yield the result of each piece of work (0-based), in order, each as soon as it is there.
 
@@ -98,7 +98,6 @@ def in_processes(
         work: Does one piece; results can be pickled. It writes nowhere: a process may end at any time.
         pieces: How many there are.
         workers: Processes that share them; with 1 this process does them.
-        begun: All of them in the order in which they are begun, their own order if None.
     """
     from threadpoolctl import threadpool_limits
 
@@ -107,7 +106,7 @@ def in_processes(
         return
     release_memory()
     with threadpool_limits(limits=1, user_api="blas"), processes(workers, "fork", work) as pool:
-        futures = {piece: _submit(pool, piece) for piece in begun or range(pieces)}
+        futures = {piece: _submit(pool, piece) for piece in range(pieces)}
         for piece in range(pieces):
             future = futures.pop(piece)
             try:

@@ -22,7 +22,7 @@ def document(threads: Callable[..., object], copies: Callable[..., object]) -> s
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(diagnose, "per_joint", threads)
         patch.setattr(diagnose, "in_processes", copies)
-        patch.setattr(diagnose, "workers_for", lambda joints: 1 if copies is _none else joints)
+        patch.setattr(diagnose, "workers_for", lambda joints, _: 1 if copies is _none else joints)
         log = build_estimate(2, count=24, rate=250.0).log
         return json.dumps(
             diagnose_document(diagnose_log(log, AuditSettings(), DiagnosisSettings(candidates=("stribeck",))))
