@@ -86,9 +86,7 @@ def release_memory() -> None:
         ctypes.CDLL(None).malloc_trim(0)
 
 
-def in_processes(
-    work: Callable[[int], Result], pieces: int, workers: int
-) -> Iterator[Result]:
+def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> Iterator[Result]:
     """Yield the result of each piece of work (0-based), in order, each as soon as it is there.
 
     Processes are forked, so that they share the data that the work refers to. What one that is killed was to do is done
