@@ -112,7 +112,7 @@ def write_documents(tables: Tables, docs: Path) -> None:
     rows = [row for kind in SIMULATED[:6] for row in answered(tables[kind])]
     texts = {
         ("diagnosis.md", "hidden effects"): simulated(tables),
-        ("diagnosis.md", "separable"): separated(tables),
+        ("benchmarks.md", "separable"): separated(tables),
         ("diagnosis.md", "real logs"): real(tables),
         ("../benchmarks/effects.md", "effect by effect"): everything(rows),
     }
