@@ -250,11 +250,14 @@ class Training:
         self, active: Sequence[Block], unpinned: str, which: NDArray[np.int64], gains: Float, coefficients: list[Float]
     ) -> None:
         """Write gains and coefficients of some blocks."""
+        from scipy.linalg import solve_triangular
+
         fit = self.fit(active, (unpinned,) if unpinned else ())
         cross = self.cross(active, fit)
         zy_all = self.gram.zy[list(self.folds)].sum(axis=0)
         for members, cols, own in self._by_width(unpinned, which):
-            t = scipy_solve(fit.factor, cross[:, cols.ravel()]).reshape(-1, *cols.shape)
+            t = solve_triangular(fit.factor, cross[:, cols.ravel()], lower=True, check_finite=False)
+            t = np.asarray(t).reshape(-1, *cols.shape)
             zy = zy_all[cols] - np.einsum("a,aup->up", fit.projected, t)
             size = np.sqrt(np.maximum(np.einsum("upp->up", own), 1e-300))
             if cols.shape[1] == 1:
@@ -284,10 +287,3 @@ class Training:
                 found.append((members, cols, own))
             self._own[key, len(which)] = self.gram.version, found
         return found
-
-
-def scipy_solve(factor: Float, right: Float) -> Float:
-    """Solve with a lower triangular factor."""
-    from scipy.linalg import solve_triangular
-
-    return np.asarray(solve_triangular(factor, right, lower=True, check_finite=False))

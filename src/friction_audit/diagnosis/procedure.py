@@ -55,12 +55,12 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
 
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
-    baseline = _baseline(problem, _ols(problem.X, problem.y))
+    baseline = problem.nominal.baseline(_ols(problem.X, problem.y))
     nuisances = plausible(problem, problem.nuisances(baseline), baseline)
     noise = NoiseModel.fit(problem, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline)
-    numbers = selection.most_numbers(len(np.unique(problem.samples.cycle)))
-    # The richer form of an effect enters only where the cycles can carry its numbers.
+    # At most one number per independent cycle: the richer form of an effect enters only where the cycles can carry it.
+    numbers = len(np.unique(problem.samples.cycle))
     dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]
     state = _state(problem, dictionary, nuisances, noise, numbers)
     for _ in range(2):
@@ -204,7 +204,7 @@ def sizes(gram: Gram, active: Sequence[Block]) -> Float:
 
 def nominal(problem: RegressionProblem, training: Training, active: Sequence[Block]) -> Nominal:
     """The nominal model as fitted together with some effects."""
-    return _baseline(problem, training.fit(active).coefficients[: len(problem.X)])
+    return problem.nominal.baseline(training.fit(active).coefficients[: len(problem.X)])
 
 
 def fine_torques(state: State) -> tuple[dict[str, Float], Float]:
@@ -223,10 +223,6 @@ def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance]) -
     plain = np.vstack([problem.X, *(one.column for one in nuisances)])
     bent = np.vstack([plain, *(c.columns for c in problem.curves)])
     return [problem.y - _ols(one, problem.y) @ one for one in (plain, bent)]
-
-
-def _baseline(problem: RegressionProblem, coefficients: Float) -> Nominal:
-    return problem.nominal.baseline(coefficients)
 
 
 def _ols(columns: Float, y: Float) -> Float:

@@ -24,7 +24,6 @@ INDISTINGUISHABLE = 6.0  # difference in evidence below which two effects cannot
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
 REFINED_AT_ONCE = 4
-FEWEST_CYCLES_PER_NUMBER = 1.0
 LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
 SAME = 0.9  # correlation with a constant, from which the constant is a competing name
 MOST_EFFECTS = 8
@@ -272,11 +271,6 @@ def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
     """Coefficients of each block."""
     ends = np.cumsum([len(fit.kept), *(b.p for b in active)])
     return [fit.coefficients[a:b] for a, b in pairwise(ends.tolist())]
-
-
-def most_numbers(cycles: int) -> int:
-    """Numbers that so many cycles can carry."""
-    return max(int(cycles / FEWEST_CYCLES_PER_NUMBER), 2)
 
 
 def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
