@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 import typer
 
-from friction_audit.cli.app import COMMANDS, app, name_of
+from friction_audit.cli.app import NAMES, app, module_of
 
 if TYPE_CHECKING:
     from types import ModuleType
+
+NAME = dict(zip(map(module_of, NAMES), NAMES, strict=True))
 
 PAGES = Path(__file__).parents[2] / "docs" / "commands"
 SHORT = {"-q": "--quiet", "-v": "--verbose", "-o": "--output"}
@@ -24,9 +26,9 @@ def options_of(name: str) -> set[str]:
     return {name for p in found for name in (max(p.opts, key=len), *p.secondary_opts)}
 
 
-@pytest.mark.parametrize("module", COMMANDS, ids=name_of)
+@pytest.mark.parametrize("module", [*map(module_of, NAMES)], ids=NAMES)
 def test_page_and_command_agree(module: "ModuleType") -> None:
-    name = name_of(module)
+    name = NAME[module]
     prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
     named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
     shared = {"--help", "--help-all"} | (options_of("estimate") if name != "estimate" else set())

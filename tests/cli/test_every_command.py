@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 import typer
 
-from friction_audit.cli.app import COMMANDS, app, name_of
+from friction_audit.cli.app import NAMES, app, module_of
 from tests.cli.conftest import Run
 
 if TYPE_CHECKING:
     from types import ModuleType
 
+NAME = dict(zip(map(module_of, NAMES), NAMES, strict=True))
+
 GROUP = cast("Any", typer.main.get_command(app))
-EACH = pytest.mark.parametrize("module", COMMANDS, ids=name_of)
+EACH = pytest.mark.parametrize("module", [*map(module_of, NAMES)], ids=NAMES)
 SHORTEST = 4
 """Letters of an option from which on a slip still tells what was meant."""
 READ_AT_ONCE = (".urdf", "panda.xml", "model.toml", "sessions.csv")
@@ -41,7 +43,7 @@ def slip(word: str) -> str:
 
 @EACH
 def test_help_shows_examples_that_are_the_command_s(module: "ModuleType", run: Run) -> None:
-    name, shown = name_of(module), run(name_of(module), "--help").out
+    name, shown = NAME[module], run(NAME[module], "--help").out
     assert len(examples(module)) > 1
     for line in module.EXAMPLES.splitlines():
         assert line in shown
@@ -53,19 +55,19 @@ def test_help_shows_examples_that_are_the_command_s(module: "ModuleType", run: R
 
 @EACH
 def test_a_misspelt_command_suggests_the_near_one(module: "ModuleType", run: Run) -> None:
-    answer = run(slip(name_of(module)))
+    answer = run(slip(NAME[module]))
     assert answer.code == 2
-    assert f"'{name_of(module)}'" in answer.err.partition("Did you mean")[2]
+    assert f"'{NAME[module]}'" in answer.err.partition("Did you mean")[2]
 
 
 @EACH
 def test_a_misspelt_option_suggests_the_near_one(module: "ModuleType") -> None:
-    command = GROUP.commands[name_of(module)]
-    for option in options(name_of(module)):
+    command = GROUP.commands[NAME[module]]
+    for option in options(NAME[module]):
         if len(option) < SHORTEST + len("--"):
             continue
         with pytest.raises(Exception, match="No such option") as refused:
-            command.make_context(name_of(module), [slip(option)])
+            command.make_context(NAME[module], [slip(option)])
         assert option in refused.value.possibilities, option  # type: ignore[attr-defined]
 
 
@@ -92,7 +94,7 @@ def _there(word: str, folder: Path) -> str:
 
 def _without_options(module: "ModuleType", words: list[str]) -> list[str]:
     """Return the command and its arguments."""
-    context = GROUP.commands[words[0]].make_context(name_of(module), words[1:])
+    context = GROUP.commands[words[0]].make_context(NAME[module], words[1:])
     arguments = [p.name for p in context.command.params if p.param_type_name == "argument"]
     values = [context.params[name] for name in arguments if context.params[name] is not None]
     return [

@@ -9,12 +9,11 @@ import typer
 
 from friction_audit import __version__
 from friction_audit.cli import main
-from friction_audit.cli.app import COMMANDS, app, name_of
+from friction_audit.cli.app import NAMES, app
 from friction_audit.cli.grouped_help import HEADINGS
 from tests.cli.conftest import Run
 
 GROUP = cast("Any", typer.main.get_command(app))
-NAMES = [name_of(module) for module in COMMANDS]
 MOST_OPTIONS = 15
 
 TABLE = [

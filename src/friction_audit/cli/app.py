@@ -1,46 +1,65 @@
 """The program and its commands."""
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Iterator, Mapping
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
+from typer.core import TyperGroup
 
 from friction_audit import __version__
-from friction_audit.cli import (
-    batch_report,
-    compare,
-    convert,
-    diagnose,
-    estimate,
-    export,
-    info,
-    plot,
-    replay,
-    report,
-    reproduce,
-    simulate,
-)
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import GroupedCommand, with_option_groups
 
 if TYPE_CHECKING:
     from types import ModuleType
 
+NAMES = (
+    *("info", "estimate", "plot", "replay", "diagnose", "report", "export"),
+    *("batch-report", "convert", "simulate", "reproduce", "compare"),
+)
+"""Of the commands, in the order of the help text."""
+
+
+def module_of(name: str) -> "ModuleType":
+    """Return the module of a command, which holds ``command`` and EXAMPLES."""
+    return import_module(f"friction_audit.cli.{name.replace('-', '_')}")
+
+
+@cache
+def _command(name: str) -> Any:  # noqa: ANN401 - types of Typer's private copy of click
+    module, alone = module_of(name), typer.Typer(rich_markup_mode=None, add_completion=False)
+    alone.command(name, cls=GroupedCommand, epilog=f"\b\n{module.EXAMPLES}")(with_option_groups(module.command))
+    return typer.main.get_command(alone)
+
+
+class _Commands(Mapping[str, Any]):
+    """Commands by name, each loaded when it is asked for."""
+
+    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 - as above
+        if name not in NAMES:
+            raise KeyError(name)
+        return _command(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(NAMES)
+
+    def __len__(self) -> int:
+        return len(NAMES)
+
+
+class _Group(TyperGroup):
+    def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - of TyperGroup
+        super().__init__(**settings)
+        self.commands = cast("Any", _Commands())
+
+    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ANN401, ARG002 - as above
+        return list(NAMES)
+
+
 # Plain help text: rich would cost more time than everything else that --help does.
-app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
-
-COMMANDS = (info, estimate, plot, replay, diagnose, report, export, batch_report, convert, simulate, reproduce, compare)
-"""Modules of the commands, in the order of the help text; each holds ``command``, named as the module, and EXAMPLES."""
-
-
-def name_of(command: "ModuleType") -> str:
-    """Return what a command is called on the command line."""
-    return command.__name__.rpartition(".")[2].replace("_", "-")
-
-
-for module in COMMANDS:
-    app.command(name_of(module), cls=GroupedCommand, epilog=f"\b\n{module.EXAMPLES}")(
-        with_option_groups(module.command)
-    )
+app = typer.Typer(cls=_Group, no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
 
 def _show_version(wanted: bool) -> None:
