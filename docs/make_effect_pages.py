@@ -16,7 +16,7 @@ from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 
 FOLDER = Path(__file__).parent / "effects"
 HIDDEN = {effect.name: effect for effect in EFFECTS}
-SKELETON = "# {name}\n\n\n\n## Equation\n\n## Parameters\n\n## In `diagnose`\n\nNot tested where\n\n## Example\n"
+SKELETON = "# {name}\n\n\n\n## Equation\n\n## Parameters\n\n## In `diagnose`\n\nNot tested where\n"
 BEGIN, END = "<!-- effects -->", "<!-- end of effects -->"
 
 
@@ -61,7 +61,7 @@ def index(text: str) -> str:
 
 
 def _section(text: str, title: str, body: str) -> str:
-    return re.sub(rf"(?ms)^## {title}\n.*?(?=^## )", lambda _: f"## {title}\n\n{body}\n\n", text)
+    return re.sub(rf"(?ms)^## {title}\n.*?(?=^## |\Z)", lambda _: f"## {title}\n\n{body}\n\n", text).rstrip() + "\n"
 
 
 def _number(parameter: Parameter) -> str:

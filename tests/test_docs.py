@@ -12,13 +12,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.io.readers import READERS, read_log
 from friction_audit.io.readers.channel_names import ALIASES
 from friction_audit.io.readers.time_column import find_time
-from friction_audit.io.writers import WRITERS
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.estimate import estimate_document
@@ -33,16 +31,10 @@ CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 LONG = (DOCS / "paper.md", DOCS / "recording.md", COMMANDS / "compare.md", COMMANDS / "report.md")
 """Pages whose commands take long and are held elsewhere: figures of the paper, logs of several lengths, a comparison,
 reports as in ``index.md``."""
-EFFECTS = {DOCS / "effects" / f"{name}.md" for name in choices.EFFECTS}
-"""Pages whose one command ``test_docs_effects.py`` runs."""
 REPEATED = (DOCS / "index.md", COMMANDS / "diagnose.md", COMMANDS / "replay.md")
 """Pages whose commands on imagined logs take long, and are those of other pages with other options."""
 SHOWN = [pytest.param(page, marks=[pytest.mark.thorough] if page in LONG else []) for page in PAGES]
-IMAGINED = [
-    pytest.param(page, marks=[pytest.mark.thorough] if page in (*LONG, *REPEATED) else [])
-    for page in PAGES
-    if page not in EFFECTS
-]
+IMAGINED = [pytest.param(page, marks=[pytest.mark.thorough] if page in (*LONG, *REPEATED) else []) for page in PAGES]
 
 
 def cells(page: Path) -> list[list[str]]:
@@ -138,14 +130,6 @@ def test_every_reader_is_documented() -> None:
     rows = [row[:2] for row in cells(DOCS / "formats.md")]
     for reader in READERS:
         assert [f"`{reader.name}`", " ".join(f"`{suffix}`" for suffix in reader.suffixes)] in rows
-
-
-def test_every_dialect_is_documented() -> None:
-    rows = cells(DOCS / "formats.md")
-    for writer in WRITERS:
-        ending = f"`{writer.suffix}`" if writer.suffix else "directory"
-        exact = "yes" if writer.lossless else "no"
-        assert [f"`{writer.name}`", ending, writer.summary.removesuffix("."), exact] in rows, writer.name
 
 
 def test_names_of_columns_are_documented() -> None:
