@@ -3,18 +3,12 @@
 from dataclasses import replace
 
 from friction_audit.effects import backlash, joint_elasticity
-from friction_audit.effects.transmission import no_inertia
 from tests.effects.joint_data_by_hand import baseline, two_sines
-
-
-def test_an_inertia_above_zero_is_enough() -> None:
-    data = two_sines(30.0)
-    assert no_inertia(baseline(data)) is None
 
 
 def test_without_one_springs_and_gaps_are_not_testable() -> None:
     data = two_sines(30.0)
     weightless = replace(baseline(data), inertia_kg_m2=-0.01)
-    assert "no inertia" in str(no_inertia(weightless))
+    assert backlash.EFFECT.not_identifiable(data, baseline(data)) is None
     assert "no inertia" in str(joint_elasticity.EFFECT.not_identifiable(data, weightless))
     assert "no inertia" in str(backlash.EFFECT.not_identifiable(data, weightless))

@@ -234,12 +234,7 @@ def _follow(  # noqa: PLR0913
     torque = np.empty((many, len(q)))
     # About the last sample and about the next one, from half a sample before to half a sample after.
     last, next_one = 13, 14
-    for j in range(many):
-        stiffness[j], damping[j], half[j] = links[0, j], links[1, j], links[2, j]
-        bend[j], curve[j] = links[3, j], links[4, j]
-        keep[j], gain[j], held[j] = _pace(far[:, j], damping[j], h)
-        keep_apart[j], gain_apart[j], held_apart[j] = _pace(far[:, j], 0.0, h)
-        theta[j], omega[j] = q[0] - twisted(load[0], stiffness[j], half[j], bend[j]), dq[0]
+    _start(table, far, links, h, q[0], dq[0], load[0], lanes)
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
@@ -278,6 +273,17 @@ def _follow(  # noqa: PLR0913
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
     _double_ends(torque, table[last], steps)
     return torque
+
+
+@compiled()
+def _start(table: Float, far: Float, links: Float, h: float, q: float, dq: float, load: float, lanes: Lanes) -> None:
+    """Numbers of the transmissions and the state at the first sample."""
+    for j in range(len(lanes)):
+        for i in range(5):
+            table[i, j] = links[i, j]
+        table[5, j], table[6, j], table[7, j] = _pace(far[:, j], links[1, j], h)
+        table[8, j], table[9, j], table[10, j] = _pace(far[:, j], 0.0, h)
+        table[11, j], table[12, j] = q - twisted(load, links[0, j], links[2, j], links[3, j]), dq
 
 
 @compiled()

@@ -20,11 +20,10 @@ from friction_audit.dynamics.transmission import (
     part_of,
     simple_torque,
 )
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
-from friction_audit.effects.excitation import reversals
+from friction_audit.effects.effect import Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.transmission import FAR_SHARE, MOTION_BELOW_HZ, far_side_of, motions, no_inertia
+from friction_audit.effects.transmission import FAR_SHARE, MOTION_BELOW_HZ, Link, far_side_of, motions
 from friction_audit.joint_log import Float
 
 CONTACT_DAMPING_RATIO = 0.2  # of metal on lubricated metal: half of the speed is left after an impact
@@ -40,17 +39,9 @@ FAR_SHARES = (0.8, 0.6)
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 
 
-class Backlash(Effect):
-    transmits = True
-    follows = True
-
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return what a gap before the far side adds to the torque, as a column."""
-        ((_, column),) = self.columns_of_many(motion, [values])
-        return column
-
+class Backlash(Link):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield the same for many values; all have one far side."""
+        """Yield columns for many values; all have one far side."""
         far, torque = far_side(motion), simple_torque(motion)
         usual = sqrt(torque @ torque / len(torque))
         yield from plays(motion, [far] * len(many), [usual] * len(many), many)
@@ -68,11 +59,6 @@ class Backlash(Effect):
             *({"gap_rad": width, **SOFT, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
         )
 
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """What the gap adds to the torque, along the motion as measured or below a frequency."""
-        ((_, column),) = self.regressors(data, nominal, (at,))
-        return column
-
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
     ) -> Iterator[tuple[int, Float]]:
@@ -85,9 +71,6 @@ class Backlash(Effect):
             values = [self.values(grid[place]) for place in places]
             for k, column in plays(motion, [far[place] for place in places], usual, values):
                 yield places[k], column
-
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        return reversals(data, nominal) or no_inertia(nominal)
 
     def coefficient_of(self, at: Nonlinear) -> float:
         return 1.0

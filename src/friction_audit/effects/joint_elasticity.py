@@ -10,11 +10,10 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import HIGHEST_HZ, FarSide, Transmission, added_torques, far_side
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
-from friction_audit.effects.excitation import reversals
+from friction_audit.effects.effect import Nonlinear, Trait
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.transmission import FAR_SHARE, MOTION_BELOW_HZ, far_side_of, motions, no_inertia
+from friction_audit.effects.transmission import FAR_SHARE, MOTION_BELOW_HZ, Link, far_side_of, motions
 from friction_audit.joint_log import Float
 
 # Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996).
@@ -33,57 +32,38 @@ MUCH_DAMPED = 0.15
 FAR_SHARES = (0.8, 0.6)
 
 
-class JointElasticity(Effect):
-    transmits = True
-    follows = True
-
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return what the spring adds to the torque per compliance, as a column."""
-        ((_, column),) = self.columns_of_many(motion, [values])
-        return column
-
+class JointElasticity(Link):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield the same for many values; all have one far side."""
-        for place, added in springs(motion, [far_side(motion)] * len(many), many):
-            yield place, np.multiply(added, many[place][0], out=added)[:, None]
+        """Yield columns, per compliance, for many values; all have one far side."""
+        yield from springs(motion, [far_side(motion)] * len(many), many)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Springs that ring below the corner of the regression, or twist by more than the noise of the position."""
         stiffest = _stiffest_seen(data)
         return tuple(at for at in all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
 
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """What the spring adds to the torque per compliance, along the measured or the low-passed motion."""
-        ((_, column),) = self.regressors(data, nominal, (at,))
-        return column
-
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
     ) -> Iterator[tuple[int, Float]]:
         for motion, places in motions(data, grid):
             values = [self.values(grid[place]) for place in places]
-            for k, added in springs(motion, [far_side_of(nominals[place]) for place in places], values):
-                yield places[k], np.multiply(added, values[k][0], out=added)[:, None]
+            for k, column in springs(motion, [far_side_of(nominals[place]) for place in places], values):
+                yield places[k], column
 
     def coefficient_of(self, at: Nonlinear) -> float:
         return 1.0 / at["spring_nm_per_rad"]
-
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
-        return reversals(data, nominal) or no_inertia(nominal)
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         return bool(LEAST_SHARE < coefficients[0] * at["spring_nm_per_rad"] <= LARGEST_SHARE)
 
 
 def all_springs(data: JointData) -> tuple[Nonlinear, ...]:
-    """Linear springs of all stiffnesses, and of every second one springs that are soft at first.
+    """Linear springs, and of every second stiffness springs that are soft at first; the projection finds those between.
 
-    Springs that ring where hardly more than noise moves the measured side are tried with a smooth motion too; linear
-    ones that ring below the corner with more damping and with less inertia on the far side, more coarsely.
+    Springs that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those
+    that ring below the corner with more damping and with less inertia on the far side.
     """
-    usual = _usual(data)
-    every = _stiffnesses(data)
+    usual, every = float(np.sqrt(np.mean(data.torque**2))) or 1.0, _stiffnesses(data)
     fast, slow = every[every > _ringing_at(data, MOTION_BELOW_HZ)], every[every < _ringing_at(data, CORNER_HZ)]
     smooth = {"motion_below_hz": MOTION_BELOW_HZ}
     soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
@@ -107,10 +87,6 @@ def _stiffest_seen(data: JointData) -> float:
     return max(float(_ringing_at(data, CORNER_HZ)), far_side(data.motion(data.torque)).coulomb_nm / noise)
 
 
-def _usual(data: JointData) -> float:
-    return float(np.sqrt(np.mean(data.torque**2))) or 1.0
-
-
 def _stiffnesses(data: JointData) -> Float:
     """The stiffest, and falling those on which the far side rings at all frequencies. [N m/rad]"""
     ringing = _ringing_at(data, RINGING_HZ)
@@ -125,12 +101,13 @@ def _ringing_at(data: JointData, frequency_hz: Float | float) -> Float:
 
 
 def springs(motion: Motion, far: Sequence[FarSide], many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-    """Yield what springs add to the torque, each with its own far side, shape (n,)."""
+    """Yield what springs add to the torque per compliance, each with its own far side, shape (n, 1)."""
     links = [
         Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft, far_share=share)
         for stiffness, soft, damping_ratio, share in many
     ]
-    yield from added_torques(motion, far, links)
+    for place, added in added_torques(motion, far, links):
+        yield place, np.multiply(added, many[place][0], out=added)[:, None]
 
 
 EFFECT = JointElasticity(

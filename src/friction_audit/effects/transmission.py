@@ -7,6 +7,8 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import FarSide
+from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -27,11 +29,26 @@ FAR_SHARE = Parameter(
 )
 
 
-def no_inertia(nominal: Nominal) -> str | None:
-    """Return the motion that would show the inertia without which nothing rings; None where there is one."""
-    if nominal.inertia_kg_m2 > 0.0:
-        return None
-    return "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
+class Link(Effect):
+    """A spring or a gap: those of many parameters are followed side by side."""
+
+    transmits = True
+    follows = True
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return what the link before the far side adds to the torque, as a column."""
+        ((_, column),) = self.columns_of_many(motion, [values])
+        return column
+
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """Return the same along the motion as measured or below a frequency."""
+        ((_, column),) = self.regressors_of(data, [nominal], (at,))
+        return column
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """Return the motion that is lacking: jumps of friction show a link, and an inertia that rings."""
+        inertia = "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
+        return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
 
 
 def far_side_of(nominal: Nominal) -> FarSide:
