@@ -1,8 +1,9 @@
 """Values of all numbers with 95 % intervals, by a cluster jackknife over cycles.
 
 The model is linearised in its nonlinear parameters at their estimate; leaving out one cycle at a time moves all numbers
-together (A. C. Cameron, D. L. Miller, Journal of Human Resources 50 (2015) 317). A nonlinear parameter whose interval
-spans a decade, or its grid, is not identifiable from the log.
+together (A. C. Cameron, D. L. Miller, Journal of Human Resources 50 (2015) 317). A coefficient that follows from the
+nonlinear parameters, as a compliance from the stiffness, has their interval. A nonlinear parameter whose interval spans
+a decade, or its grid, is not identifiable from the log.
 """
 
 from collections.abc import Sequence
@@ -23,10 +24,7 @@ CONFIDENCE = 0.95
 WIDEST = float(np.log(10.0)) / 2.0  # half of an interval in the logarithm of a parameter
 WIDEST_STEPS = 4.0  # half of an interval of one that may be zero, in steps of its grid
 PRIOR_STEPS = 10.0  # standard deviation of a parameter in steps of its grid, so that the solve has an answer
-REACHES = (
-    4 * DIFFERENCE,
-    1.0,
-)  # in steps of the grid; moments within a rest, and impacts, show in the longer difference alone
+REACHES = (4 * DIFFERENCE, 1.0)  # in steps of the grid; moments within a rest, and impacts, need the longer one
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -66,14 +64,12 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: No
         nonlinear, unknown = _free(block, scale, half[step_at : step_at + len(scale.names)])
         step_at += len(scale.names)
         labels = [name for name, there in zip(coefficient_names(block), block.there, strict=True) if there]
-        if not block.effect.follows:
-            numbers = {
-                name: _around(value, half[at + k]) for k, (name, value) in enumerate(zip(labels, c, strict=True))
-            }
-            at += block.p
-        else:
+        if block.effect.follows:
             numbers = {labels[0]: _following(block, nonlinear)}
             unknown = (*unknown, *(name for name, one in numbers.items() if not np.isfinite(one.high)))
+        else:
+            numbers = {name: _around(c[k], half[at + k]) for k, name in enumerate(labels)}
+            at += block.p
         effects.append(numbers | {n: (nonlinear | fixed)[n] for n in block.shape})
         missing.append(unknown)
     return Estimates(nominal=nominal, effects=tuple(effects), not_identifiable=tuple(missing))
@@ -118,13 +114,12 @@ def _slopes(
     """Whitened derivatives of an effect's torque with respect to its nonlinear parameters, shape (k, m)."""
     out = np.empty((len(scale.names), len(gram.y)))
     for k, unit in enumerate(np.eye(len(scale.names))):
-        follows = block.effect.follows
         for reach in REACHES[-1:] if block.effect.transmits else REACHES:
             ends = [scale.at(x * unit) for x in (reach, -reach)]
-            if not follows:
-                torques = np.stack([coefficients @ dictionary.columns_at(block, one, baseline) for one in ends])
-            else:
+            if block.effect.follows:
                 torques = dictionary.torques_at(block, ends, [baseline] * 2)
+            else:
+                torques = np.stack([coefficients @ dictionary.columns_at(block, one, baseline) for one in ends])
             out[k] = gram.whiten(torques[0] - torques[1])[0] / (2.0 * reach)
             if out[k] @ out[k] > PRIOR_STEPS**-2.0:
                 break
