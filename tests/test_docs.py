@@ -185,7 +185,8 @@ def test_exit_codes_are_the_program_s() -> None:
 
 def test_figures_are_documented() -> None:
     for figure in FIGURES:
-        assert figure.result == "drift" or f"`{figure.name}`" in (DOCS / "commands" / "plot.md").read_text()
+        page = "diff.md" if figure.result == "diff" else "plot.md"
+        assert figure.result == "drift" or f"`{figure.name}`" in (DOCS / "commands" / page).read_text()
 
 
 def test_readme_tells_the_truth_of_its_log() -> None:

@@ -119,14 +119,15 @@ def _record(settings: BatchSettings, path: Path, topic: str) -> Recorded:
     estimate = estimate_log(log, settings.audit)
     discrepancy = None if settings.diagnosis is None else diagnose_estimate(estimate, settings.diagnosis).discrepancy
     return Recorded(
-        session=_summary(estimate, discrepancy),
+        session=session_of(estimate, discrepancy),
         topic=topic,
         kind=log.source.robot,
         named_by_serial=bool(log.source.serial),
     )
 
 
-def _summary(estimate: Estimate, discrepancy: "Discrepancy | None") -> Session:
+def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
+    """Return what is kept of an estimate."""
     from friction_audit.drift.summarise import conditions_of, summarise_joints
 
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source

@@ -23,6 +23,7 @@ REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".j
 """Formats of a report and the endings of their files."""
 FIGURES, REPLAY_FIGURES = figure_names("estimate"), figure_names("replay")
 DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drift")
+DIFF_FIGURES = figure_names("diff")
 PLOTTED = figure_names("estimate", "replay", "diagnosis")
 ALL = "all"
 EFFECTS, IMAGE_FORMATS = registry.NAMES, style.FORMATS

@@ -58,7 +58,7 @@ def read_result(path: Path) -> Joints:
             reflected=None,
             lacking=tuple((number, "no model in the file") for number, _, joint in known if joint is None),
         )
-    return _of_document(_document(path), path)
+    return _of_document(read_document(path), path)
 
 
 def of_estimate(estimate: Estimate) -> Joints:
@@ -135,7 +135,7 @@ def _simple(coulomb: float, viscous: float, inertia: float) -> JointModel:
     )
 
 
-def _document(path: Path) -> Mapping[str, Any]:
+def read_document(path: Path) -> Mapping[str, Any]:
     """Return a document, a JSON object."""
     try:
         size = path.stat().st_size

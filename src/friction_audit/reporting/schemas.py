@@ -6,18 +6,19 @@ from friction_audit.reporting.table import Document
 
 KINDS = (
     "estimate", "info", "plot", "replay", "diagnose", "convert", "simulate", "truth", "reproduce", "compare", "batch",
-    "report", "export",
+    "report", "export", "diff",
 )  # fmt: skip
 
 
 def document_of(kind: str) -> Document:
     """Return the specification of a kind of document, one of KINDS."""
     from friction_audit.reporting import compare, diagnosis, documents, drift, estimate, export, info, replay, report
+    from friction_audit.reporting.diff import DIFF
 
     every = (
         estimate.ESTIMATE, info.INFO, documents.PLOT, replay.REPLAY, diagnosis.DIAGNOSE, documents.CONVERT,
         documents.SIMULATE, documents.TRUTH, compare.REPRODUCE, compare.COMPARE, drift.BATCH, report.REPORT,
-        export.EXPORT,
+        export.EXPORT, DIFF,
     )  # fmt: skip
     return next(document for document in every if document.kind == kind)
 

@@ -14,7 +14,7 @@ class Figure:
 
     Attributes:
         name: As ``--figures`` takes it, and the first part of its files' names.
-        result: What it draws: ``estimate``, ``replay``, ``diagnosis`` or ``drift``.
+        result: What it draws: ``estimate``, ``replay``, ``diagnosis``, ``drift`` or ``diff``.
         draws: Module and function, with a dot between them.
         title: What it shows, in a line.
         caption: How to read it; empty if it stands on no page.
@@ -141,6 +141,18 @@ FIGURES = (
         title="Velocity-torque curves",
         caption="Mean interaction torque in bins of velocity: the first session, the mean of the reference with the "
         "range of its sessions, and the last session.",
+    ),
+    Figure(
+        name="sides",
+        result="diff",
+        draws="sides.draw_side_curves",
+        title="Velocity-torque curves before and after",
+    ),
+    Figure(
+        name="law-change",
+        result="diff",
+        draws="sides.draw_law_change",
+        title="Change of the friction torque over the speed",
     ),
 )
 

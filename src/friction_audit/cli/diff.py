@@ -1,0 +1,169 @@
+"""``friction-audit diff``."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain, choices
+from friction_audit.cli.batch_files import EXCEEDED, UNTESTABLE
+from friction_audit.cli.chain import audit_settings, read_options
+from friction_audit.cli.choices import option, parse_joints
+from friction_audit.cli.console import DAMAGED, Voice
+from friction_audit.cli.figure_files import write_figures
+from friction_audit.cli.grouped_help import DRIFT
+from friction_audit.cli.options import (
+    PNG,
+    EstimateOptions,
+    FigureFormats,
+    LogOptions,
+    figures_option,
+    folder_option,
+)
+from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.errors import FrictionAuditError, InputError, UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.drift.fail_on import Limit
+    from friction_audit.drift.two_sides import Recording, TwoSides
+    from friction_audit.reporting.notices import Notice
+
+EXAMPLES = """Examples:
+  friction-audit diff before.mcap after.mcap
+  friction-audit diff monday/ friday/ --joints 1-4 -o changes
+  friction-audit diff accepted/estimate.json today.mcap --fail-on coulomb=10%"""
+
+RESULT, DOCUMENT, TABLE = "estimate.json", "diff.json", "diff.csv"
+HELP = f"A log, an {RESULT}, or a folder of logs or of results."
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LimitOptions:
+    """What is too much."""
+
+    fail_on: Annotated[
+        list[str] | None,
+        option(
+            DRIFT,
+            "Exit with 5 if a coefficient has changed further, e.g. coulomb=10%; with 7 if the recordings cannot test "
+            "this limit. Repeatable.",
+            metavar="COEFFICIENT=LIMIT",
+        ),
+    ] = None
+
+
+def command(
+    before: Annotated[Path, typer.Argument(metavar="BEFORE", help=HELP)],
+    after: Annotated[Path, typer.Argument(metavar="AFTER", help="Likewise.")],
+    limit: LimitOptions,
+    friction: EstimateOptions,
+    shared: LogOptions,
+    folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR.")] = None,
+    figures: Annotated[list[str], figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    formats: FigureFormats = PNG,
+) -> None:
+    """Compare the friction before and after: change per joint with confidence interval."""
+    from friction_audit.drift.fail_on import parse_limit
+    from friction_audit.drift.two_sides import compare_sides
+
+    voice = shared.general.voice
+    limits = tuple(parse_limit(text) for text in limit.fail_on or ())
+    kinds = choices.some_figures(figures, choices.DIFF_FIGURES)
+    out = ResultFolder(folder=folder, name="diff", figures=kinds, formats=formats, overwrite=shared.overwrite)
+    for source in (before, after):
+        out.check(source, (DOCUMENT, TABLE))
+    recordings, left_out = [], []
+    for source in (before, after):
+        found, lost = _recordings(source, shared, friction, folder, voice)
+        recordings.append(found)
+        left_out += lost
+    with voice.step("compare"):
+        sides = compare_sides(*recordings)
+    code = _report(sides, limits, left_out, out, shared, friction)
+    if code:
+        raise typer.Exit(code)
+
+
+def _recordings(
+    source: Path, shared: LogOptions, friction: EstimateOptions, folder: Path | None, voice: Voice
+) -> "tuple[list[Recording], list[Notice]]":
+    """Return the recordings of a side, and which of several logs were left out."""
+    from friction_audit.batch.find_logs import find_logs
+    from friction_audit.reporting.notices import Notice
+
+    results = (
+        [source] if source.suffix.lower() == ".json" else [*source.glob(RESULT)] or sorted(source.glob(f"*/{RESULT}"))
+    )
+    if results:
+        return [_of_result(path, parse_joints(shared.selection.joints)) for path in results], []
+    if source.suffix.lower() == ".toml":
+        raise UsageError(f"{source}: a joint model has no intervals; give an {RESULT} or a log")
+    logs = [Path(log.path) for log in find_logs([str(source)], {}, leave_out=[] if folder is None else [folder])]
+    if len(logs) == 1:
+        return [_of_log(logs[0], shared, friction, voice)], []
+    found, lost = [], []
+    for path in logs:
+        try:
+            found.append(_of_log(path, shared, friction, voice))
+        except FrictionAuditError as error:
+            lost.append(Notice("log_left_out", None, f"{str(error).removeprefix(f'{path}: ')}; {path} is left out"))
+    if not found:
+        raise InputError(f"{source}: none of {len(logs)} logs can be used: {lost[0].message}")
+    return found, lost
+
+
+def _of_log(path: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Recording":
+    from friction_audit.batch.recordings import recording_of
+
+    log = chain.read(path, read_options(shared.reading, shared.selection), voice)
+    return recording_of(chain.estimate(log, audit_settings(shared, friction), voice))
+
+
+def _of_result(path: Path, wanted: tuple[int, ...] | None) -> "Recording":
+    from friction_audit.batch.recordings import recording_of_document
+    from friction_audit.export.source import read_document
+
+    found = recording_of_document(read_document(path), path)
+    joints = tuple(joint for joint in found.session.joints if wanted is None or joint.joint in wanted)
+    return replace(found, session=replace(found.session, joints=joints))
+
+
+def _report(
+    sides: "TwoSides",
+    limits: "Sequence[Limit]",
+    left_out: "Sequence[Notice]",
+    out: ResultFolder,
+    shared: LogOptions,
+    friction: EstimateOptions,
+) -> int:
+    """Write and print the result; return the exit code."""
+    from friction_audit.drift.fail_on import exceeded, untestable
+    from friction_audit.reporting.diff import changes_table, diff_document, diff_lines, diff_notices
+    from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.notices import notice_lines
+    from friction_audit.reporting.words import in_unit
+
+    voice, json = shared.general.voice, shared.general.json
+    warnings = (*left_out, *diff_notices(sides))
+    beyond, unknown = (
+        [in_unit(text, sides.unit) for text in find(sides.report, limits)] for find in (exceeded, untestable)
+    )
+    settings = asdict(audit_settings(shared, friction))
+    document = write_document(diff_document(sides, settings, warnings, beyond, unknown))
+    out.write_text(DOCUMENT, document)
+    out.write_csv(TABLE, changes_table(sides))
+    if out.folder is not None:
+        numbers, again = [joint.joint for joint in sides.joints], out.overwrite
+        drawn = {"diff": sides}
+        write_figures(
+            drawn, out.figures, numbers, out.folder, out.formats, overwrite=again, voice=voice, unit=sides.unit
+        )
+    if not json:
+        voice.warn(notice_lines(warnings))
+    show(document, lambda: diff_lines(sides, beyond, unknown), json=json)
+    if beyond or unknown:
+        return EXCEEDED if beyond else UNTESTABLE
+    damaged = any(one.session.damaged for one in (*sides.before, *sides.after))
+    return DAMAGED if left_out or damaged else 0

@@ -1,0 +1,427 @@
+"""Recordings before and after -> the change of each joint's friction: coefficients, friction law, conditions."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+
+import numpy as np
+from scipy.special import stdtr, stdtrit
+
+from friction_audit.drift.covariates import LEAST_RANGE_K, LIKE, RATE_RATIO
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
+from friction_audit.drift.session import COEFFICIENTS, JointSummary, Session, SpeedCurve
+from friction_audit.drift.settings import DriftSettings
+from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
+from friction_audit.friction.weighted import CONFIDENCE
+from friction_audit.joint_log import Float
+from friction_audit.joint_numbers import write_joint_numbers
+
+SETTINGS = DriftSettings()  # the level of the tests and the power of the smallest change, as in a batch
+INVALID = ("drive", "torque", "gravity", "friction model")  # where these differ, so does what is estimated
+SPEEDS = 25  # points of the friction law
+TOP_SPEED_RAD_S = 1.0  # of the law where no side has a curve: that of a hand
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Recording:
+    """A session with what a comparison of two needs besides.
+
+    Attributes:
+        session: Its coefficients, conditions and curves.
+        joints: Number of joints of its log, also those that were not estimated.
+        unit: Of the torque: ``"N m"``, ``"A"`` or ``"mA"``.
+        method: Estimator and friction model.
+        correlation: Between the two coefficients, by number of the joint.
+    """
+
+    session: Session
+    joints: int
+    unit: str
+    method: str
+    correlation: Mapping[int, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Condition:
+    """A condition that differs between the sides, of one joint or of all (None)."""
+
+    name: str
+    before: str
+    after: str
+    joint: int | None = None
+
+    @property
+    def invalid(self) -> bool:
+        """Whether the two sides are estimates of different things."""
+        return self.name in INVALID
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CoefficientChange:
+    """One coefficient of one joint on both sides.
+
+    Attributes:
+        before: With its 95 % interval; of several recordings their random-effects mean.
+        after: Likewise.
+        freedom: Degrees of freedom of the difference (Welch-Satterthwaite).
+        single_p_value: Of this test alone; that of ``found`` is adjusted over all joints and coefficients (Holm).
+        found: Change, relative change, p value, smallest detectable change; the reference is the side before.
+    """
+
+    before: Coefficient
+    after: Coefficient
+    freedom: float
+    single_p_value: float
+    found: CoefficientDrift
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class LawChange:
+    """Coulomb plus viscous friction after less before, with its 95 % interval at each speed, shape (m,) each."""
+
+    speed_rad_s: Float
+    change_nm: Float
+    low_nm: Float
+    high_nm: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointChange:
+    """One joint that both sides have: its coefficients, its law (None without a covariance), its mean curves."""
+
+    joint: int
+    name: str
+    coefficients: tuple[CoefficientChange, ...]
+    law: LawChange | None
+    curves: tuple[tuple[SpeedCurve, ...], tuple[SpeedCurve, ...]]
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class TwoSides:
+    """What changed from one side to the other.
+
+    Attributes:
+        before: Recordings of the first side.
+        after: Of the second side.
+        joints: Joints that both sides have.
+        one_sided: Number of each other joint, and whether it is on the first side.
+        conditions: What differs.
+        twice: Paths of recordings that are on both sides.
+    """
+
+    before: tuple[Recording, ...]
+    after: tuple[Recording, ...]
+    joints: tuple[JointChange, ...]
+    one_sided: tuple[tuple[int, bool], ...]
+    conditions: tuple[Condition, ...]
+    twice: tuple[str, ...]
+
+    @property
+    def unit(self) -> str:
+        """Of the torque."""
+        return self.before[0].unit
+
+    @property
+    def report(self) -> DriftReport:
+        """The same as the drift of an arm, for limits that hold for both."""
+        joints = tuple(
+            JointDrift(
+                joint=one.joint,
+                name=one.name,
+                coefficients=tuple(change.found for change in one.coefficients),
+                drift=any(change.found.drift for change in one.coefficients),
+                message="",
+            )
+            for one in self.joints
+        )
+        sessions = tuple(one.session for one in (*self.before, *self.after))
+        every, drift = tuple(range(len(sessions))), any(joint.drift for joint in joints)
+        arm = ArmDrift(
+            robot=", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after)),
+            sessions=sessions, compared=every, reference=every[: len(self.before)], left_out=(), joints=joints,
+            ordered_by="name", autocorrelation=NAN, drift=drift, message="",
+        )  # fmt: skip
+        return DriftReport(arms=(arm,))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Mean:
+    """A value with its variance, the degrees of freedom of that, and the variance between recordings in it."""
+
+    value: float
+    variance: float
+    freedom: float
+    between: float = NAN
+    recordings: int = 1
+
+    def interval(self) -> Coefficient:
+        half = _critical(self.freedom) * self.variance**0.5
+        return Coefficient(value=self.value, low=self.value - half, high=self.value + half)
+
+
+NO_MEAN = _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)
+
+
+def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> TwoSides:
+    """Compare the friction of every joint that both sides have.
+
+    Args:
+        before: At least one recording.
+        after: Likewise.
+
+    Raises:
+        UsageError: If they are of different arms or in different units.
+        AnalysisError: If no coefficient of a joint is known on both sides.
+    """
+    _check_alike([*before, *after])
+    numbers = [{joint.joint for one in side for joint in one.session.joints} for side in (before, after)]
+    joints = _adjusted([_compare_joint(number, before, after) for number in sorted(numbers[0] & numbers[1])])
+    if not any(np.isfinite(change.found.change.value) for joint in joints for change in joint.coefficients):
+        reasons = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints if joint.reason)
+        held = " and ".join(write_joint_numbers(side) or "none" for side in numbers)
+        raise AnalysisError(
+            f"no joint has an estimate on both sides, which have joints {held}:{reasons or ' no match'}"
+        )
+    content = {one.session.sha256 for one in before}
+    return TwoSides(
+        before=tuple(before),
+        after=tuple(after),
+        joints=tuple(joints),
+        one_sided=tuple((number, number in numbers[0]) for number in sorted(numbers[0] ^ numbers[1])),
+        conditions=tuple(_differences(before, after)),
+        twice=tuple(one.session.path for one in after if one.session.sha256 in content),
+    )
+
+
+def _check_alike(recordings: Sequence[Recording]) -> None:
+    for first, second in pairwise(recordings):
+        paths = f"{first.session.path}, {second.session.path}"
+        if first.unit != second.unit:
+            raise UsageError(
+                f"{paths}: torque in {first.unit} and in {second.unit}; expected one unit; multiply a motor current by "
+                "torque constant and gear ratio"
+            )
+        if first.joints != second.joints:
+            raise UsageError(f"{paths}: {first.joints} and {second.joints} joints; expected recordings of one arm")
+
+
+def _compare_joint(number: int, before: Sequence[Recording], after: Sequence[Recording]) -> JointChange:
+    own = [
+        [(one, found) for one in side for found in one.session.joints if found.joint == number]
+        for side in (before, after)
+    ]
+    reasons = dict.fromkeys(found.reason for side in own for _, found in side if found.reason)
+    curves = [tuple(found.curve for _, found in side) for side in own]
+    tested = [
+        _test(name, _sides(own, parts)) for name, parts in zip(COEFFICIENTS, ((1.0, 0.0), (0.0, 1.0)), strict=True)
+    ]
+    return JointChange(
+        joint=number,
+        name=own[0][0][1].name,
+        coefficients=tuple(tested),
+        law=_law(own, curves),
+        curves=(curves[0], curves[1]),
+        reason="; ".join(reasons),
+    )
+
+
+def _sides(own: Sequence[Sequence[tuple[Recording, JointSummary]]], parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
+    """Return the mean of a combination of the coefficients on each side.
+
+    One recording alone shows nothing of the variance between recordings: it takes that of the other side.
+    """
+    first, second = (_random_effects([_combined(*one, parts) for one in side]) for side in own)
+    return _with_between(first, second), _with_between(second, first)
+
+
+def _combined(recording: Recording, joint: JointSummary, parts: tuple[float, float]) -> _Mean:
+    """Return a combination of the two coefficients of a joint, with the covariance of their errors."""
+    freedom = max(joint.cycles - 1, 1)  # of the jackknife over cycles
+    value = variance = 0.0
+    errors = []
+    for part, name in zip(parts, COEFFICIENTS, strict=True):
+        one = joint.coefficients[name]
+        # An interval that covers a second method is not symmetric: its longer side counts.
+        errors.append(part * max(one.high - one.value, one.value - one.low) / _critical(freedom) if part else 0.0)
+        value += part * one.value if part else 0.0
+        variance += errors[-1] ** 2
+    if all(parts):
+        variance += 2.0 * recording.correlation.get(joint.joint, NAN) * errors[0] * errors[1]
+    return _Mean(value=value, variance=variance, freedom=freedom)
+
+
+def _random_effects(found: Sequence[_Mean]) -> _Mean:
+    """Return the DerSimonian-Laird mean of recordings, with the Hartung-Knapp variance where that is larger.
+
+    Few recordings estimate the variance between them poorly; Student's t with k - 1 degrees of freedom allows for that
+    (C. Roever, G. Knapp, T. Friede, BMC Medical Research Methodology 15:99, 2015).
+    """
+    known = [one for one in found if np.isfinite(one.value)]
+    if len(known) <= 1 or not all(np.isfinite(one.variance) and one.variance > 0.0 for one in known):
+        return known[0] if len(known) == 1 else _unweighted(known)
+    from statsmodels.stats.meta_analysis import combine_effects
+
+    values, variances = (np.array([getattr(one, name) for one in known]) for name in ("value", "variance"))
+    with np.errstate(all="ignore"):  # statsmodels does not cut the variance between recordings at zero
+        result = combine_effects(values, variances, method_re="dl")
+    kind = "re" if result.tau2 > 0.0 else "fe"
+    errors = getattr(result, f"sd_eff_w_{kind}"), getattr(result, f"sd_eff_w_{kind}_hksj")
+    return _Mean(
+        value=float(getattr(result, f"mean_effect_{kind}")),
+        variance=float(max(errors) ** 2),
+        freedom=len(known) - 1,
+        between=max(float(result.tau2), 0.0),
+        recordings=len(known),
+    )
+
+
+def _unweighted(found: Sequence[_Mean]) -> _Mean:
+    """Return the mean of estimates without intervals, by their scatter alone."""
+    if not found:
+        return NO_MEAN
+    value = np.array([one.value for one in found])
+    scatter = float(value.var(ddof=1))
+    return _Mean(
+        value=float(value.mean()), variance=scatter / len(value), freedom=len(value) - 1, between=scatter,
+        recordings=len(value),
+    )  # fmt: skip
+
+
+def _with_between(one: _Mean, other: _Mean) -> _Mean:
+    if one.recordings != 1 or not other.between > 0.0:
+        return one
+    freedom = _satterthwaite((one.variance, one.freedom), (other.between, other.freedom))
+    return replace(one, variance=one.variance + other.between, freedom=freedom)
+
+
+def _satterthwaite(*parts: tuple[float, float]) -> float:
+    """Return the degrees of freedom of a sum of variances (B. L. Welch, Biometrika 34, 1947)."""
+    total = sum(variance for variance, _ in parts)
+    below = sum(variance**2 / freedom for variance, freedom in parts)
+    return float(total**2 / below) if below > 0.0 else min(freedom for _, freedom in parts)
+
+
+def _critical(freedom: float, confidence: float = CONFIDENCE) -> float:
+    return float(stdtrit(freedom, 0.5 + confidence / 2))
+
+
+def _difference(first: _Mean, second: _Mean) -> _Mean:
+    freedom = _satterthwaite((first.variance, first.freedom), (second.variance, second.freedom))
+    return _Mean(value=second.value - first.value, variance=first.variance + second.variance, freedom=freedom)
+
+
+def _test(name: str, sides: tuple[_Mean, _Mean]) -> CoefficientChange:
+    """Test one coefficient by Welch's t test; ``_adjusted`` allows for the others."""
+    first, second = sides
+    change, before = _difference(first, second), first.interval()
+    p_value = NAN
+    if np.isfinite(change.variance):
+        score = abs(change.value) / change.variance**0.5 if change.variance > 0.0 else np.inf * abs(change.value)
+        p_value = float(2.0 * stdtr(change.freedom, -score)) if change.value else 1.0
+    known = sum(one.recordings for one in sides if np.isfinite(one.value))
+    found = CoefficientDrift(
+        coefficient=name,
+        sessions=tuple(range(known)),
+        values=(),
+        level=before,
+        shape="none" if np.isfinite(p_value) else "too_few",
+        p_value=p_value,
+        change=change.interval(),
+        total=_relative(first, second, change.freedom),
+        drift=False,
+        message="",
+    )
+    return CoefficientChange(
+        before=before, after=second.interval(), freedom=change.freedom, single_p_value=p_value, found=found
+    )
+
+
+def _relative(first: _Mean, second: _Mean, freedom: float) -> Coefficient:
+    """Return (after - before) / before by the delta method; undetermined where the first may be zero."""
+    if not first.value > 0.0 or first.interval().low <= 0.0:
+        return UNDETERMINED
+    ratio = second.value / first.value
+    half = _critical(freedom) * float(np.hypot(second.variance**0.5, ratio * first.variance**0.5)) / first.value
+    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
+
+
+def _adjusted(joints: Sequence[JointChange]) -> list[JointChange]:
+    """Adjust the p values over all joints and coefficients (Holm); the smallest detectable change is at that level."""
+    from statsmodels.stats.multitest import multipletests
+
+    every = [change for joint in joints for change in joint.coefficients]
+    tested = [k for k, change in enumerate(every) if np.isfinite(change.single_p_value)]
+    adjusted = (
+        dict(zip(tested, multipletests([every[k].single_p_value for k in tested], method="holm")[1], strict=True))
+        if tested
+        else {}
+    )
+    level = 1.0 - SETTINGS.alpha / max(len(tested), 1)
+    found = iter([_concluded(change, float(adjusted.get(k, NAN)), level) for k, change in enumerate(every)])
+    return [replace(joint, coefficients=tuple(next(found) for _ in joint.coefficients)) for joint in joints]
+
+
+def _concluded(change: CoefficientChange, p_value: float, level: float) -> CoefficientChange:
+    half = change.found.change.high - change.found.change.value
+    error = half / _critical(change.freedom)
+    smallest = (_critical(change.freedom, level) + float(stdtrit(change.freedom, SETTINGS.power))) * error
+    relative = smallest / change.before.value if np.isfinite(change.found.total.value) else NAN
+    found = replace(
+        change.found,
+        p_value=p_value,
+        drift=p_value <= SETTINGS.alpha,
+        smallest_change=smallest,
+        smallest_drift=relative,
+    )
+    return replace(change, found=found)
+
+
+def _law(
+    own: Sequence[Sequence[tuple[Recording, JointSummary]]], curves: Sequence[Sequence[SpeedCurve]]
+) -> LawChange | None:
+    """Return the change of Coulomb plus viscous friction over the speeds that both sides reach."""
+    reached = [
+        max((max(map(abs, curve.speed_rad_s)) for curve in side if len(curve.speed_rad_s)), default=NAN)
+        for side in curves
+    ]
+    top = min((speed for speed in reached if np.isfinite(speed)), default=TOP_SPEED_RAD_S)
+    speeds = np.linspace(top / SPEEDS, top, SPEEDS)
+    found = [_difference(*_sides(own, (1.0, float(speed)))).interval() for speed in speeds]
+    table = np.array([(one.value, one.low, one.high) for one in found]).T
+    if not np.isfinite(table).all():
+        return None
+    return LawChange(speed_rad_s=speeds, change_nm=table[0], low_nm=table[1], high_nm=table[2])
+
+
+def _differences(before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
+    """Yield the conditions that differ, those that forbid a comparison first."""
+    values = {name: [{str(of(one.session)) for one in side} for side in (before, after)] for name, of in LIKE}
+    values["friction model"] = [{one.method for one in side} for side in (before, after)]
+    del values["joints"]
+    for name, sides in sorted(values.items(), key=lambda one: one[0] not in INVALID):
+        if sides[0] != sides[1]:
+            words = [", ".join(sorted(side)) for side in sides]
+            yield Condition(name=name, before=words[0], after=words[1])
+    rates = [float(np.median([one.session.conditions.rate_hz for one in side])) for side in (before, after)]
+    if not 1.0 / RATE_RATIO <= rates[1] / rates[0] <= RATE_RATIO:
+        yield Condition(name="rate", before=f"{rates[0]:.4g} Hz", after=f"{rates[1]:.4g} Hz")
+    for number in sorted({joint.joint for one in before for joint in one.session.joints}):
+        yield from _of_joint(number, before, after)
+
+
+def _of_joint(number: int, before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
+    """Yield speed and temperature of a joint where they differ."""
+    own = [[found for one in side for found in one.session.joints if found.joint == number] for side in (before, after)]
+    speeds = [np.array([found.speed_rad_s for found in side if np.isfinite(found.speed_rad_s[1])]) for side in own]
+    if all(len(side) for side in speeds):
+        (low, _, high), (other_low, _, other_high) = (np.median(side, axis=0) for side in speeds)
+        if low > other_high or other_low > high:
+            ranges = [f"{a:.2g} to {b:.2g} rad/s" for a, b in ((low, high), (other_low, other_high))]
+            yield Condition(name="speed", before=ranges[0], after=ranges[1], joint=number)
+    warmth = [[found.temperature_c for found in side if found.temperature_c is not None] for side in own]
+    if all(warmth):
+        first, second = (float(np.mean(side)) for side in warmth)
+        if abs(first - second) >= LEAST_RANGE_K:
+            yield Condition(name="temperature", before=f"{first:.1f} °C", after=f"{second:.1f} °C", joint=number)

@@ -1,0 +1,204 @@
+"""``diff``: numbers known by hand from two results, logs end to end, limits, and what it refuses."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import t as student
+from statsmodels.stats.multitest import multipletests
+
+from tests.cli.conftest import Run
+
+Pair = tuple[float, float]
+SPEED = 1.0  # rad/s: of the friction law of results, which hold no speeds
+
+
+def joint(number: int, coulomb: Pair | None, viscous: Pair | None, cycles: int, **changes: Any) -> dict[str, Any]:
+    """Return a joint of a result; a coefficient is a value and the half width of its interval."""
+    found = [
+        None if one is None else {"value": one[0], "ci95": [one[0] - one[1], one[0] + one[1]]}
+        for one in (coulomb, viscous)
+    ]
+    own = {"joint": number, "name": f"joint{number}", "coulomb_nm": found[0], "viscous_nms_per_rad": found[1]}
+    return {
+        **own,
+        "cycles": cycles,
+        "moving_s": 9.0,
+        "method": "energy",
+        "correlation": -0.8,
+        "reason": None,
+        **changes,
+    }
+
+
+def result(path: Path, *joints: dict[str, Any], count: int = 2, **changes: Any) -> Path:
+    """Write a result of two joints; changes are of what its torque was made from, or its hash and unit."""
+    chosen = {"drive": "hand", "source": "tau_J", "gravity": "logged", "inertia": "none"}
+    source = {"sha256": path.stem, "robot": "panda", "start_s": None, "duration_s": 60.0, "rate_hz": 1000.0}
+    document = {
+        "schema": "friction-audit/estimate/1",
+        "source": {**source, "joints": count, "torque_unit": changes.pop("unit", "N m")},
+        "settings": {
+            "torque_chosen": chosen | changes,
+            "torque": {"payload": None},
+            "friction": {"model": "combined", "estimator": "weighted"},
+        },
+        "joints": joints,
+    }
+    path.parent.mkdir(exist_ok=True, parents=True)
+    path.write_text(json.dumps(document))
+    return path
+
+
+@pytest.fixture
+def pair(tmp_path: Path) -> tuple[Path, Path]:
+    before = result(tmp_path / "a.json", joint(1, (0.30, 0.02), (0.10, 0.03), 11), joint(2, (0.20, 0.05), None, 6))
+    after = result(tmp_path / "b.json", joint(1, (0.36, 0.03), (0.09, 0.02), 21), joint(2, (0.21, 0.04), (0.1, 0.1), 9))
+    return before, after
+
+
+def welch(before: Pair, after: Pair, cycles: Pair) -> tuple[float, float, float]:
+    """Return standard error, degrees of freedom and p value of a difference."""
+    error = [one[1] / student.ppf(0.975, n - 1) for one, n in zip((before, after), cycles, strict=True)]
+    total = float(np.linalg.norm(error))
+    freedom = total**4 / sum(e**4 / (n - 1) for e, n in zip(error, cycles, strict=True))
+    return total, freedom, float(2 * student.sf(abs(after[0] - before[0]) / total, freedom))
+
+
+def test_numbers_of_two_results_are_those_of_welch_and_holm(run: Run, pair: tuple[Path, Path]) -> None:
+    document = run("diff", *pair, "--json").document()
+    known = [
+        ((0.30, 0.02), (0.36, 0.03), (11, 21)),
+        ((0.10, 0.03), (0.09, 0.02), (11, 21)),
+        ((0.20, 0.05), (0.21, 0.04), (6, 9)),
+    ]
+    tests = [welch(*one) for one in known]
+    adjusted = multipletests([p for *_, p in tests], method="holm")[1]
+    first, second = document["joints"]
+    for found, unit, (before, after, _), (error, freedom, p), q in zip(
+        (first["coulomb"], first["viscous"], second["coulomb"]),
+        ("nm", "nms_per_rad", "nm"),
+        known,
+        tests,
+        adjusted,
+        strict=True,
+    ):
+        difference, half = after[0] - before[0], student.ppf(0.975, freedom) * error
+        assert found[f"difference_{unit}"]["value"] == pytest.approx(difference)
+        assert found[f"difference_{unit}"]["ci95"] == pytest.approx([difference - half, difference + half])
+        assert found["relative_change"]["value"] == pytest.approx(difference / before[0])
+        assert (found["single_p_value"], found["p_value"]) == (pytest.approx(p), pytest.approx(q))
+        least = (student.ppf(1 - 0.05 / 6, freedom) + student.ppf(0.9, freedom)) * error
+        assert found[f"smallest_detectable_{unit}"] == pytest.approx(least)
+    assert first["coulomb"]["changed"]
+    assert second["viscous"]["difference_nms_per_rad"] is None
+    assert second["law"] is None
+    errors = [np.array([0.02, 0.03]) / student.ppf(0.975, 10), np.array([0.03, 0.02]) / student.ppf(0.975, 20)]
+    variances = [c**2 + v**2 - 1.6 * c * v for c, v in errors]
+    freedom = sum(variances) ** 2 / (variances[0] ** 2 / 10 + variances[1] ** 2 / 20)
+    law = first["law"]
+    assert law["speed_rad_s"][-1] == SPEED
+    assert law["change_nm"][-1] == pytest.approx(0.05)
+    assert law["high_nm"][-1] - 0.05 == pytest.approx(student.ppf(0.975, freedom) * np.sqrt(sum(variances)))
+
+
+def test_the_spread_between_recordings_of_a_side_counts(run: Run, tmp_path: Path) -> None:
+    one = result(tmp_path / "one.json", joint(1, (0.3, 0.001), (0.1, 0.001), 30), count=1)
+    alone = run("diff", one, result(tmp_path / "x.json", joint(1, (0.33, 0.001), (0.1, 0.001), 30), count=1), "--json")
+    for k, value in enumerate((0.30, 0.33, 0.36)):
+        result(tmp_path / "many" / str(k) / "estimate.json", joint(1, (value, 0.001), (0.1, 0.001), 30), count=1)
+    several = run("diff", one, tmp_path / "many", "--json").document()
+    (found,) = several["joints"]
+    assert len(several["after"]) == 3
+    assert found["coulomb"]["after_nm"]["value"] == pytest.approx(0.33, abs=1e-5)
+    half = found["coulomb"]["after_nm"]["ci95"][1] - 0.33
+    assert half == pytest.approx(student.ppf(0.975, 2) * 0.03 / np.sqrt(3), rel=1e-3)
+    assert not found["coulomb"]["changed"]
+    assert alone.document()["joints"][0]["coulomb"]["changed"]
+
+
+def test_limits_and_their_exit_codes(run: Run, pair: tuple[Path, Path]) -> None:
+    assert run("diff", *pair).code == 0
+    exceeded = run("diff", *pair, "--fail-on", "joint1.coulomb=10%")
+    assert (exceeded.code, "limit exceeded" in exceeded.out) == (5, True)
+    assert run("diff", *pair, "--fail-on", "joint1.coulomb=30%").code == 0
+    unknown = run("diff", *pair, "--fail-on", "joint2.coulomb=10%")
+    assert (unknown.code, "cannot test" in unknown.out) == (7, True)
+    assert run("diff", *pair, "--fail-on", "coulomb=10").code == 0
+    assert run("diff", *pair, "--fail-on", "friction=1%").code == 2
+
+
+def test_two_logs_end_to_end(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "before").mkdir()
+    for name, seed, change in (
+        ("before/a", 1, ()),
+        ("before/b", 2, ()),
+        ("after", 3, ("--set", "joints.coulomb_nm=0.36")),
+    ):
+        words = ("simulate", "joint", "-o", f"{name}.csv", "--seed", str(seed), "--duration", "40", *change, "-q")
+        assert run(*words).code == 0
+    (tmp_path / "before" / "broken.csv").write_text("t,q\n")
+    answer = run("diff", "before", "after.csv", "-o", "out", "--json")
+    document = answer.document()
+    assert answer.code == 6
+    assert [one["code"] for one in document["warnings"]] == ["log_left_out"]
+    (found,) = document["joints"]
+    assert found["coulomb"]["relative_change"]["value"] == pytest.approx(0.2, abs=0.05)
+    assert max(found["law"]["speed_rad_s"]) < 3.0
+    names = {path.name for path in (tmp_path / "out").iterdir()}
+    assert names == {"diff.json", "diff.csv", "sides.png", "law-change.png"}
+    rows = list(csv.DictReader((tmp_path / "out" / "diff.csv").read_text().splitlines()))
+    assert [row["coefficient"] for row in rows] == ["coulomb_nm", "viscous_nms_per_rad"]
+    assert run("diff", "before", "after.csv", "-o", "out").code == 2
+    assert run("estimate", "after.csv", "-o", "results", "-q").code == 0
+    same = run("diff", "results", "after.csv", "-q", "--json").document()
+    assert [one["code"] for one in same["warnings"]] == ["same_recording"]
+    assert same["joints"][0]["coulomb"]["difference_nm"]["value"] == 0.0
+    table = run("diff", "before/a.csv", "after.csv")
+    assert table.code == 0
+    assert max(map(len, table.out.splitlines()[3:7])) <= 100
+
+
+def test_conditions_that_differ_are_named(run: Run, tmp_path: Path) -> None:
+    one = joint(1, (0.3, 0.02), (0.1, 0.03), 20)
+    before = result(tmp_path / "a.json", one, joint(2, (0.3, 0.02), None, 20, reason="moved too little"))
+    after = result(tmp_path / "b.json", one, drive="robot", inertia="model")
+    document = run("diff", before, after, "--json").document()
+    found = {(warning["code"], warning["joint"]) for warning in document["warnings"]}
+    assert found == {("not_comparable", None), ("conditions_differ", None), ("joint_on_one_side", 2)}
+    assert "drive: hand before, robot after" in run("diff", before, after).err
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        (("a.json", "ampere.json"), 2, "in N m and in A"),
+        (("a.json", "seven.json"), 2, "2 and 7 joints"),
+        (("a.json", "second.json"), 4, "no joint has an estimate on both sides"),
+        (("a.json", "none.json"), 4, "moved too little"),
+        (("a.json", "regression.json"), 4, "regression"),
+        (("a.json", "half.json"), 3, "no whole document"),
+        (("a.json", "broken.json"), 3, "is no JSON"),
+        (("a.json", "empty"), 3, "no log in this folder"),
+        (("a.json", "nowhere.csv"), 3, "nowhere.csv"),
+        (("a.json", "model.toml"), 2, "estimate.json"),
+    ],
+)
+def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str, run: Run, tmp_path: Path) -> None:
+    one = joint(1, (0.3, 0.02), (0.1, 0.03), 20)
+    result(tmp_path / "a.json", one)
+    result(tmp_path / "ampere.json", one, unit="A")
+    result(tmp_path / "seven.json", one, count=7)
+    result(tmp_path / "second.json", one | {"joint": 2})
+    result(tmp_path / "none.json", joint(1, None, None, 0, reason="moved too little"))
+    result(tmp_path / "regression.json", one | {"method": "regression"})
+    (tmp_path / "half.json").write_text(json.dumps({"schema": "friction-audit/estimate/1", "joints": []}))
+    (tmp_path / "broken.json").write_text("{")
+    (tmp_path / "model.toml").write_text("")
+    (tmp_path / "empty").mkdir()
+    answer = run("diff", *words, "-o", "out")
+    assert (answer.code, message in answer.err) == (code, True), answer
+    assert not (tmp_path / "out").exists()
