@@ -24,7 +24,7 @@ BUSY_S = 60.0  # to wait while another run writes
 PARTS = ("", "-wal", "-shm")  # endings of the files that a ledger consists of while it is open
 UNCLEAN = ("-wal", "-journal")  # what lies next to a ledger that is open or was not closed
 AT_ONCE = 50  # keys per query: SQLite takes no more than a thousand, and rows take memory
-OTHER_PLACE = "choose another folder with -o, or --rebuild to move it aside and compute anew"
+OTHER_PLACE = "choose another folder with -o, or --rebuild to move it aside and compute again"
 
 
 class Ledger:
@@ -185,7 +185,7 @@ class Ledger:
         if version > SCHEMA_VERSION:
             raise InputError(
                 f"{self.path}: a ledger of schema {version}; this friction-audit knows {SCHEMA_VERSION}; use the newer "
-                "one that made it, or --rebuild to move it aside and compute anew"
+                "one that made it, or --rebuild to move it aside and compute again"
             )
         self._database.execute("PRAGMA journal_mode = WAL")
         self._database.execute("PRAGMA synchronous = NORMAL")

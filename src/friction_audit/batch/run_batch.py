@@ -138,7 +138,7 @@ def catch_up(
     first, copies = _one_of_each(logs, hashes)
     broken = ledger.forget_broken(hashes.values(), key)
     damaged = [
-        f"{log.path}: what {ledger.path} held of it was damaged or changed since; it was computed anew"
+        f"{log.path}: what {ledger.path} held of it was damaged or changed since; it was computed again"
         for log in first
         if hashes.get(log.place) in broken
     ]

@@ -65,7 +65,7 @@ def _in_words(error: Exception, command: str) -> FrictionAuditError | None:
             advice = "look at a part of the log with --t-start and --t-end, or --joints, or use a machine with more"
             return InputError(f"{where}: not enough memory{f' ({error})' if str(error) else ''}; {advice}")
         case RecursionError():
-            return InputError(f"{where}: something in the input is nested too deeply; write it anew with less nesting")
+            return InputError(f"{where}: something in the input is nested too deeply; write it again with less nesting")
         case OverflowError():
             return InputError(f"{where}: a number in the input is too large ({error}); correct it or leave its row out")
         case OSError(errno=number) if number in NO_PLACE:

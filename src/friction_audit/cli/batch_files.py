@@ -78,7 +78,7 @@ def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice
     digest, _, text = written.partition(" ")
     if digest != _digest(text):
         voice.warn(
-            [f"{ledger.path}: the note on the last report is damaged; the report is made anew from the sessions"]
+            [f"{ledger.path}: the note on the last report is damaged; the report is made again from the sessions"]
         )
         return None
     note = json.loads(text)

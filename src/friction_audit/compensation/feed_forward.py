@@ -35,7 +35,7 @@ OF_FRICTION = (
     "frictional_lag",
     "load_dependent_friction",
 )
-NO_MODEL = "the model file has no model of it; give one, or leave --joint-model away"
+NO_MODEL = "the model file has no model of it; give one, or remove --joint-model"
 
 
 class Feed(NamedTuple):

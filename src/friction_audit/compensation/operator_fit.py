@@ -45,14 +45,14 @@ def fit_joint(friction: JointFriction) -> FittedJoint | str:
         return friction.reason
     found = friction.regression
     if found is None:
-        return "too few moving samples or strokes to fit inertia and friction; record more strokes back and forth"
+        return "too few moving samples or motions to fit inertia and friction; record more motions back and forth"
     joint = FittedJoint(inertia=found.inertia, coulomb=found.coulomb, viscous=found.viscous)
     if not (found.inertia.low > 0.0 and found.inertia.value > LEAST_INERTIA_KG_M2):
         one = found.inertia
         value = f"{one.value:.3g}, 95 % {one.low:.3g} to {one.high:.3g}" if isfinite(one.value) else "no value"
         return (
             f"its inertia is not determined ({value} kg m^2), and without it the motion cannot "
-            "be predicted; record brisker strokes with quick reversals, or use --assume same-motion"
+            "be predicted; record brisker motions with quick reversals, or use --assume same-motion"
         )
     pushing = [name for name, one in (("Coulomb", joint.coulomb), ("viscous", joint.viscous)) if not one.high > 0.0]
     if pushing:
@@ -124,7 +124,7 @@ def fit_operator(recorded: Recorded, q: Float) -> FittedOperator | str:
     if len(turns) < FEWEST_REVERSALS:
         return (
             f"the person's impedance cannot be estimated from this log: {len(turns)} quick reversals, at least "
-            f"{FEWEST_REVERSALS} are needed; record strokes back and forth without pauses, or give {TYPICAL}"
+            f"{FEWEST_REVERSALS} are needed; record motions back and forth without pauses, or give {TYPICAL}"
         )
     rows = turns[:, None] + np.arange(-before, after)
     torque, place = (np.interp(t, recorded.t, one) for one in (recorded.torque, q))

@@ -242,7 +242,7 @@ def missing_estimate(history: ReplayHistory, friction: JointFriction, compensato
     cycles = len(history.status)
     if not cycles:
         return friction.reason or (
-            "no energy cycle ended while a controller would have watched; pause between strokes, or choose other "
+            "no energy cycle ended while a controller would have watched; pause between motions, or choose other "
             "--thresholds"
         )
     if not isinstance(compensator, EnergyCompensator) or compensator.forced is not None:
@@ -253,4 +253,4 @@ def missing_estimate(history: ReplayHistory, friction: JointFriction, compensato
     refused = history.status[history.status >= NOT_MOVED]
     if len(refused):
         return f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}"
-    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more strokes"
+    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more motions"

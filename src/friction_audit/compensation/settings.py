@@ -212,7 +212,7 @@ class ReplaySettings:
             raise UsageError(f"--assume {self.assume}: expected one of {', '.join(COUNTERFACTUALS)}")
         if self.operator is not None and self.assume != SAME_OPERATOR.name:
             raise UsageError(
-                f"--operator: not used with --assume {self.assume}; leave it away or ask for --assume same-operator"
+                f"--operator: not used with --assume {self.assume}; remove it or ask for --assume same-operator"
             )
         self.limits(Limits())
         name = "" if self.competitor is None else self.competitor.name
@@ -225,7 +225,7 @@ class ReplaySettings:
         if self.joint_model is not None and name != MODEL:
             raise UsageError(
                 f"--joint-model {self.joint_model.path}: not used with --assume {self.assume} unless by --compensator "
-                f"{MODEL}; leave it away, or ask for either, or for --assume same-torque or same-operator"
+                f"{MODEL}; remove it, or ask for either, or for --assume same-torque or same-operator"
             )
         if name in FEED_BACK or isinstance(self.compensator, DisturbanceObserver | TorqueRegulation):
             raise UsageError(

@@ -69,7 +69,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
         return _unanswered(subject, "data_fault", "; ".join(one.message for one in wrong))
     cycles = len(np.unique(make_samples(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
-        lacking = subject.lacking or "move the joint back and forth, or count slower strokes with --thresholds auto"
+        lacking = subject.lacking or "move the joint back and forth, or count slower cycles with --thresholds auto"
         return _unanswered(
             subject,
             "not_testable",

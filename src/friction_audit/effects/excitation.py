@@ -46,7 +46,7 @@ def several_speeds(data: JointData, nominal: Nominal) -> str | None:
     np.maximum.at(peak, cycle, speed)
     peak = peak[np.unique(cycle)]
     if peak.std() < 0.1 * peak.mean():
-        return "all strokes are equally fast: repeat them at two or more clearly different speeds"
+        return "all motions are equally fast: repeat them at two or more clearly different speeds"
     return None
 
 

@@ -85,6 +85,6 @@ EFFECT = FrictionalLag(
         Parameter("lag_speed_rad_s", "rad/s", "its Stribeck velocity", lower=1e-4, upper=1e2),
     ),
     traits=Trait.NEEDS_NOMINAL,
-    record="repeat strokes of equal speed with different accelerations",
-    separate={"time_delay": "repeat strokes of equal speed with different accelerations, and carry a load"},
+    record="repeat motions of equal speed with different accelerations",
+    separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
 )

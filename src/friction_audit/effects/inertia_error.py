@@ -34,6 +34,6 @@ EFFECT = InertiaError(
     family="structure",
     axis="acceleration",
     coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true inertia less the one stated"),),
-    record="repeat the strokes at two or more clearly different speeds",
+    record="repeat the motions at two or more clearly different speeds",
     separate={"inertial_coupling": "move one joint at a time"},
 )

@@ -139,9 +139,9 @@ EFFECT = JointElasticity(
     ),
     traits=Trait.NEEDS_NOMINAL,
     forward="spring",
-    record="repeat the strokes at two or more clearly different speeds",
+    record="repeat the motions at two or more clearly different speeds",
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, a spring does",
-        "inertia_error": "repeat the strokes slowly and fast: what a spring adds grows with frequency",
+        "inertia_error": "repeat the motions slowly and fast: what a spring adds grows with frequency",
     },
 )

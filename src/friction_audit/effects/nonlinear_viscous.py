@@ -114,8 +114,8 @@ EFFECT = NonlinearViscous(
     traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
     record="move at speeds that differ by a factor of 5 and more",
     separate={
-        "time_delay": "repeat strokes of equal speed with different accelerations",
-        "warm_up": "repeat the same slow and fast strokes early and late",
+        "time_delay": "repeat motions of equal speed with different accelerations",
+        "warm_up": "repeat the same slow and fast motions early and late",
         "unlogged_compensation": "log the commanded torque, or record again without compensation",
     },
 )

@@ -44,7 +44,7 @@ class TimeDelay(Effect):
         )
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
+        """The motion that is lacking: jumps of friction show it, at equally fast motions too."""
         return reversals(data, nominal)
 
     def coefficient_of(self, at: Nonlinear) -> float:

@@ -84,5 +84,5 @@ EFFECT = TorqueRipple(
     ),
     nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
     record="pass slowly and steadily over five periods of the ripple",
-    separate={"joint_elasticity": "repeat slow, steady strokes at two speeds: a ripple's frequency goes with speed"},
+    separate={"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"},
 )

@@ -69,9 +69,9 @@ EFFECT = WarmUp(
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
     traits=Trait.FRICTION | Trait.ODD,
-    record="record from a cold start, slow and fast strokes early and late",
+    record="record from a cold start, slow and fast motions early and late",
     separate={
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
-        "unlogged_compensation": "log the commanded torque, and repeat the same strokes early and late",
+        "unlogged_compensation": "log the commanded torque, and repeat the same motions early and late",
     },
 )

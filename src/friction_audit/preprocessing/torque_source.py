@@ -106,16 +106,16 @@ def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
     if settings.inertia == "model" and settings.drive == "hand":
         raise UsageError(
             "--inertia model with --drive hand: when a hand moves the arm the link's inertia is on the link side of "
-            "the sensor and not in its balance with friction; leave --inertia away, or say --drive robot"
+            "the sensor and not in its balance with friction; remove --inertia, or use --drive robot"
         )
     wants_tau_J = settings.gravity in FROM_TAU_J or settings.inertia == "model"
     if wants_tau_J and settings.torque in ("interaction", "tau_ext"):
         raise UsageError(
             f"--torque {settings.torque} with --gravity {settings.gravity} and --inertia {settings.inertia}: that "
-            "torque holds neither gravity nor inertia; leave them away, or use --torque tau_J"
+            "torque contains neither gravity nor inertia; remove them, or use --torque tau_J"
         )
     if settings.torque == "auto" and wants_tau_J and log.tau_J is None:
-        raise UsageError(f"{where}: --gravity and --inertia are about tau_J, and the log has none; leave them away")
+        raise UsageError(f"{where}: --gravity and --inertia are about tau_J, and the log has none; remove them")
     if settings.gravity == "logged" and log.gravity is None:
         raise UsageError(f"{where}: --gravity logged: the log has no gravity; map it (--map gravity=NAME) or use model")
 
@@ -162,7 +162,7 @@ def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm 
         )
     if robot == "none":
         raise UsageError(
-            f"{where}: --robot none forbids the model that --gravity or --inertia asks for; leave one of them away"
+            f"{where}: --robot none forbids the model that --gravity or --inertia asks for; remove one of them"
         )
     without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None)
     raise UsageError(

@@ -79,7 +79,7 @@ class McapStream:
         if counts is None and not self._channels and self._damage:
             raise InputError(
                 f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole chunk; "
-                "no message can be saved; copy it again or record anew"
+                "no message can be saved; copy it again or record again"
             )
 
     @property

@@ -70,7 +70,7 @@ class Rosbag1Stream:
         if self._damage and not self._connections:
             raise InputError(
                 f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole message; "
-                "nothing can be saved; copy it again or record anew"
+                "nothing can be saved; copy it again or record again"
             )
 
     @property

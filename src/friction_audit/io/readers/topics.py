@@ -151,12 +151,12 @@ def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequen
         names = ", ".join(dict.fromkeys(candidate.topic for candidate in candidates))
         return (
             f"{path}: 0 messages on {names}; expected joint states; {_listed(topics)}; check that the robot was "
-            "running, and record anew"
+            "running, and record again"
         )
     if broken := next((candidate for candidate in candidates if not candidate.rows), None):
         return (
             f"{path}: the first messages on topic {broken.topic} of type {broken.type} do not fit their definition; "
-            f"{_listed(topics)}; choose another one with --topic, or record anew"
+            f"{_listed(topics)}; choose another one with --topic, or record again"
         )
     return (
         f"{path}: no topic with measured joint states; expected fields q, dq and tau_J, or position, velocity and "
