@@ -20,7 +20,7 @@ from friction_audit.reporting.drift_words import change_text, span_of, total_tex
 from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.info import InfoEntry, TopicSummary, info_lines, summarize_log
 from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines
-from friction_audit.reporting.replay import replay_lines
+from friction_audit.reporting.replay_text import replay_lines
 from friction_audit.reporting.words import (
     enumerate_words,
     format_coefficient,

@@ -9,7 +9,17 @@ from numpy.typing import NDArray
 
 from friction_audit.compensation.cautions import cautions_of, log_cautions, seems_compensated
 from friction_audit.compensation.closed_loop import Recorded
-from friction_audit.compensation.compensators import Compensator, EnergyCompensator, JointModelCompensation, guard_of
+from friction_audit.compensation.compensators import (
+    Coefficients,
+    Compensator,
+    DisturbanceObserver,
+    EnergyCompensator,
+    JointModelCompensation,
+    LugreCompensation,
+    TorqueRegulation,
+    guard_of,
+)
+from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, run_records
 from friction_audit.compensation.counterfactual import (
     Scene,
@@ -21,13 +31,24 @@ from friction_audit.compensation.counterfactual import (
     run_scene,
     same_motion,
 )
+from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
 from friction_audit.compensation.hand_cycles import hand_cuts
 from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error, read_history
 from friction_audit.compensation.operator_fit import fit_operator, given_operator
 from friction_audit.compensation.records import TRACE, fresh_memory, pack
 from friction_audit.compensation.result import JointReplay, Replay, Signals, missing_estimate
-from friction_audit.compensation.settings import SAME_MOTION, SAME_OPERATOR, Limits, ReplaySettings, limits_of
-from friction_audit.compensation.tuning import tune
+from friction_audit.compensation.settings import (
+    FEED_BACK,
+    MODEL,
+    PANDAS,
+    SAME_MOTION,
+    SAME_OPERATOR,
+    Competitor,
+    Limits,
+    ReplaySettings,
+    limits_of,
+)
+from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, median_step
 from friction_audit.parallel import per_joint
@@ -139,6 +160,55 @@ def _replay_joint(
         passivity=measure_passivity(history, run.tally, run.signals.t),
         recovery=find_recovery(history),
     )
+
+
+def tune(  # noqa: PLR0911 - one per compensator
+    competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None
+) -> Compensator | str:
+    """Return a compensator for one joint, or why it cannot be tuned.
+
+    Args:
+        competitor: Which one.
+        friction: What the log says about the joint.
+        robot: As ``Source.robot`` names it.
+        model: Of a model file, if it has one of this joint.
+    """
+    if competitor.name == MODEL:
+        return _modelled(model)
+    if competitor.name == "sigmoid" and robot in PANDAS and 1 <= friction.joint <= len(PUBLISHED):
+        return PUBLISHED[friction.joint - 1]
+    if competitor.name in FEED_BACK:
+        return _feed_back(competitor, friction)
+    coulomb, viscous = friction.coulomb.value, friction.viscous.value
+    if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
+        return friction.reason or "the log's friction is negative, and nothing can be tuned to it"
+    if competitor.name == "sigmoid":
+        return fit_sigmoid(coulomb, viscous)
+    if competitor.name == "lugre":
+        return LugreCompensation(coulomb_nm=coulomb, breakaway_nm=coulomb, viscous_nms_per_rad=viscous)
+    forced = Coefficients(coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
+    return EnergyCompensator(forced=forced, forced_from_cycle=1, forced_until_acted=False, passivity=False)
+
+
+def _modelled(model: JointModel | None) -> Compensator | str:
+    if model is None:
+        return NO_MODEL
+    terms = friction_terms(model)
+    if not terms:
+        return "its model has no term of friction, and a compensator nothing to apply"
+    return refusal(terms) or JointModelCompensation(terms=terms)
+
+
+def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator | str:
+    found, inertia = friction.regression, competitor.motor_inertia_kg_m2
+    if inertia is None and found is not None and found.inertia.low > 0.0:
+        inertia = found.inertia.value
+    if inertia is None:
+        return friction.reason or "its inertia is not determined by the log; give --motor-inertia"
+    if competitor.name == "disturbance_observer":
+        return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s)
+    desired = competitor.desired_inertia_kg_m2
+    return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)
 
 
 def _uncompensated(recorded: Recorded) -> Signals:

@@ -35,7 +35,8 @@ from friction_audit.reporting.html.page import (
 )
 from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
 from friction_audit.reporting.notices import notice_lines, physics_of, reason_lines
-from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
+from friction_audit.reporting.replay import JOINT_REPLAY
+from friction_audit.reporting.replay_text import describe_compensator
 from friction_audit.reporting.report import (
     VERDICT,
     JointReport,
