@@ -41,7 +41,7 @@ def prepare(folder: Path, kind: str, job: Job, task: Row) -> str:
         return JointDiagnosis(joint=subject.number, name=subject.name, verdict="not_testable")
 
     if not path.exists():
-        with patch.object(stage, "diagnose_joint", keep), patch.object(stage, "workers_for", lambda _: 1):
+        with patch.object(stage, "diagnose_joint", keep), patch.object(stage, "workers_for", lambda *_: 1):
             rows = job.work(task)
         joints = [(dict(row), subjects[str(row["joint"])]) for row in rows if str(row.get("joint")) in subjects]
         path.write_bytes(pickle.dumps((kind, job.fields, job.keys, joints)))
