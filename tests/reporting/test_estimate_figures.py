@@ -167,7 +167,7 @@ def test_one_wild_window_does_not_flatten_a_panel() -> None:
 
 
 def test_the_legend_says_how_long_the_window_is_and_whether_a_band_is_cut(single: Estimate) -> None:
-    assert legend(draw_coefficients(single, 1))[:2] == ["last 20 cycles", "95 %"]
+    assert legend(draw_coefficients(single, 1))[:2] == ["last 15 cycles", "95 %"]
     friction = single.friction.joints[0]
     high = friction.history.coulomb_high_nm.copy()
     high[1] = 80.0

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
+from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.options import (
     PNG,
     EstimateOptions,
@@ -36,6 +38,15 @@ def command(
     formats: FigureFormats = PNG,
     folder: FigureFolder = Path("figures"),
     min_effect: MinEffect = 0.0,
+    style: Annotated[
+        str,
+        option(
+            OUTPUT,
+            "Fonts: sans, those of an IEEE paper, or those of LaTeX.",
+            "--style",
+            one_of=("sans", "ieee", "latex"),
+        ),
+    ] = "sans",
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
     voice = shared.general.voice
@@ -47,6 +58,9 @@ def command(
         from friction_audit.reporting.notices import estimate_notices
 
         chain.warn_about(result.log, estimate_notices(result), voice)
+    from friction_audit.reporting.figures.style import STYLE
+
+    STYLE.set(style)
     files = write_figures(
         _results(result, kinds, min_effect, voice),
         kinds,

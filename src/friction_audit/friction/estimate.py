@@ -18,7 +18,7 @@ from friction_audit.friction.history import (
     TorqueRegression,
 )
 from friction_audit.friction.reasons import cautions_of, dead_channel, missing_motion, one_speed
-from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
+from friction_audit.friction.settings import FrictionSettings
 from friction_audit.friction.torque_regression import HIGHEST_CONDITION, regress_torque
 from friction_audit.friction.weighted import FRICTION, Equations, fit_windows, set_up
 from friction_audit.joint_log import Float
@@ -77,7 +77,7 @@ def _estimate_joint(
         joint=number,
         name=interaction.joint_names[column],
         model=settings.model,
-        window=settings.cycles_per_point,
+        window=settings.window_of(len(kept.joint)),
         cycles=len(kept.joint),
         rejected_cycles=len(own.joint) - len(kept.joint),
         moving_s=float(cycles.moving_s[column]),
@@ -94,6 +94,7 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSet
     equations = set_up(kept, settings.model)
     whole = fit_windows(equations, len(kept.joint))
     condition, correlation = equations.conditioning()
+    window = min(settings.window_of(len(kept.joint)), len(kept.joint))
     offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
     return {
         "coulomb": whole.coefficient("coulomb"),
@@ -102,20 +103,15 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSet
         "gravity_error_nm": float(np.hypot(np.nan_to_num(x), np.nan_to_num(y))),
         "condition_number": condition,
         "correlation": correlation,
-        "history": _history(own, FEWEST_CYCLES, _after_every_cycle(equations, settings.cycles_per_point)),
+        "history": _history(own, window, _after_every_cycle(equations, window)),
     }
 
 
 def _after_every_cycle(equations: Equations, window: int) -> Columns:
-    """Estimate over the first cycles with all there are, then over the last k."""
-    window = min(window, len(equations.normal))
-    fits = [fit_windows(equations.first(n), n) for n in range(FEWEST_CYCLES, window)]
-    fits.append(fit_windows(equations, window))
-    columns = {}
-    for name in UNITS:
-        value, half = (np.concatenate(parts) for parts in zip(*(fit.column(name) for fit in fits), strict=True))
-        columns[name] = (value, value - half, value + half)
-    return columns
+    """Estimate over a window of cycles that moves: over the first ones together a change would hide in the mean."""
+    fit = fit_windows(equations, window)
+    found = ((name, *fit.column(name)) for name in UNITS)
+    return {name: (value, value - half, value + half) for name, value, half in found}
 
 
 def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettings) -> dict[str, Any]:
@@ -123,7 +119,7 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettin
 
     It has no value for a whole log and no interval: the median of its estimates stands for the log.
     """
-    sums, window, used = kept.sums, settings.cycles_per_point, FRICTION[settings.model]
+    sums, window, used = kept.sums, settings.window_of(len(kept.joint)), FRICTION[settings.model]
     lengths = {"coulomb": sums.rectified_path_rad, "viscous": sums.square_speed_rad2_s}
     matrix = np.stack([lengths[name] for name in used], axis=1)
     found = {name: np.full(max(len(matrix) - window + 1, 0), NAN) for name in UNITS}

@@ -7,7 +7,8 @@ from friction_audit.errors import UsageError
 ESTIMATORS = ("weighted", "paper")
 MODELS = ("combined", "coulomb", "viscous")
 PAPER_WINDOW = 2
-DEFAULT_WINDOW = 20
+LONGEST_WINDOW = 20  # cycles from which on a longer window narrows the interval little
+PARTS = 3  # windows next to each other that a log has at least: two show that something changed, three how
 FEWEST_CYCLES = 4  # with fewer a jackknife has too few degrees of freedom
 
 
@@ -18,7 +19,7 @@ class FrictionSettings:
     Attributes:
         estimator: ``"weighted"`` (the default: rows weighted by their noise, extra columns) or ``"paper"``.
         model: ``"combined"`` (20), ``"coulomb"`` (14) or ``"viscous"`` (8).
-        window: Number k of cycles used for each point of the history; None for the estimator's own default.
+        window: Number k of cycles used for each point of the history; None for one that a log has at least three of.
         compare: Also regress the torque itself.
 
     Raises:
@@ -51,7 +52,12 @@ class FrictionSettings:
 
     @property
     def cycles_per_point(self) -> int:
-        """The window k in force."""
+        """The window k of a long log."""
         if self.window is not None:
             return self.window
-        return DEFAULT_WINDOW if self.estimator == "weighted" else self.fewest_cycles
+        return LONGEST_WINDOW if self.estimator == "weighted" else self.fewest_cycles
+
+    def window_of(self, cycles: int) -> int:
+        """Return the window k in force for a joint with so many cycles that count."""
+        k = self.cycles_per_point
+        return k if self.window is not None else max(min(cycles // PARTS, k), self.fewest_cycles)

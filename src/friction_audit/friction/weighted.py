@@ -6,7 +6,7 @@ L is the path, S the integral of the squared speed (20); the other columns take 
 offset, an error of the gravity torque, and the kinetic energy at the borders of the parts.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.special import stdtrit
@@ -39,10 +39,6 @@ class Equations:
     normal: Float
     right: Float
     scale: Float
-
-    def first(self, groups: int) -> "Equations":
-        """Return the equations of the first groups."""
-        return replace(self, normal=self.normal[:groups], right=self.right[:groups])
 
     def conditioning(self) -> tuple[float, float]:
         """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""

@@ -158,8 +158,9 @@ def draw_coefficients(estimate: "Estimate", joint: Numbers) -> "Figure":
     """Draw Coulomb and viscous friction of one joint above each other, or every joint on a sheet, a row for each."""
     joints, sheet, note = choose_series(estimate, joint, estimated)
     figure, rows = pairs(len(joints), sheet=sheet)
-    cycles = estimate.settings.friction.cycles_per_point
-    window = "last cycle" if cycles == 1 else f"last {cycles} cycles"
+    windows = sorted({min(series.friction.window, series.friction.cycles) for series in joints})
+    cycles = " to ".join(str(one) for one in dict.fromkeys((windows[0], windows[-1])))
+    window = "last cycle" if cycles == "1" else f"last {cycles} cycles"
     cut = False
     for row, series in zip(rows, joints, strict=True):
         friction, history = series.friction, series.friction.history

@@ -84,17 +84,19 @@ def _draw_column(joint: "JointReplay", title: str) -> "Figure":
 
 def _draw_sheet(joints: "Sequence[JointReplay]", title: str) -> "Figure":
     figure = new_figure(SHEET_IN, 0.9 + len(joints))
-    rows = figure.subplots(len(joints), 3, squeeze=False, sharex=True)
+    rows = figure.subplots(len(joints), 4, squeeze=False, sharex=True)
     for row, joint in zip(rows, joints, strict=True):
         _draw_torque(row[0], joint)
         _draw_energy(row[1], joint)
-        _draw_coefficient(row[2], joint, "viscous_nms_per_rad", FILTERED, "viscous")
-        _draw_coefficient(row[2], joint, "coulomb_nm", DISSIPATED, "Coulomb")
+        _draw_coefficient(row[2], joint, "coulomb_nm", DISSIPATED, "")
+        _draw_coefficient(row[3], joint, "viscous_nms_per_rad", FILTERED, "")
         for axes in row:
-            label_panel(axes, across=6)
+            label_panel(axes, across=4)
         row[0].set_ylabel(joint_title(joint.joint, joint.name))
         _finish(row, joint, characters=30)
-    for axes, text in zip(rows[0], ("torque [N m]", "net energy [J]", "coefficients [N m], [N m s/rad]"), strict=True):
+    for axes, text in zip(
+        rows[0], ("torque [N m]", "net energy [J]", "Coulomb [N m]", "viscous [N m s/rad]"), strict=True
+    ):
         axes.set_title(text, loc="left")
     figure.supxlabel(f"Time [s], {title}")
     add_legend(figure)

@@ -3,6 +3,7 @@
 import io
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +12,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 Look = dict[str, Any]  # keyword arguments of matplotlib
-COLUMN_IN = 3.5  # width of a figure of one joint: a column of a two-column paper
-SHEET_IN = 7.0  # width of a sheet of all joints: the page
+COLUMN_IN = 3.5  # width of a figure of one joint: a column of an IEEE paper
+SHEET_IN = 7.16  # width of a sheet of all joints: both columns
 
 # Okabe and Ito's colours, distinguishable with any colour vision.
 RAW = "#9ecae8"
@@ -57,6 +58,16 @@ RC: dict[str, Any] = {
     "svg.hashsalt": "friction-audit",
 }
 
+SERIF = {"font.family": "serif", "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8}
+STYLES: dict[str, dict[str, Any]] = {
+    "sans": {},
+    "ieee": SERIF | {"font.serif": ["STIXGeneral", "DejaVu Serif"], "mathtext.fontset": "stix"},
+    "latex": SERIF
+    | {"font.serif": ["cmr10", "DejaVu Serif"], "mathtext.fontset": "cm", "axes.formatter.use_mathtext": True},
+}
+"""Fonts of the figures by name: as on the page, as in a journal's columns, as LaTeX sets text."""
+STYLE: ContextVar[str] = ContextVar("STYLE", default="sans")
+
 
 @contextmanager
 def figure_style(*, mathematics: bool = False) -> Iterator[None]:
@@ -71,7 +82,7 @@ def figure_style(*, mathematics: bool = False) -> Iterator[None]:
 
     # The user's own matplotlibrc must not change what a result looks like.
     defaults: dict[Any, Any] = rcParamsDefault  # with the type of every name, mypy looks at this line for seconds
-    settings = {name: value for name, value in defaults.items() if name != "backend"} | RC
+    settings = {name: value for name, value in defaults.items() if name != "backend"} | RC | STYLES[STYLE.get()]
     settings["text.parse_math"] = mathematics
     with rc_context(settings), warnings.catch_warnings():
         # Names of joints may be in any script; the user cannot change the font.

@@ -221,11 +221,15 @@ def _friction(report: LogReport, drawn: Drawn) -> Section:
 def _windows(report: LogReport) -> Iterator[str]:
     """Yield over how many cycles each point of the history is, and which joints are too short for a change to show."""
     windows: dict[int, list[int]] = {}
+    short = []
     for one in report.joints:
         if not one.friction.reason and one.friction.method == "energy":
             windows.setdefault(min(one.friction.window, one.friction.cycles), []).append(one.joint)
+            short += [one.joint] if one.friction.cycles < 2 * one.friction.window else []
     for window, joints in windows.items():
-        yield f"Each point of the history is of {count_of(window, 'cycle')}: {joints_label(joints)}."
+        yield f"A window of {count_of(window, 'cycle')} moves over the log: {joints_label(joints)}."
+    if short:
+        yield f"Too few cycles for a change within the log to show: {joints_label(short)}."
 
 
 def _compensator(report: LogReport, drawn: Drawn) -> Section:
