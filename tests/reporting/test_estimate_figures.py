@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.friction.settings import FrictionSettings
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.figures import velocity_torque
 from friction_audit.reporting.figures.over_time import (
@@ -175,7 +174,6 @@ def test_the_legend_says_how_long_the_window_is_and_whether_a_band_is_cut(single
     figure = draw_coefficients(replace(single, friction=replace(single.friction, joints=(wild,))), 1)
     assert "95 %, cut at the edge" in legend(figure)
     assert figure.axes[0].get_ylim()[1] < 1
-    paper = FrictionSettings(estimator="paper", model="coulomb")
-    assert legend(draw_coefficients(replace(single, settings=replace(single.settings, friction=paper)), 1))[0] == (
-        "last cycle"
-    )
+    last = replace(friction, window=1)
+    figure = draw_coefficients(replace(single, friction=replace(single.friction, joints=(last,))), 1)
+    assert legend(figure)[0] == "last cycle"
