@@ -129,6 +129,10 @@ def test_limits_and_their_exit_codes(run: Run, pair: tuple[Path, Path]) -> None:
     assert (unknown.code, "cannot test" in unknown.out) == (7, True)
     assert run("diff", *pair, "--fail-on", "coulomb=10").code == 0
     assert run("diff", *pair, "--fail-on", "friction=1%").code == 2
+    nothing = result(pair[0].parent / "zero.json", joint(1, (0.001, 0.02), (0.10, 0.03), 11))
+    relative = run("diff", nothing, pair[1], "--fail-on", "coulomb=10%")
+    assert (relative.code, "near zero" in relative.out) == (7, True)
+    assert run("diff", nothing, pair[1], "--fail-on", "coulomb=0.1").code == 5
 
 
 def test_two_logs_end_to_end(run: Run, tmp_path: Path) -> None:

@@ -95,7 +95,8 @@ def untestable(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
             sentences.append(f"the limit {limit.text}: no session has an estimate that it is meant for")
         for where, drift in meant:
             least = drift.smallest_drift if limit.relative else drift.smallest_change
-            testable = drift.drift or limit.size == 0.0 or (least <= limit.size and drift.shape != "temperature")
+            proved = drift.drift and isfinite((drift.total if limit.relative else drift.change).value)
+            testable = proved or limit.size == 0.0 or (least <= limit.size and drift.shape != "temperature")
             if not testable:
                 sentences.append(f"{where}: {NAMES[drift.coefficient]}: {_why(drift, least, limit)}")
     return tuple(sentences)
@@ -114,6 +115,8 @@ def _why(drift: CoefficientDrift, least: float, limit: Limit) -> str:
     where = f"the limit {limit.text} cannot be tested"
     if drift.shape == "temperature":
         return f"{where}: drift and temperature cannot be separated; record sessions at like temperature"
+    if drift.drift:
+        return f"{where}: the reference is near zero, so there is no relative change; give a limit without %"
     if drift.shape == "too_few" or not isfinite(least):
         count = len(drift.sessions) - len(drift.isolated)
         return f"{where} with {count} comparable session{'' if count == 1 else 's'}; record more"
