@@ -139,7 +139,7 @@ def diff_notices(sides: TwoSides) -> Iterator[Notice]:
     """Yield what limits the comparison."""
     for path in sides.twice:
         yield Notice(
-            "same_recording", None, f"{path}: the same recording is on both sides; the difference shows nothing"
+            "same_recording", None, f"{path}: the same log is on both sides; a difference is only between parts of it"
         )
     alike: dict[tuple[str, str, str], list[Condition]] = {}
     for one in sides.conditions:
