@@ -281,7 +281,7 @@ def test_unlike_sessions_are_listed() -> None:
     sessions = make_sessions(noisy(12))
     sessions[3] = replace(sessions[3], conditions=replace(HAND, gravity="model"))
     arm = analyse(sessions)
-    assert arm.left_out == ((3, "gravity model, of the others absent"),)
+    assert arm.left_out == ((3, "gravity model, of the others removed"),)
     assert 3 not in arm.joints[0].coefficients[0].sessions
 
 

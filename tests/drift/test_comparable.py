@@ -20,7 +20,7 @@ def left_out(sessions: list[Session]) -> dict[int, str]:
     [
         ("drive", "robot", "drive robot, of the others hand"),
         ("torque", "tau_J", "torque tau_J, of the others interaction"),
-        ("gravity", "model", "gravity model, of the others absent"),
+        ("gravity", "model", "gravity model, of the others removed"),
         ("inertia", "model", "inertia model, of the others none"),
         ("payload", "2 kg", "payload 2 kg, of the others none given"),
         ("rate_hz", 100.0, "100 samples a second, of the others 1000"),
