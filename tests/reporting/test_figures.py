@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 from matplotlib import rc_context
 from matplotlib.text import Text
 
+from friction_audit.batch.recordings import recording_of
 from friction_audit.compensation.settings import ReplaySettings
+from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
 from friction_audit.io.readers import read_log
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
@@ -47,7 +49,11 @@ def result_of(kind: str, name: str = "") -> Any:
         found = diagnosed_rows.ALL.discrepancy
         joints = (replace(found.joints[0], name=name or found.joints[0].name), *found.joints[1:])
         return replace(diagnosed_rows.ALL, discrepancy=replace(found, joints=joints))
-    estimate = build_estimate(3) if kind == "estimate" else estimate_log(read_log(LOG), AuditSettings(joints=(1, 2, 3)))
+    estimate = (
+        build_estimate(3)
+        if kind in ("estimate", "diff")
+        else estimate_log(read_log(LOG), AuditSettings(joints=(1, 2, 3)))
+    )
     if name:
         names = (name, *estimate.interaction.joint_names[1:])
         friction = tuple(replace(one, name=own) for one, own in zip(estimate.friction.joints, names, strict=True))
@@ -56,6 +62,8 @@ def result_of(kind: str, name: str = "") -> Any:
             interaction=replace(estimate.interaction, joint_names=names),
             friction=replace(estimate.friction, joints=friction),
         )
+    if kind == "diff":
+        return compare_sides([recording_of(estimate)], [recording_of(estimate)])
     return estimate if kind == "estimate" else replay_estimate(estimate, ReplaySettings())
 
 
