@@ -10,7 +10,7 @@ from friction_audit.reporting.figures.drift import mean_curve
 from friction_audit.reporting.figures.panels import (
     add_legend,
     band,
-    chosen_joints,
+    choose,
     grid,
     joint_title,
     label_panel,
@@ -30,8 +30,7 @@ COLUMNS = 4
 @figure_style()
 def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
     """Draw one joint at column width, or every joint that moved on a sheet."""
-    joints = _moved(sides, joint)
-    sheet = joint is None
+    joints, sheet, note = choose(sides.joints, joint, _reach, "no curve and no estimate")
     figure, panels = grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
     for axes, one in zip(panels, joints, strict=True):
         label_panel(axes, joint_title(one.joint, one.name))
@@ -39,7 +38,7 @@ def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
             _draw_side(axes, one, place, label, colour)
         mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
     add_legend(figure)
-    figure.supxlabel("Velocity [rad/s]")
+    figure.supxlabel(f"Velocity [rad/s]{note}")
     figure.supylabel("Interaction torque [N m]")
     return figure
 
@@ -47,8 +46,7 @@ def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
 @figure_style()
 def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
     """Draw the difference of the friction laws with its 95 % interval at each speed."""
-    joints = _moved(sides, joint)
-    sheet = joint is None
+    joints, sheet, note = choose(sides.joints, joint, _reach, "no curve and no estimate")
     figure, panels = grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
     for axes, one in zip(panels, joints, strict=True):
         label_panel(axes, joint_title(one.joint, one.name))
@@ -60,16 +58,9 @@ def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
         axes.plot(law.speed_rad_s, law.change_nm, color=FILTERED, lw=1.1, label="after less before")
         mark_zero(axes)
     add_legend(figure)
-    figure.supxlabel("Speed [rad/s]")
+    figure.supxlabel(f"Speed [rad/s]{note}")
     figure.supylabel("Friction torque, after less before [N m]")
     return figure
-
-
-def _moved(sides: TwoSides, joint: int | None) -> tuple[JointChange, ...]:
-    """Return one joint, or all that have a curve or an estimate."""
-    chosen = chosen_joints(sides.joints, joint)
-    with_something = tuple(one for one in chosen if _reach(one) > 0.0)
-    return with_something or chosen
 
 
 def _reach(joint: JointChange) -> float:
