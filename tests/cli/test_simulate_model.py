@@ -29,6 +29,7 @@ def test_the_log_is_one_of_the_model(run: Run, file: Path, tmp_path: Path) -> No
         "inertia_kg_m2": 0.25,
         "coulomb_nm": 0.4,
         "viscous_nms_per_rad": 0.1,
+        "torque_loop": {"gain": 0.0, "damping_s": 0.0, "dead_time_s": 0.0},
     }
     assert [effect["name"] for effect in document["effects"]] == ["stribeck"]
     assert document["effects"][0]["parameters"]["excess_nm"] == 0.15

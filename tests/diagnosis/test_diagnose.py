@@ -122,7 +122,7 @@ def test_a_gap_in_sinusoids_is_not_named_a_delay() -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.xfail(strict=True, reason="a third too large: the detector's spring stiffens evenly up to a torque")
+@pytest.mark.xfail(strict=True, reason="40 % too large: the detector's spring stiffens evenly up to a torque")
 def test_a_hardening_gear_is_one_spring() -> None:
     found = diagnosed(
         recorded("joint_elasticity:compliance_rad_per_nm=0.003,form=hardening", scenario="joint-sine", seed=3)
@@ -151,7 +151,7 @@ def test_nothing_is_named_on_wrong_data(spoil: Callable[[JointLog], JointLog]) -
 def test_a_log_that_is_too_short_tells_what_is_lacking() -> None:
     found = diagnosed(recorded("stribeck", duration_s=4.0))
     assert found.verdict == "not_testable"
-    assert "move it there and back" in found.reason
+    assert "in one direction only" in found.reason
 
 
 def test_only_names_that_were_asked_for_are_given() -> None:

@@ -91,7 +91,7 @@ def test_a_torque_of_the_only_joint_may_be_either(tmp_path: Path, name: str, *, 
     path = written(tmp_path / "run.csv", frame if is_long else frame.drop(columns="joint"))
     findings = read_log(path).source.findings
     assert [finding.code for finding in findings] == ["torque_ambiguous"]
-    assert f"say --map tau_interaction={name}" in findings[0].message
+    assert f"--map tau_interaction={name}" in findings[0].message
     log = read_log(path, ReadOptions(mapping={"tau_interaction": name}))
     assert (log.tau_J, log.source.findings) == (None, ())
     assert read_log(path, ReadOptions(mapping={"tau_J": name})).source.findings == ()
