@@ -73,7 +73,7 @@ def test_an_arm_at_rest_has_no_answer(capsys: pytest.CaptureFixture[str]) -> Non
 def test_one_way_motion_has_no_answer(capsys: pytest.CaptureFixture[str]) -> None:
     code, _, err = run(capsys, "estimate", path(ONE_WAY))
     assert code == 4
-    assert "no closed energy cycle" in err
+    assert "in one direction only" in err
 
 
 def test_the_bag_at_30_hz_reads_warns_and_estimates_joint_7(capsys: pytest.CaptureFixture[str]) -> None:
@@ -192,7 +192,7 @@ def test_the_augmented_models_move_as_the_arm_did() -> None:
         assert motion is None or motion["after"] <= motion["before"], number
 
 
-@pytest.mark.parametrize("number", [1, 2, 3, pytest.param(4, marks=OTHERS_TAKE_IT)])
+@pytest.mark.parametrize("number", [1, 2, 3, 4])
 def test_two_thirds_of_the_log_name_what_the_whole_names(number: int) -> None:
     joint = diagnosed(*BARE, "--t-end", "14", "--joints", "1-4")[number]
     (effect,) = [one for one in joint["effects"] if one["name"] == "inertial_coupling"]
