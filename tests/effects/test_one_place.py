@@ -11,10 +11,9 @@ SOURCE = Path(__file__).parents[2] / "src" / "friction_audit"
 TEXTS = {path.relative_to(SOURCE).as_posix(): path.read_text() for path in SOURCE.rglob("*.py")}
 # Where the simulator applies what an effect does: compiled code calls each by its name.
 APPLIED = ("simulation/mechanics/", "simulation/mechanism.py", "simulation/sensors.py")
-# Other files: examples of the help, scenarios, the formula in C++, and parts of the program that treat one effect in a
-# way of its own.
+# Other files: examples of the help, scenarios, and parts of the program that treat one effect in a way of its own.
 ELSEWHERE = {
-    "stribeck": 3, "stiction": 1, "nonlinear_viscous": 2, "asymmetric_coulomb": 2, "asymmetric_viscous": 1,
+    "stribeck": 2, "stiction": 1, "nonlinear_viscous": 1, "asymmetric_coulomb": 2, "asymmetric_viscous": 1,
     "presliding": 2,
     "frictional_lag": 2, "load_dependent_friction": 1, "torque_ripple": 2, "gravity_error": 4, "torque_bias": 2,
     "torque_drift": 1, "time_delay": 2, "torque_crosstalk": 2, "joint_elasticity": 4, "backlash": 3,

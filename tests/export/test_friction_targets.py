@@ -17,6 +17,7 @@ from ruamel.yaml import YAML
 
 import friction_audit
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
+from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export.export import Export, ExportSettings, export_friction
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
@@ -140,6 +141,11 @@ def test_an_sdf_keeps_what_else_is_in_its_axis(axis: str, tmp_path: Path) -> Non
     assert (written.findtext(".//damping"), written.findtext(".//friction")) == ("0.3", "0.5")
     assert written.findtext(".//xyz") == ("0 0 1" if "xyz" in axis else None)
     assert written.findtext(".//spring_stiffness") == ("3" if "spring" in axis else None)
+
+
+def test_every_friction_of_the_velocity_has_a_formula_in_cpp() -> None:
+    names = {term.name for model in (STRIBECK, CUBIC, BENT) for term in model.terms}
+    assert {term.name for term in terms() if term.friction and term.speed_only} <= names  # compared in the next test
 
 
 @pytest.mark.skipif(shutil.which("g++") is None, reason="needs a C++ compiler")

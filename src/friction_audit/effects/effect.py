@@ -139,6 +139,22 @@ class Effect:
         """``regressors`` of an effect whose ``columns_of_many`` have work in common."""
         yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])
 
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        """Return the torque as an expression of C++, of a friction that follows from the velocity alone.
+
+        Args:
+            values: All parameters, in order.
+            table: Name of the array that holds ``cpp_table``.
+
+        Returns:
+            An expression of the velocity ``dq``, its size ``pace`` and its sign ``way``, which is smooth at standstill.
+        """
+        raise NotImplementedError(f"{self.name} has no formula in C++")
+
+    def cpp_table(self, values: Sequence[float]) -> Float | None:
+        """Return the numbers that the expression reads by ``between(table, place)``, or None."""
+        return None
+
     # Derived.
 
     @property

@@ -20,10 +20,16 @@ class Coulomb(Effect):
         """Return sgn(dq) as a column, 0 at rest, where friction is what holds the joint."""
         return motion.direction[:, None]
 
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        return f"{values[0]!r} * way"
+
 
 class Viscous(Effect):
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         return motion.dq[:, None]
+
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        return f"{values[0]!r} * dq"
 
 
 class Offset(Effect):

@@ -46,6 +46,18 @@ class NonlinearViscous(Effect):
             friction = friction * ((speed**2 + pace**2) / (speed**2 + 1.0)) ** (exponent / 2.0)
         return np.asarray(motion.direction * friction[:-1] / friction[-1])[:, None]
 
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        torque, exponent, speed, sharpness = values
+        squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
+        if sharpness == 0.0:
+            return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})"
+        steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
+        here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
+        return f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
+
+    def cpp_table(self, values: Sequence[float]) -> Float | None:
+        return bend_table(CARREAU * np.exp(values[-1])) if values[-1] else None
+
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Plain powers, and saturation at several speeds."""
         (fast,) = speeds(data, 95.0)

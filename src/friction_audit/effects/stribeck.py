@@ -28,6 +28,10 @@ class Stribeck(Effect):
         fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
         return np.asarray(motion.direction * fading)[:, None]
 
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        excess, speed, exponent = values
+        return f"{excess!r} * way * std::exp(-std::pow(pace / {speed!r}, {exponent!r}))"
+
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Stribeck velocities by the speeds of the log, each with the exponents."""
         (fast,) = speeds(data, 95.0)
