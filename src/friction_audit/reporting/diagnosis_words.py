@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, Profile, ResidualCheck
 from friction_audit.effects.joint_model import ArmModel
-from friction_audit.effects.registry import NAMES, motion_to_decide, terms
+from friction_audit.effects.registry import NAMES, motion_between, motion_to_decide, terms
 from friction_audit.effects.warm_up import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -101,7 +101,8 @@ def brief(joint: JointDiagnosis) -> str:
         parts.append(f"{names_of(first, joint.effects)} ({size}){f' and {len(rest)} more' if rest else ''}")
     unsure = next((one for one in joint.effects if one.alternatives), None)
     if joint.verdict != "unexplained" and unsure is not None:
-        parts.append(f"to separate: {decide_words(unsure).partition(':')[0].partition(';')[0]}")
+        motion = motion_between(unsure.name, unsure.alternatives[0])
+        parts.append(f"to separate: {motion.partition(':')[0].partition(';')[0]}")
     elif joint.verdict != "unexplained":
         parts.append(_todo(joint))
     return plain_names("; ".join(filter(None, parts)))
