@@ -17,7 +17,7 @@ PAGES = tuple(sorted(DOCS.rglob("*.md")))
 FROM_OUTSIDE = ("contributing", "changelog", "sample_logs")
 COUNTED = ("table", "tr", "li", "ol", "ul", "pre", "p", "img", "em", "strong", "blockquote")
 """Elements that a writer means when writing Markdown; the two dialects differ in when they see them."""
-LONGEST_PAGE, LONGEST_README, LONGEST_CHANGELOG = 3100, 1200, 1500  # words, tables included
+LONGEST_PAGE, LONGEST_README, LONGEST_CHANGELOG = 3000, 1200, 1500  # words, tables included
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
 
 
