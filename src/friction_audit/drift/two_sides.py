@@ -353,11 +353,8 @@ def _adjusted(joints: Sequence[JointChange]) -> list[JointChange]:
 
     every = [change for joint in joints for change in joint.coefficients]
     tested = [k for k, change in enumerate(every) if np.isfinite(change.single_p_value)]
-    adjusted = (
-        dict(zip(tested, multipletests([every[k].single_p_value for k in tested], method="holm")[1], strict=True))
-        if tested
-        else {}
-    )
+    p_values = [every[k].single_p_value for k in tested]
+    adjusted = dict(zip(tested, multipletests(p_values, method="holm")[1] if tested else (), strict=True))
     level = 1.0 - SETTINGS.alpha / max(len(tested), 1)
     found = iter([_concluded(change, float(adjusted.get(k, NAN)), level) for k, change in enumerate(every)])
     return [replace(joint, coefficients=tuple(next(found) for _ in joint.coefficients)) for joint in joints]

@@ -30,10 +30,8 @@ COLUMNS = 4
 @figure_style()
 def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
     """Draw one joint at column width, or every joint that moved on a sheet."""
-    joints, sheet, note = choose(sides.joints, joint, _reach, "no curve and no estimate")
-    figure, panels = grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
-    for axes, one in zip(panels, joints, strict=True):
-        label_panel(axes, joint_title(one.joint, one.name))
+    figure, panels, note = _panels(sides, joint)
+    for axes, one in panels:
         for place, (label, colour) in enumerate(SIDES):
             _draw_side(axes, one, place, label, colour)
         mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
@@ -46,10 +44,8 @@ def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
 @figure_style()
 def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
     """Draw the difference of the friction laws with its 95 % interval at each speed."""
-    joints, sheet, note = choose(sides.joints, joint, _reach, "no curve and no estimate")
-    figure, panels = grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
-    for axes, one in zip(panels, joints, strict=True):
-        label_panel(axes, joint_title(one.joint, one.name))
+    figure, panels, note = _panels(sides, joint)
+    for axes, one in panels:
         if one.law is None:
             write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
             continue
@@ -61,6 +57,15 @@ def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
     figure.supxlabel(f"Speed [rad/s]{note}")
     figure.supylabel("Friction torque, after less before [N m]")
     return figure
+
+
+def _panels(sides: TwoSides, joint: int | None) -> "tuple[Figure, list[tuple[Axes, JointChange]], str]":
+    """Return a figure, the panel of each joint with something to draw, and a line on the others."""
+    joints, sheet, note = choose(sides.joints, joint, _reach, "no curve and no estimate")
+    figure, panels = grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
+    for axes, one in zip(panels, joints, strict=True):
+        label_panel(axes, joint_title(one.joint, one.name))
+    return figure, list(zip(panels, joints, strict=True)), note
 
 
 def _reach(joint: JointChange) -> float:
