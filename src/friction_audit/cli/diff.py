@@ -116,9 +116,13 @@ def _recordings(
 
 def _of_log(path: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Recording":
     from friction_audit.batch.recordings import recording_of
+    from friction_audit.reporting.notices import estimate_notices
 
     log = chain.read(path, read_options(shared.reading, shared.selection), voice)
-    return recording_of(chain.estimate(log, audit_settings(shared, friction), voice))
+    estimate = chain.estimate(log, audit_settings(shared, friction), voice)
+    if not shared.general.json:
+        chain.warn_about(log, estimate_notices(estimate), voice)
+    return recording_of(estimate)
 
 
 def _of_result(path: Path, wanted: tuple[int, ...] | None) -> "Recording":

@@ -1,6 +1,5 @@
 """``friction-audit export``."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -93,8 +92,7 @@ def command(
     joints = of_estimate(estimate) if estimate else read_result(result or source)
     with voice.step(f"write {out}"):
         export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
-    text = _document(export, voice, json=shared.general.json)
-    show(text, lambda: _lines(export), json=shared.general.json)
+    _show(export, voice, json=shared.general.json)
     if estimate:
         chain.exit_if_damaged(estimate.log)
 
@@ -121,16 +119,13 @@ def _parse_speeds(text: str) -> tuple[float, float]:
     return low, high
 
 
-def _document(export: "Export", voice: Voice, *, json: bool) -> str:
+def _show(export: "Export", voice: Voice, *, json: bool) -> None:
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.export import export_document, export_notices
+    from friction_audit.reporting.export import export_document, export_lines, export_notices
+    from friction_audit.reporting.notices import notice_lines
 
-    if not json:
-        voice.warn(notice.message for notice in export_notices(export))
-    return write_document(export_document(export))
-
-
-def _lines(export: "Export") -> "Iterable[str]":
-    from friction_audit.reporting.export import export_lines
-
-    return export_lines(export)
+    if not json and export.estimate:
+        chain.warn_about(export.estimate.log, export_notices(export), voice)
+    elif not json:
+        voice.warn(notice_lines(export_notices(export)))
+    show(write_document(export_document(export)), lambda: export_lines(export), json=json)

@@ -14,7 +14,7 @@ def write(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:  # no
         {
             "joint": joint.law.joint,
             "name": joint.name,
-            "static_nm": joint.law.static_nm,
+            "static_nm": joint.static_nm,
             "coulomb_nm": joint.fitted.coulomb_nm,
             "viscous_nms_per_rad": joint.fitted.viscous_nms_per_rad,
             "inertia_kg_m2": joint.law.inertia_kg_m2,

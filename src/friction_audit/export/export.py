@@ -30,7 +30,7 @@ class Export:
         by_order: Whether the order of the joints matched them to those of the user's file.
         armature_unknown: Whether the inertia was left out because nothing shows whose it is.
         simulated: Forward simulations of the log's joints.
-        robot: Robot of the log, or empty.
+        estimate: The estimate of the log that the numbers come from, or None.
     """
 
     target: Target
@@ -41,7 +41,7 @@ class Export:
     by_order: bool
     armature_unknown: bool
     simulated: tuple[SimulatedGap, ...]
-    robot: str
+    estimate: Estimate | None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -105,7 +105,7 @@ def export_friction(
         by_order=by_order,
         armature_unknown=settings.armature is None and joints.reflected is None and target.armature,
         simulated=_simulated(laws, joints, estimate),
-        robot=estimate.log.source.robot if estimate else "",
+        estimate=estimate,
     )
 
 
@@ -128,21 +128,21 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate |
         return ()
     choice, log, seen = estimate.interaction.choice, estimate.log, estimate.interaction
     friction = {law.joint: law.fit(CUBIC) for law in laws}
-    if choice.drive == "robot" and choice.inertia == "model" and log.tau_J is not None and not choice.sign_turned:
+    gaps = []
+    if choice.inertia == "model":  # what is left of the inertia moves no joint: it takes the whole arm
         arm = known_arm(log, estimate.settings.torque, choice)
-        if arm is not None:
+        if arm is not None and choice.drive == "robot" and choice.source == "tau_J" and log.tau_J is not None:
             q, dq, torque = (arm.to_model(signal) for signal in (log.q, log.dq, log.tau_J))
             order = [column + 1 for column in arm.columns]
             found = simulated_gaps(arm.model, log.t, q, dq, torque, [friction.get(number) for number in order])
-            return tuple(_gap(order.index(number), number, found) for number in sorted(friction))
-    inertias = {number: model.inertia_kg_m2 for number, _, model in joints.models}
-    gaps = []
-    for number, fitted in friction.items():
-        if inertias[number] > 0.0:
+            gaps = [_gap(order.index(number), number, found) for number in sorted(friction)]
+    else:
+        inertias = {number: model.inertia_kg_m2 for number, _, model in joints.models}
+        for number, fitted in ((law, one) for law, one in friction.items() if inertias[law] > 0.0):
             k = [seen.joint_numbers.index(number)]
             q, dq, torque = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
             gaps.append(_gap(0, number, simulated_gaps(hinge(inertias[number]), seen.t, q, dq, torque, [fitted])))
-    return tuple(gaps)
+    return tuple(gap for gap in gaps if gap.windows)
 
 
 def _gap(column: int, number: int, found: tuple[Float, Float, int]) -> SimulatedGap:

@@ -115,7 +115,7 @@ def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, arm
         armature: Whether the inertia of the model is the reflected inertia of the motor.
 
     Raises:
-        AnalysisError: If the model has no friction that follows from the velocity, or takes energy from no speed.
+        AnalysisError: If the model has no friction that follows from the velocity, or friction below zero at a speed.
     """
     terms = tuple(term for term in model.terms if term.effect.friction and term.effect.speed_only)
     if not terms:

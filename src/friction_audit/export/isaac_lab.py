@@ -19,7 +19,7 @@ friction: static, N m; dynamic_friction: Coulomb, N m; viscous_friction: N m s/r
 def write(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:  # noqa: ARG001 - as every target
     """Write one dictionary per argument, by joint."""
     values = {
-        "friction": {j.name: max(j.law.static_nm, j.fitted.coulomb_nm) for j in joints},
+        "friction": {j.name: j.static_nm for j in joints},
         "dynamic_friction": {j.name: j.fitted.coulomb_nm for j in joints},
         "viscous_friction": {j.name: j.fitted.viscous_nms_per_rad for j in joints},
         "armature": {j.name: j.law.inertia_kg_m2 for j in joints if j.law.inertia_kg_m2 is not None},

@@ -5,9 +5,8 @@ written, which every version reads.
 """
 
 from collections.abc import Sequence
-from xml.sax.saxutils import quoteattr
 
-from friction_audit.export.target import ExportedJoint, Target, number
+from friction_audit.export.target import ExportedJoint, Target, attributes, number
 from friction_audit.export.xml_text import Tag, XmlText
 
 HINGE = "hinge"
@@ -29,9 +28,10 @@ def joints_of(mjcf: XmlText) -> list[Tag]:
 def write(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
     """Write friction into a model; without one, a class of defaults per joint, for an ``<include>``."""
     if into is None:
+        names = (attributes({"class": f"{joint.name}_friction"}) for joint in joints)
+        pairs = zip(names, joints, strict=True)
         lines = (
-            f"    <default class={quoteattr(joint.name + '_friction')}>\n      <joint {_words(joint)}/>\n    </default>"
-            for joint in joints
+            f"    <default {name}>\n      <joint {attributes(_values(one))}/>\n    </default>" for name, one in pairs
         )
         return "\n".join(("<mujoco>", "  <default>", *lines, "  </default>", "</mujoco>", "")).encode()
     tags = {tag.attributes["name"]: tag for tag in joints_of(into)}
@@ -46,10 +46,6 @@ def _values(joint: ExportedJoint) -> dict[str, str]:
     values = {"frictionloss": number(fitted.coulomb_nm), "damping": " ".join(map(number, damping))}
     inertia = joint.law.inertia_kg_m2
     return values if inertia is None else values | {"armature": number(inertia)}
-
-
-def _words(joint: ExportedJoint) -> str:
-    return " ".join(f'{key}="{value}"' for key, value in _values(joint).items())
 
 
 TARGET = Target(

@@ -17,7 +17,7 @@ def write(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:  # no
     ]
     for joint in joints:
         values = {
-            "static_nm": max(joint.law.static_nm, joint.fitted.coulomb_nm),
+            "static_nm": joint.static_nm,
             "coulomb_nm": joint.fitted.coulomb_nm,
             "viscous_nms_per_rad": joint.fitted.viscous_nms_per_rad,
         }

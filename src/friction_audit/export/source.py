@@ -22,7 +22,7 @@ SPEEDS = (0.01, 1.0)  # rad/s: of a file without a log, from the slowest motion 
 BIGGEST = 64 << 20  # bytes of a document; that of an hour with seven joints has 10 MB
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Joints:
     """What a source says of its joints.
 
@@ -64,12 +64,8 @@ def read_result(path: Path) -> Joints:
 def of_estimate(estimate: Estimate) -> Joints:
     """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
     choice = estimate.interaction.choice
-    found = [(joint.joint, joint.name, joint, _model_of(joint)) for joint in estimate.friction.joints]
-    return Joints(
-        models=tuple((number, name, model) for number, name, _, model in found if model is not None),
-        reflected=is_reflected(choice.drive, choice.inertia),
-        lacking=tuple((number, joint.reason) for number, _, joint, model in found if model is None),
-    )
+    found = [(joint.joint, joint.name, _model_of(joint), joint.reason) for joint in estimate.friction.joints]
+    return _joints(found, reflected=is_reflected(choice.drive, choice.inertia))
 
 
 def is_reflected(drive: str, inertia: str) -> bool:
@@ -81,10 +77,10 @@ def is_reflected(drive: str, inertia: str) -> bool:
     return drive == "hand" or inertia == "model"
 
 
-def speeds_of(estimate: Estimate, slowest: float = SPEEDS[0]) -> dict[int, Float]:
+def speeds_of(estimate: Estimate) -> dict[int, Float]:
     """Return the speeds of a log's joints, each an equal share of the time in motion, by number of the joint."""
     numbers, dq = estimate.interaction.joint_numbers, estimate.interaction.dq
-    return {number: moving_speeds(dq[:, column], slowest) for column, number in enumerate(numbers)}
+    return {number: moving_speeds(dq[:, column], SPEEDS[0]) for column, number in enumerate(numbers)}
 
 
 def laws_of(
@@ -163,11 +159,14 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
         reflected = is_reflected(chosen["drive"], chosen["inertia"])
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: is no whole document of `estimate` ({error!r}); write it again") from error
-    return Joints(
-        models=tuple((number, name, model) for number, name, model, _ in found if model is not None),
-        reflected=reflected,
-        lacking=tuple((number, why) for number, _, model, why in found if model is None),
-    )
+    return _joints(found, reflected=reflected)
+
+
+def _joints(found: Iterable[tuple[int, str, JointModel | None, str]], *, reflected: bool) -> Joints:
+    """Return the joints that have a model, and why the others have none."""
+    found = tuple(found)
+    models = tuple((number, name, model) for number, name, model, _ in found if model is not None)
+    return Joints(models, reflected, tuple((number, why) for number, _, model, why in found if model is None))
 
 
 def _joints_in(joints: Iterable[Mapping[str, Any]]) -> Iterator[tuple[int, str, JointModel | None, str]]:

@@ -1,7 +1,8 @@
 """What a target of an export is: one record per file format."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from xml.sax.saxutils import quoteattr
 
 from friction_audit.errors import UsageError
 from friction_audit.export.friction_law import FittedFriction, FrictionLaw
@@ -23,6 +24,11 @@ class ExportedJoint:
     name: str
     law: FrictionLaw
     fitted: FittedFriction
+
+    @property
+    def static_nm(self) -> float:
+        """Friction at the onset of motion, which a simulator wants no smaller than that in motion. [N m]"""
+        return max(self.law.static_nm, self.fitted.coulomb_nm)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,6 +57,11 @@ class Target:
 def number(value: float) -> str:
     """Return a number as text."""
     return f"{value:.{DIGITS}g}"
+
+
+def attributes(values: Mapping[str, str]) -> str:
+    """Return attributes as they stand in a start tag."""
+    return " ".join(f"{key}={quoteattr(value)}" for key, value in values.items())
 
 
 def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import quoteattr
 
-from friction_audit.export.target import ExportedJoint, Target, number
+from friction_audit.export.target import ExportedJoint, Target, attributes, number
 from friction_audit.export.xml_text import Edit, Tag, XmlText
 
 TURNING = ("revolute", "continuous")
@@ -18,7 +18,8 @@ def write(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
     """Write friction into a URDF; without one, the joints with nothing else, to be copied."""
     if into is None:
         lines = (
-            f"  <joint name={quoteattr(joint.name)}>\n    <dynamics {_words(joint)}/>\n  </joint>" for joint in joints
+            f"  <joint name={quoteattr(joint.name)}>\n    <dynamics {attributes(_values(joint))}/>\n  </joint>"
+            for joint in joints
         )
         return "\n".join(('<robot name="friction">', *lines, "</robot>", "")).encode()
     return into.edited(_edits(joints, into))
@@ -32,16 +33,12 @@ def _edits(joints: Sequence[ExportedJoint], into: XmlText) -> Iterator[Edit]:
         yield (
             into.set_attributes(dynamics, _values(joint))
             if dynamics
-            else into.append(tag, f"<dynamics {_words(joint)}/>")
+            else into.append(tag, f"<dynamics {attributes(_values(joint))}/>")
         )
 
 
 def _values(joint: ExportedJoint) -> dict[str, str]:
     return {"damping": number(joint.fitted.viscous_nms_per_rad), "friction": number(joint.fitted.coulomb_nm)}
-
-
-def _words(joint: ExportedJoint) -> str:
-    return " ".join(f'{key}="{value}"' for key, value in _values(joint).items())
 
 
 TARGET = Target(

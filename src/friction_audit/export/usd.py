@@ -18,9 +18,8 @@ def write(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:  # no
     """Write a layer in text form: sublayer or reference it, and put the joints under their own scope."""
     lines = ["#usda 1.0", "(", '    defaultPrim = "joints"', ")", "", 'over "joints"', "{"]
     for joint in joints:
-        static = max(joint.law.static_nm, joint.fitted.coulomb_nm)
         values = {
-            "staticFrictionEffort": static,
+            "staticFrictionEffort": joint.static_nm,
             "dynamicFrictionEffort": joint.fitted.coulomb_nm,
             "viscousFrictionCoefficient": joint.fitted.viscous_nms_per_rad * pi / 180.0,
         }

@@ -67,7 +67,6 @@ class XmlText:
         if text.startswith(WIDE_MARKS) or b"\x00" in text[:4]:
             raise InputError(f"{where}: XML in UTF-16 or UTF-32; expected UTF-8; save it in UTF-8")
         self.text, self.where = text, where
-        self._open: list[Tag] = []
         self.root = self._read()
 
     def set_attributes(self, tag: Tag, values: Mapping[str, str]) -> Edit:
@@ -92,9 +91,7 @@ class XmlText:
         before = self.text[line : parent.start].decode("utf-8", "replace")
         margin = before if not before.strip() else ""
         if parent.inside == parent.stop:
-            opened = self.text[parent.start : parent.inside].decode().removesuffix("/>").rstrip()
-            whole = f"{opened}>\n{margin}{INDENT}{child}\n{margin}</{parent.name}>"
-            return Edit(parent.start, parent.stop, whole.encode())
+            return self._filled(parent, f"\n{margin}{INDENT}{child}\n{margin}")
         last = self.text[parent.inside : parent.close].rstrip()
         at = parent.inside + len(last)
         return Edit(at, parent.close, f"\n{margin}{INDENT}{child}\n{margin}".encode())
@@ -102,9 +99,13 @@ class XmlText:
     def set_text(self, tag: Tag, text: str) -> Edit:
         """Return the edit that replaces the content of an element."""
         if tag.inside == tag.stop:
-            opened = self.text[tag.start : tag.inside].decode().removesuffix("/>").rstrip()
-            return Edit(tag.start, tag.stop, f"{opened}>{escape(text)}</{tag.name}>".encode())
+            return self._filled(tag, escape(text))
         return Edit(tag.inside, tag.close, escape(text).encode())
+
+    def _filled(self, tag: Tag, content: str) -> Edit:
+        """Return the edit that gives an element without an end tag one, and content."""
+        opened = self.text[tag.start : tag.inside].decode().removesuffix("/>").rstrip()
+        return Edit(tag.start, tag.stop, f"{opened}>{content}</{tag.name}>".encode())
 
     def edited(self, edits: Iterable[Edit]) -> bytes:
         """Return the text with edits that do not overlap."""
@@ -116,19 +117,20 @@ class XmlText:
     def _read(self) -> Tag:
         parser = expat.ParserCreate()
         roots: list[Tag] = []
+        opened: list[Tag] = []
 
         def begin(name: str, attributes: dict[str, str]) -> None:
             start = parser.CurrentByteIndex
             found = START_TAG.match(self.text, start)
             if found is None:
                 raise InputError(f"{self.where}: <{name}> comes from an entity; expected a file without entities")
-            parent = self._open[-1] if self._open else None
+            parent = opened[-1] if opened else None
             tag = Tag(name=name, attributes=attributes, parent=parent, start=start, inside=found.end())
             (parent.children if parent else roots).append(tag)
-            self._open.append(tag)
+            opened.append(tag)
 
         def end(name: str) -> None:  # noqa: ARG001 - the parser gives it
-            tag = self._open.pop()
+            tag = opened.pop()
             closed = self.text[tag.inside - 2 : tag.inside] == b"/>"
             tag.close = tag.inside if closed else parser.CurrentByteIndex
             tag.stop = tag.inside if closed else self.text.index(b">", tag.close) + 1

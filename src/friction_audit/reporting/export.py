@@ -6,7 +6,7 @@ from typing import Any
 from friction_audit.export.export import Export
 from friction_audit.export.target import ExportedJoint
 from friction_audit.reporting.documents import WARNINGS
-from friction_audit.reporting.notices import Notice
+from friction_audit.reporting.notices import Notice, estimate_notices
 from friction_audit.reporting.table import Column, Document, Record, joint_column
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import joints_label
@@ -20,7 +20,7 @@ JOINT = Record(
         Column("name", str, "name in the source", "law.name", on="j"),
         joint_column("law", on="t"),
         Column("file_name", str, "name in the file", "name", title="name in the file", on="jt"),
-        Column("static", float, "friction at the onset of motion", "law.static_nm", unit="N m", on="j"),
+        Column("static", float, "friction at the onset of motion", unit="N m", on="j"),
         Column("coulomb", float, "Coulomb friction", "fitted.coulomb_nm", unit="N m", title="Coulomb", on="jt"),
         Column(
             "viscous",
@@ -78,6 +78,7 @@ def export_document(export: Export) -> dict[str, Any]:
 
 def export_notices(export: Export) -> Iterable[Notice]:
     """Yield what the user must know of the numbers in the file."""
+    yield from estimate_notices(export.estimate) if export.estimate else ()
     name = export.target.name
     for why in dict.fromkeys(why for _, why in export.lacking):
         alike = [number for number, other in export.lacking if other == why]
@@ -101,11 +102,12 @@ def export_notices(export: Export) -> Iterable[Notice]:
             "the inertia is not written as armature: the source does not show that it is without the inertia of the "
             "links; use --armature if it is",
         )
-    if export.robot in INNER_LOOP:
+    robot = export.estimate.log.source.robot if export.estimate else ""
+    if robot in INNER_LOOP:
         yield Notice(
             "inner_torque_loop",
             None,
-            f"this is the friction at the joint torque sensor; the inner torque loop of a {export.robot} has already "
+            f"this is the friction at the joint torque sensor; the inner torque loop of a {robot} has already "
             "reduced that of motor and gear",
         )
 
