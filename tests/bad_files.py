@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from friction_audit.io.writers import WRITERS
+from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import Float, JointLog, Source
 
 SAMPLES = 400

@@ -3,7 +3,7 @@
 import os
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,6 @@ import pandas as pd
 import pytest
 
 from friction_audit.cli import main
-from friction_audit.io.readers import read
 from friction_audit.io.readers.reader import Reader, ReadOptions
 from friction_audit.io.recording import Recording
 from tests import bad_files
@@ -253,20 +252,15 @@ def test_no_permission_by_the_file_system(run: Run, sound: dict[str, Path], tmp_
 @pytest.fixture
 def still_recorded(log: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Let a log grow as soon as its reader is done."""
-    chosen = read.choose_reader
+    read_whole = Reader.read
 
-    def growing(path: Path) -> Reader:
-        reader = chosen(path)
+    def read_and_grow(reader: Reader, path: Path, options: ReadOptions) -> Recording:
+        try:
+            return read_whole(reader, path, options)
+        finally:
+            bad_files.grow(path)
 
-        def read_and_grow(path: Path, options: ReadOptions) -> Recording:
-            try:
-                return reader.read(path, options)
-            finally:
-                bad_files.grow(path)
-
-        return replace(reader, read=read_and_grow)
-
-    monkeypatch.setattr(read, "choose_reader", growing)
+    monkeypatch.setattr(Reader, "read", read_and_grow)
     return log
 
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.io.readers import read_log
-from friction_audit.io.writers import WRITERS
+from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.pipeline import AuditSettings, estimate_log
 
 FOLDER = Path(__file__).parents[1] / "sample_logs"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from benchmarks.damaged_files.seeds import swinging_log
-from friction_audit.io.writers import WRITERS
+from friction_audit.io.writers.write_log import WRITERS
 
 REFUSED = (2, 3)
 ANSWERED = (0, 4, 6)

@@ -21,7 +21,7 @@ import zstandard
 
 from benchmarks.damaged_files.run import storage_of
 from benchmarks.damaged_files.watched import preload, run
-from friction_audit.io.writers import WRITERS
+from friction_audit.io.writers.write_log import WRITERS
 
 CUTS = (0.5, 0.9, 0.99)
 DIALECTS = (

@@ -7,7 +7,7 @@ import numpy as np
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
-from friction_audit.io.writers import WRITERS
+from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import JointLog, Source
 
 RATE_HZ, DURATION_S = 100.0, 12.0

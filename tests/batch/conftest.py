@@ -13,7 +13,7 @@ from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.batch.run_batch import BatchResult, catch_up, gather
 from friction_audit.batch.work import Task
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.simulation import BenchSettings, JointParameters, simulate
 

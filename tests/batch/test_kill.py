@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 
 KILLS = int(os.environ.get("FRICTION_AUDIT_KILLS", "2"))

@@ -21,7 +21,7 @@ from friction_audit.errors import InputError
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import sha256_of as hash_file
 from friction_audit.io.readers import SeveralArmsError
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log
 from tests.batch.conftest import COULOMB_NM, Batch, Inline

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import main
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.schemas import load_schema
 from tests.reporting.conftest import build_estimate
 

@@ -10,7 +10,7 @@ import pytest
 from friction_audit.diagnosis import diagnose as engine
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.result import JointDiagnosis
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting import report as log_report
 from tests.cli.conftest import Run
 from tests.reporting.conftest import build_estimate

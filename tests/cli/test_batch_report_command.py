@@ -18,7 +18,7 @@ import pandas as pd
 import pytest
 
 from friction_audit.cli.batch_files import RESULTS
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.simulation import BenchSettings, simulate
 from tests.cli.conftest import Run

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.io.files import sha256_of
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.simulation import BenchSettings, simulate
 from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process

@@ -13,7 +13,7 @@ import pytest
 
 from friction_audit.errors import AnalysisError
 from friction_audit.io.readers import read_log
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.panels import joint_title
 from tests.cli.conftest import Run
 

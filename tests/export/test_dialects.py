@@ -16,7 +16,7 @@ from mcap_ros2.decoder import DecoderFactory as Ros2Decoder
 from numpy.testing import assert_array_equal
 from rosbags.highlevel import AnyReader
 
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog, Source
 
 T = np.array([0.0, 0.001, 0.0025])

@@ -10,7 +10,7 @@ from mcap.writer import Writer
 
 from friction_audit.io.readers import arm_of_log, read_log
 from friction_audit.io.readers.channel_names import serial_in
-from friction_audit.io.writers import write_log
+from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog, Source
 
 ROOT = Path(__file__).parents[2]

@@ -3,15 +3,14 @@
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
 from friction_audit.errors import FrictionAuditError
-from friction_audit.io.readers.mcap import MCAP
-from friction_audit.io.readers.reader import Reader, ReadOptions
-from friction_audit.io.readers.rosbag1 import ROSBAG1
-from friction_audit.io.readers.rosbag2 import ROSBAG2
+from friction_audit.io.readers import mcap, rosbag1, rosbag2
+from friction_audit.io.readers.reader import ReadOptions
 from tests.io.bag_writing import joint_states, ros1_store, ros2_store, samples, write_mcap, write_rosbag1, write_rosbag2
 
 
@@ -37,9 +36,9 @@ def _sqlite3(folder: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("write", "reader"), [(_rosbag1, ROSBAG1), (_mcap, MCAP), (_loose_mcap, MCAP), (_sqlite3, ROSBAG2)]
+    ("write", "reader"), [(_rosbag1, rosbag1), (_mcap, mcap), (_loose_mcap, mcap), (_sqlite3, rosbag2)]
 )
-def test_random_bytes_in_random_places(tmp_path: Path, write: Callable[[Path], Path], reader: Reader) -> None:
+def test_random_bytes_in_random_places(tmp_path: Path, write: Callable[[Path], Path], reader: ModuleType) -> None:
     path = write(tmp_path)
     whole = path.read_bytes()
     rng = np.random.default_rng(7)

@@ -11,7 +11,7 @@ from google.protobuf.message_factory import GetMessages
 from mcap.writer import CompressionType
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.mcap import MCAP
+from friction_audit.io.readers import mcap as reader
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.mcap import _descriptors
@@ -34,7 +34,7 @@ STORE = ros2_store()
 
 
 def read(path: Path, **options: Any) -> Recording:
-    return MCAP.read(path, ReadOptions(**options))
+    return reader.read(path, ReadOptions(**options))
 
 
 def json_states(values: Samples) -> list[tuple[int, Any]]:
@@ -196,7 +196,7 @@ def test_broken_definition_matters_only_on_the_topic_asked_for(tmp_path: Path) -
     streams = [("/j", kind, good), ("/bad", "a/msg/Bad", good), ("/half", "a/msg/Half", good)]
     path = write_mcap_payloads(tmp_path / "a.mcap", streams, schemas, "cdr", "ros2msg")
     assert_read(read(path), values)
-    assert [topic.readable for topic in MCAP.topics(path)] == [True, False, False]
+    assert [topic.readable for topic in reader.topics(path)] == [True, False, False]
     with pytest.raises(InputError, match=r"a.mcap: topic /bad of type a/msg/Bad cannot be read"):
         read(path, topic="/bad")
     with pytest.raises(InputError, match=r"topic /half .* does not say what 'b/msg/Unknown' is"):

@@ -1,7 +1,6 @@
 import hashlib
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ import pytest
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import READERS, ReadOptions, list_topics, read_log
-from friction_audit.io.readers.csv import CSV
+from friction_audit.io.readers import csv as reader
 from friction_audit.io.readers.csv_dialect import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
 from tests.io.synthetic_recordings import motion, tidy_frame, write_tidy_csv
@@ -84,14 +83,15 @@ def test_the_hash_of_a_directory_is_that_of_its_files_in_order(tmp_path: Path) -
 
 def test_a_file_that_grows_while_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = write_tidy_csv(tmp_path / "run.csv")
+    csv_read = reader.read
 
     def read_and_grow(file: Path, options: ReadOptions) -> Recording:
-        recording = CSV.read(file, options)
+        recording = csv_read(file, options)
         with file.open("a") as stream:
             stream.write("9,0,0,0,0,0,0,0,0,0\n")
         return recording
 
-    monkeypatch.setattr("friction_audit.io.readers.read.READERS", (replace(CSV, read=read_and_grow),))
+    monkeypatch.setattr(reader, "read", read_and_grow)
     log = read_log(path)
     assert [(f.code, f.damaged, f.amount) for f in log.source.findings] == [("file_grew", True, 20.0)]
 
@@ -120,7 +120,7 @@ def test_a_file_that_changes_and_cannot_be_read(tmp_path: Path, monkeypatch: pyt
             stream.write("9")
         raise InputError(f"{file}: torn")
 
-    monkeypatch.setattr("friction_audit.io.readers.read.READERS", (replace(CSV, read=grow_and_fail),))
+    monkeypatch.setattr(reader, "read", grow_and_fail)
     with pytest.raises(InputError, match="torn; the file changed while it was read"):
         read_log(path)
 
@@ -144,7 +144,7 @@ def test_an_error_of_the_disk_is_an_input_error(tmp_path: Path, monkeypatch: pyt
     def fail(_: Path, __: ReadOptions) -> Recording:
         raise OSError(5, "Input/output error")
 
-    monkeypatch.setattr("friction_audit.io.readers.read.READERS", (replace(CSV, read=fail),))
+    monkeypatch.setattr(reader, "read", fail)
     with pytest.raises(InputError, match=r"run.csv: cannot be read: Input/output error"):
         read_log(path)
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers import rosbag1
 from friction_audit.io.readers.reader import ReadOptions
-from friction_audit.io.readers.rosbag1 import ROSBAG1, Rosbag1Stream
+from friction_audit.io.readers.rosbag1 import Rosbag1Stream
 from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
     Samples,
@@ -40,7 +41,7 @@ bool[3] errors
 
 
 def read(path: Path, **options: Any) -> Recording:
-    return ROSBAG1.read(path, ReadOptions(**options))
+    return rosbag1.read(path, ReadOptions(**options))
 
 
 def codes(recording: Recording) -> set[str]:

@@ -13,10 +13,9 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys.store import Typestore
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers import read_log
+from friction_audit.io.readers import read_log, rosbag2
 from friction_audit.io.readers.message_decoder import _ERROR_FLAGS, _FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.io.readers.reader import ReadOptions
-from friction_audit.io.readers.rosbag2 import ROSBAG2
 from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
     JOINTS,
@@ -37,7 +36,7 @@ STORE = ros2_store()
 
 
 def read(path: Path, **options: Any) -> Recording:
-    return ROSBAG2.read(path, ReadOptions(**options))
+    return rosbag2.read(path, ReadOptions(**options))
 
 
 def storage_file(bag: Path) -> Path:
@@ -55,9 +54,9 @@ def test_without_metadata(tmp_path: Path, storage: str) -> None:
 def test_single_storage_file(tmp_path: Path) -> None:
     values = samples(20)
     file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
-    assert ROSBAG2.recognises(file)
+    assert rosbag2.recognises(file)
     assert_read(read(file), values)
-    assert ROSBAG2.topics(file)[0].messages == 20
+    assert rosbag2.topics(file)[0].messages == 20
 
 
 def test_several_storage_files_in_the_order_of_their_numbers(tmp_path: Path) -> None:
@@ -72,7 +71,7 @@ def test_several_storage_files_in_the_order_of_their_numbers(tmp_path: Path) -> 
         storage_file(bag).rename(folder / f"bag_{number}.db3")
     recording = read(folder)
     assert_read(recording, values)
-    assert ROSBAG2.topics(folder)[0].messages == 33
+    assert rosbag2.topics(folder)[0].messages == 33
 
 
 def test_storage_file_that_metadata_lists_is_gone(tmp_path: Path) -> None:
@@ -356,7 +355,7 @@ def test_other_database(tmp_path: Path) -> None:
 
 
 def test_directory_without_storage(tmp_path: Path) -> None:
-    assert not ROSBAG2.recognises(tmp_path)
+    assert not rosbag2.recognises(tmp_path)
     with pytest.raises(InputError, match=r"no storage file; expected \*.db3 or \*.mcap"):
         read(tmp_path)
 

@@ -39,7 +39,7 @@ def scenarios() -> list[str]:
 
 def dialects() -> list[str]:
     """Return the names of the dialects that logs are written in."""
-    from friction_audit.io.writers import WRITERS
+    from friction_audit.io.writers.write_log import WRITERS
 
     return [writer.name for writer in WRITERS]
 

@@ -14,7 +14,7 @@ from friction_audit.cli.options import GeneralOptions, LogPath, Overwrite, Readi
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.io.writers import Writer
+    from friction_audit.io.writers.writer import Writer
     from friction_audit.joint_log import JointLog
 
 EXAMPLES = """Examples:
@@ -29,7 +29,7 @@ DIRECTORY = "(folder)"
 def _list_dialects(wanted: bool) -> None:
     """Print the dialects, as a table for people and for ``cut``."""
     if wanted:
-        from friction_audit.io.writers import WRITERS
+        from friction_audit.io.writers.write_log import WRITERS
 
         width = max(len(writer.name) for writer in WRITERS)
         for writer in WRITERS:
@@ -79,13 +79,13 @@ def _take(log: "JointLog", joints: tuple[int, ...] | None) -> "JointLog":
 
 
 def _choose_writer(out: Path, dialect: str | None) -> "Writer":
-    from friction_audit.io.writers import choose_writer
+    from friction_audit.io.writers.write_log import choose_writer
 
     return choose_writer(out, dialect)
 
 
 def _write(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.io.writers import write_log
+    from friction_audit.io.writers.write_log import write_log
 
     with voice.step(f"write {out}"):
         write_log(log, out, dialect=writer.name, overwrite=overwrite)

@@ -16,7 +16,7 @@ from friction_audit.cli.options import ChangeOptions, GeneralOptions, Overwrite
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.io.writers import Writer
+    from friction_audit.io.writers.writer import Writer
     from friction_audit.joint_log import JointLog
     from friction_audit.reporting.documents import SimulatedLog
     from friction_audit.simulation.scenarios import Scenario
@@ -176,7 +176,7 @@ def _choose_output(
     out: Path | None, dialect: str | None, truth: Path | None, *, overwrite: bool
 ) -> "tuple[Path, Writer]":
     """Refuse outputs that could not be written, before anything long is done."""
-    from friction_audit.io.writers import choose_writer
+    from friction_audit.io.writers.write_log import choose_writer
 
     if out is None:
         raise UsageError("--output: missing; expected the file of the log, e.g. --output run.parquet")

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.csv_dialect import Dialect, is_number, looks_like_csv, sniff_csv, split_line
+from friction_audit.io.readers.csv_dialect import PEEK_BYTES, Dialect, is_number, separator_of, sniff_csv, split_line
 from friction_audit.io.readers.csv_lines import blocks_of_lines, check_widths, count_lines, fits, without_cut_line
-from friction_audit.io.readers.reader import Reader, ReadOptions, Topic, refuse_too_large
+from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Recording
@@ -32,7 +32,21 @@ _NA = ("-nan(ind)", "nan(ind)")
 _NANOSECONDS = 1_000_000_000
 
 
-def _read(path: Path, options: ReadOptions) -> Recording:
+def recognises(path: Path) -> bool:
+    """Return True if the file is text whose first line has at least two fields; never raises."""
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(PEEK_BYTES)
+    except OSError:
+        return False
+    text = head.decode("utf-8-sig", errors="ignore")
+    line = next((line for line in text.splitlines() if line.strip()), "")
+    printable = b"\0" not in head and len(text.encode()) > 0.95 * len(head) - 3
+    return printable and not line.lstrip().startswith(("{", "<")) and len(split_line(line, separator_of(line))) > 1
+
+
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read a text table."""
     dialect = sniff_csv(path)
     if not dialect.has_header and not options.mapping:
         raise InputError(
@@ -296,17 +310,8 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
     )
 
 
-def _tables(path: Path) -> tuple[Topic, ...]:
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the one table of a text file."""
     dialect = sniff_csv(path)
     rows = count_lines(path, dialect)
     return (Topic(name=path.name, type=f"table of {dialect.width} columns", messages=rows, readable=True),)
-
-
-CSV = Reader(
-    name="csv",
-    suffixes=(".csv", ".tsv", ".txt", ".dat"),
-    recognises=looks_like_csv,
-    read=_read,
-    topics=_tables,
-    summary="text tables: libfranka logToCSV, rostopic echo -p, bag exports, tidy and long tables",
-)

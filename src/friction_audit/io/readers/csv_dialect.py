@@ -12,7 +12,7 @@ from friction_audit.errors import InputError
 _HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 23
 _FEWEST_LINES = 4
 _LOOK = 20
-_PEEK_BYTES = 4096
+PEEK_BYTES = 4096
 _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
             "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip
 
@@ -54,19 +54,6 @@ def split_line(line: str, separator: str) -> tuple[str, ...]:
         return tuple(line.split(separator))
 
 
-def looks_like_csv(path: Path) -> bool:
-    """Return True if the file is text whose first line has at least two fields; never raises."""
-    try:
-        with path.open("rb") as stream:
-            head = stream.read(_PEEK_BYTES)
-    except OSError:
-        return False
-    text = head.decode("utf-8-sig", errors="ignore")
-    line = next((line for line in text.splitlines() if line.strip()), "")
-    printable = b"\0" not in head and len(text.encode()) > 0.95 * len(head) - 3
-    return printable and not line.lstrip().startswith(("{", "<")) and len(split_line(line, _separator(line))) > 1
-
-
 def sniff_csv(path: Path) -> Dialect:
     """Find out how a text table is written, from its first lines.
 
@@ -86,7 +73,7 @@ def sniff_csv(path: Path) -> Dialect:
     start = next((i for i, text in enumerate(texts) if text.strip() and not text.startswith("#")), None)
     if start is None:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
-    separator = _separator(texts[start])
+    separator = separator_of(texts[start])
     fields = split_line(texts[start], separator)
     if all(is_number(field, "," if separator == ";" else ".") for field in fields):
         first = start  # numpy.savetxt writes its header as a comment
@@ -125,7 +112,7 @@ def _refuse_no_text(path: Path, head: bytes) -> None:
         found = "text in UTF-16"
     elif head and not head.strip(b"\0"):
         found = "nothing but zero bytes"
-    elif b"\0" in head.rstrip(b"\0")[:_PEEK_BYTES]:  # at the end they are what a power cut leaves
+    elif b"\0" in head.rstrip(b"\0")[:PEEK_BYTES]:  # at the end they are what a power cut leaves
         found = f"no text (it begins with the bytes {head[:8].hex(' ')})"
     elif b"\r" in head and b"\n" not in head:
         found = "text whose lines end in a carriage return alone"
@@ -145,7 +132,8 @@ def _skip_comments(stream: BinaryIO) -> tuple[int, int]:
     return max(count, 0), begin
 
 
-def _separator(line: str) -> str:
+def separator_of(line: str) -> str:
+    """Return what separates the fields of a line."""
     counts = {separator: line.count(separator) for separator in ("\t", ";", ",")}
     if counts[";"] and counts[";"] >= counts["\t"]:
         return ";"  # before the comma, which then is the decimal sign

@@ -27,7 +27,7 @@ from friction_audit.io.readers.message_stream import (
     open_log,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import Reader, ReadOptions
+from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.recording import Recording
 
 if TYPE_CHECKING:
@@ -287,17 +287,18 @@ def _run(data: bytes, position: int, length: int) -> Block:
     return Block(int(heads["channel"][0]), heads["log_time"][:run].astype(np.int64), data, start, size)
 
 
-def _read(path: Path, options: ReadOptions) -> Recording:
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read the joint states of an MCAP file."""
     stream = McapStream(path)
     recording = read_messages(path, stream, options)
     return replace(recording, serial=serial_in(stream.notes))
 
 
-MCAP = Reader(
-    name="mcap",
-    suffixes=(".mcap",),
-    recognises=lambda path: starts_with(path, MAGIC),
-    read=_read,
-    topics=lambda path: topics_of(path, McapStream(path)),
-    summary="MCAP with ROS 2, ROS 1, JSON or protobuf messages holding joint states; salvaged where it breaks off.",
-)
+def recognises(path: Path) -> bool:
+    """Return True if the file begins as MCAP does."""
+    return starts_with(path, MAGIC)
+
+
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the topics of an MCAP file."""
+    return topics_of(path, McapStream(path))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
-from friction_audit.io.readers.reader import Reader, ReadOptions, Topic
+from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Recording
@@ -50,7 +50,8 @@ class Entry:
         return prod(self.shape[1:])
 
 
-def _read(path: Path, options: ReadOptions) -> Recording:
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read a NumPy archive."""
     with _opened(path) as archive:
         return read_table(NpzTable(path, archive), options)
 
@@ -197,7 +198,8 @@ def _read_exactly(stream: IO[bytes], size: int) -> bytes:
     return content
 
 
-def _recognises(path: Path) -> bool:
+def recognises(path: Path) -> bool:
+    """Return True for an archive with NumPy arrays."""
     try:
         with zipfile.ZipFile(path) as archive:
             return any(name.endswith(".npy") for name in archive.namelist())
@@ -205,20 +207,11 @@ def _recognises(path: Path) -> bool:
         return path.is_file() and path.suffix.lower() == ".npz" and starts_with(path, _ZIP_MAGIC)
 
 
-def _tables(path: Path) -> tuple[Topic, ...]:
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the arrays of an archive."""
     with _opened(path) as archive:
         entries, _ = _entries(archive, path)
     return tuple(
         Topic(name=name, type=f"array {entry.shape} {entry.dtype}", messages=entry.shape[0], readable=True)
         for name, entry in entries.items()
     )
-
-
-NPZ = Reader(
-    name="npz",
-    suffixes=(".npz",),
-    recognises=_recognises,
-    read=_read,
-    topics=_tables,
-    summary="NumPy archives: panda-py's get_log(), or arrays (n, joints) under names of channels",
-)

@@ -15,7 +15,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.reader import Reader, ReadOptions, Topic, address_limit
+from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Recording
@@ -35,7 +35,8 @@ if address_limit() < inf:  # before Arrow is loaded
     os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
 
 
-def _read(path: Path, options: ReadOptions) -> Recording:
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read a Parquet file."""
     import pyarrow as pa
 
     try:
@@ -344,7 +345,8 @@ def _is_text(kind: "pa.DataType") -> bool:
     return bool(pa.types.is_string(inner) or pa.types.is_large_string(inner) or pa.types.is_string_view(inner))
 
 
-def _tables(path: Path) -> tuple[Topic, ...]:
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the table of a Parquet file."""
     import pyarrow as pa
 
     try:
@@ -355,11 +357,6 @@ def _tables(path: Path) -> tuple[Topic, ...]:
     return (Topic(name=path.name, type=f"table of {columns} columns", messages=rows, readable=True),)
 
 
-PARQUET = Reader(
-    name="parquet",
-    suffixes=(".parquet", ".pq"),
-    recognises=lambda path: starts_with(path, b"PAR1"),
-    read=_read,
-    topics=_tables,
-    summary="Parquet: one column per joint and channel, or one list-valued column per channel",
-)
+def recognises(path: Path) -> bool:
+    """Return True if the file begins as Parquet does."""
+    return starts_with(path, b"PAR1")

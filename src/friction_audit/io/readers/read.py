@@ -1,6 +1,6 @@
 """Read a log of any format: the list of readers, the checks, and the hash of the content.
 
-A format is added by writing one file and naming its record in READERS.
+A format is added by writing one file with ``recognises``, ``read`` and ``topics``, and its line in READERS.
 """
 
 from collections.abc import Sequence
@@ -12,20 +12,20 @@ from friction_audit.errors import InputError
 from friction_audit.io.checks import examine
 from friction_audit.io.files import Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.channel_names import torque_unit
-from friction_audit.io.readers.csv import CSV
 from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.mcap import MCAP
-from friction_audit.io.readers.npz import NPZ
-from friction_audit.io.readers.parquet import PARQUET
 from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic
-from friction_audit.io.readers.rosbag1 import ROSBAG1
-from friction_audit.io.readers.rosbag2 import ROSBAG2
-from friction_audit.io.readers.topics import namespace
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
 
 # CSV comes last: any text with separators looks like one.
-READERS: tuple[Reader, ...] = (PARQUET, NPZ, ROSBAG1, ROSBAG2, MCAP, CSV)
+READERS: tuple[Reader, ...] = (
+    Reader("parquet", (".parquet", ".pq")),
+    Reader("npz", (".npz",)),
+    Reader("rosbag1", (".bag",)),
+    Reader("rosbag2", (".db3", ".zstd", ".zst")),
+    Reader("mcap", (".mcap",)),
+    Reader("csv", (".csv", ".tsv", ".txt", ".dat")),
+)
 _DEFAULT = ReadOptions()
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
@@ -129,7 +129,7 @@ def choose_reader(path: Path) -> Reader:
     Raises:
         InputError: If there is none.
     """
-    by_suffix = [reader for reader in READERS if path.suffix.lower() in reader.suffixes]
+    by_suffix = [reader for reader in READERS if reader.is_named(path)]
     for reader in (*by_suffix, *READERS):
         if reader.recognises(path):
             return reader
@@ -181,8 +181,8 @@ def _unreadable(path: Path, error: OSError) -> InputError:
 
 
 def _suffix_mismatch(path: Path, reader: Reader) -> tuple[Finding, ...]:
-    others = [other.name for other in READERS if path.suffix.lower() in other.suffixes and other.name != reader.name]
-    if path.suffix.lower() in reader.suffixes or not others:
+    others = [other.name for other in READERS if other.is_named(path) and other.name != reader.name]
+    if reader.is_named(path) or not others:
         return ()
     message = (
         f"the name ends in {path.suffix}, as {others[0]} does, but the content is {reader.name}; it was read as that"
@@ -207,6 +207,8 @@ def arm_of_log(source: Source, joint_names: Sequence[str]) -> str:
     ``left`` of joints called ``left_joint1``, or of a topic ``/left/joint_states``; nothing of ``panda_joint1``, which
     every Panda's are called.
     """
+    from friction_audit.io.readers.topics import namespace
+
     if source.serial:
         return source.serial
     prefixes = list(arms_in(joint_names))

@@ -1,11 +1,13 @@
-"""What a reader is given and what it returns; one record per container format."""
+"""What a reader is given and what it returns, and the record of a container format."""
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
+from importlib import import_module
 from math import inf
 from pathlib import Path
+from types import ModuleType
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.recording import Recording
@@ -138,14 +140,31 @@ class Topic:
     readable: bool
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Reader:
-    """A container format."""
+    """A container format; its module is loaded when a file may be of it."""
 
-    name: str  # name of the format, shown to people and stored in results
+    name: str  # of the module, shown to people and stored in results
     suffixes: tuple[str, ...]  # file name endings, lower case, with the dot
-    # true if this file (or directory) is of this format, from its content; never raises
-    recognises: Callable[[Path], bool]
-    read: Callable[[Path, ReadOptions], Recording]  # reads it
-    topics: Callable[[Path], tuple[Topic, ...]]  # lists what is in it
-    summary: str  # one line for the documentation
+
+    def is_named(self, path: Path) -> bool:
+        """Return True if the file's name ends as this format does."""
+        return path.name.lower().endswith(self.suffixes)
+
+    def recognises(self, path: Path) -> bool:
+        """Return True if this file (or directory) is of this format, from its content; never raises."""
+        found: bool = self._module().recognises(path)
+        return found
+
+    def read(self, path: Path, options: ReadOptions) -> Recording:
+        """Read it."""
+        recording: Recording = self._module().read(path, options)
+        return recording
+
+    def topics(self, path: Path) -> tuple[Topic, ...]:
+        """List what is in it."""
+        found: tuple[Topic, ...] = self._module().topics(path)
+        return found
+
+    def _module(self) -> ModuleType:
+        return import_module(f"{__package__}.{self.name}")

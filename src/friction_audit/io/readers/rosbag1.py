@@ -15,7 +15,8 @@ from friction_audit.io.files import starts_with
 from friction_audit.io.readers.decompress import UnpackError, bound_of, unpack
 from friction_audit.io.readers.message_stream import Block, BlockCollector, Connection, Damage, Window, open_log
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import Reader
+from friction_audit.io.readers.reader import ReadOptions, Topic
+from friction_audit.io.recording import Recording
 
 _MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _BAG_HEADER, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
@@ -333,11 +334,16 @@ def _learn_connection(header: Mapping[str, bytes], data: bytes, connections: dic
         connections[_number(header, "conn")] = {**_parse_header(data), "topic": header["topic"]}
 
 
-ROSBAG1 = Reader(
-    name="rosbag1",
-    suffixes=(".bag",),
-    recognises=lambda path: starts_with(path, b"#ROSBAG V"),
-    read=lambda path, options: read_messages(path, Rosbag1Stream(path), options),
-    topics=lambda path: topics_of(path, Rosbag1Stream(path)),
-    summary="ROS 1 bag with JointState or FrankaState messages; one that was never closed or breaks off is salvaged.",
-)
+def recognises(path: Path) -> bool:
+    """Return True if the file begins as a ROS 1 bag does."""
+    return starts_with(path, b"#ROSBAG V")
+
+
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read the joint states of a ROS 1 bag."""
+    return read_messages(path, Rosbag1Stream(path), options)
+
+
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the topics of a ROS 1 bag."""
+    return topics_of(path, Rosbag1Stream(path))

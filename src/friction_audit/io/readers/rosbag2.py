@@ -14,7 +14,7 @@ from friction_audit.io.readers.decompress import MOST_TIMES_PACKED, bound_of
 from friction_audit.io.readers.mcap import MAGIC, McapStream
 from friction_audit.io.readers.message_stream import Block, Damage, MessageStream, Window
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import Reader, ReadOptions, Topic
+from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
 from friction_audit.io.readers.sqlite_recovery import SQLITE_MAGIC, copy_of_cut
 from friction_audit.io.recording import Recording
@@ -156,7 +156,8 @@ def _decompress_file(path: Path, folder: Path) -> Path:
     return target
 
 
-def _recognises(path: Path) -> bool:
+def recognises(path: Path) -> bool:
+    """Return True for a database, a compressed storage file, or a folder with one."""
     if not path.is_dir():
         return starts_with(path, SQLITE_MAGIC) or (path.suffix in _COMPRESSED_SUFFIXES and _is_storage(path))
     try:
@@ -165,7 +166,8 @@ def _recognises(path: Path) -> bool:
         return False
 
 
-def _read(path: Path, options: ReadOptions) -> Recording:
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read the joint states of a ROS 2 bag."""
     lines = _metadata(path)
     with ExitStack() as stack:
         recording = read_messages(path, _open(path, stack), options, _stated_counts(lines))
@@ -212,16 +214,7 @@ def _custom_data(lines: Sequence[str]) -> dict[str, str]:
     return {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in notes}
 
 
-def _topics(path: Path) -> tuple[Topic, ...]:
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the topics of a ROS 2 bag."""
     with ExitStack() as stack:
         return topics_of(path, _open(path, stack))
-
-
-ROSBAG2 = Reader(
-    name="rosbag2",
-    suffixes=(".db3", ".zstd", ".zst"),
-    recognises=_recognises,
-    read=_read,
-    topics=_topics,
-    summary="ROS 2 bag, sqlite3 or MCAP: its directory or one .db3 file, with or without metadata.yaml.",
-)
