@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing import kernels
+from friction_audit.preprocessing import cycle_sums
 from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
@@ -152,8 +152,8 @@ def test_two_humps_without_rest_are_one_stroke_and_with_rest_are_two() -> None:
     dip = 0.5 * np.abs(np.sin(np.pi * t)) + 0.01
     rest = np.where(np.abs(t - 1.0) < 0.05, 0.0, dip)
     start = np.zeros(100)
-    one = kernels.find_borders(np.concatenate([start, dip, start]), 0.2, 0.05, True)
-    two = kernels.find_borders(np.concatenate([start, rest, start]), 0.2, 0.05, True)
+    one = cycle_sums.find_borders(np.concatenate([start, dip, start]), 0.2, 0.05, merge=True)
+    two = cycle_sums.find_borders(np.concatenate([start, rest, start]), 0.2, 0.05, merge=True)
     assert len(one) == 2
     assert len(two) == 3
 
@@ -161,18 +161,18 @@ def test_two_humps_without_rest_are_one_stroke_and_with_rest_are_two() -> None:
 def test_a_speed_that_dips_ends_a_cycle_because_it_has_no_sign() -> None:
     t = np.arange(0, 2.0, 0.001)
     speed = 0.5 * np.abs(np.sin(np.pi * t)) + 0.01
-    borders = kernels.find_borders(np.concatenate([np.zeros(100), speed, np.zeros(100)]), 0.2, 0.05, False)
+    borders = cycle_sums.find_borders(np.concatenate([np.zeros(100), speed, np.zeros(100)]), 0.2, 0.05, merge=False)
     assert borders.tolist()[1] == 1100
 
 
 def test_nothing_that_moves_and_nothing_that_stops_gives_no_cycle() -> None:
-    assert len(kernels.find_borders(np.zeros(100), 0.2, 0.05, True)) == 0
-    assert len(kernels.find_borders(np.ones(100), 0.2, 0.05, True)) == 0
+    assert len(cycle_sums.find_borders(np.zeros(100), 0.2, 0.05, merge=True)) == 0
+    assert len(cycle_sums.find_borders(np.ones(100), 0.2, 0.05, merge=True)) == 0
 
 
 @given(arrays(np.float64, st.integers(1, 200), elements=st.floats(-1, 1)))
 def test_borders_are_ordered_and_a_cycle_moves(velocity: np.ndarray) -> None:
-    borders = kernels.find_borders(velocity, 0.2, 0.05, True)
+    borders = cycle_sums.find_borders(velocity, 0.2, 0.05, merge=True)
     assert np.all(np.diff(borders) > 0)
     assert all(np.abs(velocity[a : b + 1]).max() > 0.05 for a, b in pairwise(borders))
 
@@ -182,6 +182,6 @@ def test_velocity_noise_at_rest_adds_no_path() -> None:
     t = np.arange(20_000) / 1000
     noise = 0.003 * rng.normal(size=len(t))
     filtered = 1e-4 * rng.normal(size=len(t))
-    sums = kernels.add_up(t, np.zeros_like(t), noise, filtered, noise, np.empty(0), np.array([[0, 19_999]]))
-    assert sums[0, 0, kernels.RECTIFIED] > 0.04  # 0.0024 rad per second of dwell
-    assert sums[0, 0, kernels.PATH] == 0.0
+    sums = cycle_sums.add_up(t, np.zeros_like(t), noise, filtered, noise, None, np.array([[0, 19_999]]))
+    assert sums[0, 0, cycle_sums.RECTIFIED] > 0.04  # 0.0024 rad per second of dwell
+    assert sums[0, 0, cycle_sums.PATH] == 0.0

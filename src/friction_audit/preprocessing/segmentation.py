@@ -5,9 +5,9 @@ from functools import partial
 
 import numpy as np
 
-from friction_audit.joint_log import Float, median_step, read_only
+from friction_audit.joint_log import Float, median_step
 from friction_audit.parallel import per_joint
-from friction_audit.preprocessing import kernels
+from friction_audit.preprocessing import cycle_sums
 from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles, EnergySums, Int
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.settings import CycleSettings
@@ -71,14 +71,12 @@ def _segment_joint(
     filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
     own = _detector(dq, filtered, settings, rate_hz, signed=True)
     detector = hand or own
-    borders = kernels.find_borders(
-        read_only(detector.signal), detector.initiation, detector.termination, detector.signed
-    )
+    borders = cycle_sums.find_borders(detector.signal, detector.initiation, detector.termination, merge=detector.signed)
     if not len(borders):
         borders = np.zeros(1, np.int64)
     elif gravity_inside:
         borders = _close_runs(interaction.q, borders, settings.closure_rad)
-    edges, peak, longest_step = kernels.cut_evenly(read_only(t), read_only(filtered), borders, PARTS)
+    edges, peak, longest_step = cycle_sums.cut_evenly(t, filtered, borders, PARTS)
     parts = _sums(interaction, column, filtered, edges)
     sums, start, stop = parts.total(), borders[:-1], borders[1:]
     # Gravity at a joint depends on all joints beyond it, so all of them must return.
@@ -149,21 +147,21 @@ def _close_runs(q: Float, borders: Int, closure_rad: float) -> Int:
 
 
 def _sums(interaction: Interaction, column: int, filtered: Float, edges: Int) -> EnergySums:
-    u = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
-    q, dq, torque = (read_only(array[:, column]) for array in (interaction.q, interaction.dq, interaction.torque))
-    raw = kernels.add_up(read_only(interaction.t), q, dq, read_only(filtered), torque, read_only(u), edges)
+    u = None if interaction.compensation is None else interaction.compensation[:, column]
+    q, dq, torque = (array[:, column] for array in (interaction.q, interaction.dq, interaction.torque))
+    raw = cycle_sums.add_up(interaction.t, q, dq, filtered, torque, u, edges)
     gravity_x, gravity_y = _gravity_work(interaction, column, edges)
     return EnergySums(
-        work_j=raw[:, :, kernels.WORK],
-        compensation_j=raw[:, :, kernels.COMPENSATION],
-        printed_net_j=raw[:, :, kernels.PRINTED],
-        path_rad=raw[:, :, kernels.PATH],
-        rectified_path_rad=raw[:, :, kernels.RECTIFIED],
-        square_speed_rad2_s=raw[:, :, kernels.SQUARE],
+        work_j=raw[:, :, cycle_sums.WORK],
+        compensation_j=raw[:, :, cycle_sums.COMPENSATION],
+        printed_net_j=raw[:, :, cycle_sums.PRINTED],
+        path_rad=raw[:, :, cycle_sums.PATH],
+        rectified_path_rad=raw[:, :, cycle_sums.RECTIFIED],
+        square_speed_rad2_s=raw[:, :, cycle_sums.SQUARE],
         displacement_rad=np.diff(q[edges], axis=1),
         gravity_x_rad=gravity_x,
         gravity_y_rad=gravity_y,
-        half_square_speed_change=raw[:, :, kernels.HALF_SQUARE],
+        half_square_speed_change=raw[:, :, cycle_sums.HALF_SQUARE],
     )
 
 

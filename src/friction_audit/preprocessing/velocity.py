@@ -9,8 +9,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float, JointLog, median_step
-from friction_audit.preprocessing import kernels
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog
 
@@ -46,8 +46,26 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
     k = math.tan(math.pi * cutoff_hz / rate_hz)
     whole = 1.0 + math.sqrt(2.0) * k + k * k
     a1, a2 = 2.0 * (k * k - 1.0) / whole, (1.0 - math.sqrt(2.0) * k + k * k) / whole
-    kernels.low_pass_both_ways(padded, k * k / whole, a1, a2)
+    low_pass_both_ways(padded, k * k / whole, a1, a2)
     return padded[PADDING:-PADDING]
+
+
+# Typed, so that importing this module starts the compiler, which takes longer than all the loops of an hour of log.
+@compiled("void(float64[::1], float64, float64, float64)")
+def low_pass_both_ways(signal: Float, gain: float, a1: float, a2: float) -> None:
+    """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, over a signal in place, forwards and backwards.
+
+    Each pass begins as if the signal had always been what it is at that end.
+    """
+    last = len(signal) - 1
+    for backwards in (False, True):
+        x1 = x2 = y1 = y2 = signal[last if backwards else 0]
+        for i in range(len(signal)):
+            k = last - i if backwards else i
+            x = signal[k]
+            y = gain * (x + 2.0 * x1 + x2) - a2 * y2 - a1 * y1
+            signal[k] = y
+            x2, x1, y2, y1 = x1, x, y1, y
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:

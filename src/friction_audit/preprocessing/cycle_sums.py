@@ -1,0 +1,130 @@
+"""Borders of energy cycles, and sums over their parts, with memory for a block of samples and not for the log."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+
+Int = NDArray[np.int64]
+WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
+SUMS = 7
+BLOCK = 1 << 14  # samples worked on at a time: their temporary arrays stay in the processor's cache
+
+
+def find_borders(velocity: Float, initiation: float, termination: float, *, merge: bool) -> Int:
+    """Return the samples that separate energy cycles, shape (m + 1,); empty without a complete cycle.
+
+    A cycle begins when the speed exceeds ``initiation`` and is over when it falls below ``termination``. The border
+    lies where the joint then comes to rest, the first sample at which the velocity is zero or has changed its sign,
+    or else the slowest sample before the next cycle begins: there the kinetic energy is gone and not merely small.
+    With ``merge``, two humps between which the velocity never changes its sign are one stroke; a speed, which has no
+    sign, is not merged.
+    """
+    stops, starts, turns = _events(velocity, initiation, termination)
+    begins_at_rest = bool(abs(velocity[0]) <= termination)
+    borders = [0] if begins_at_rest else []
+    if begins_at_rest and len(stops) and len(starts):
+        starts = starts[1:]  # the first rest lasts from the first sample and ends at the first start
+    ends = np.append(starts, len(velocity))
+    turned = np.append(turns, len(velocity))[np.searchsorted(turns, stops)]
+    for stop, end, turn in zip(stops.tolist(), ends.tolist(), turned.tolist(), strict=False):
+        if turn < end:
+            borders.append(turn)
+        elif not (merge and end < len(velocity) and borders and velocity[end] * velocity[stop - 1] > 0.0):
+            borders.append(stop + int(np.argmin(np.abs(velocity[stop:end]))))
+    return np.array(borders if len(borders) > 1 else [], np.int64)
+
+
+def _events(velocity: Float, initiation: float, termination: float) -> tuple[Int, Int, Int]:
+    """Return the samples at which motion stops and starts, in turns, and those at which the velocity turns."""
+    found: tuple[list[Int], list[Int], list[Int]] = ([], [], [])
+    moving = bool(abs(velocity[0]) > termination)
+    for first in range(0, len(velocity), BLOCK):
+        piece = velocity[first : first + BLOCK]
+        speed = np.abs(piece)
+        # Between both thresholds the joint keeps the state of the sample before.
+        known = np.flatnonzero((speed > initiation) | (speed < termination))
+        states = speed[known] > initiation
+        changes = np.flatnonzero(states != np.append(moving, states[:-1]))
+        moving = bool(states[-1]) if len(states) else moving
+        for into, place in zip(found, (~states[changes], states[changes]), strict=False):
+            into.append(first + known[changes[place]])
+        before = np.append(velocity[first - 1] if first else np.nan, piece[:-1])
+        found[2].append(first + np.flatnonzero(piece * before <= 0.0))
+    stops, starts, turns = (np.concatenate(one) for one in found)
+    return stops, starts, turns
+
+
+def groups(borders: Int) -> Iterator[slice]:
+    """Yield groups of neighbouring cycles that together hold about a block of samples, one cycle at least."""
+    first, cycles = 0, len(borders) - 1
+    while first < cycles:
+        last = max(int(np.searchsorted(borders, borders[first] + BLOCK, side="right")) - 1, first + 1)
+        yield slice(first, last)
+        first = last
+
+
+def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, Float, Float]:
+    """Cut each cycle into parts of equal path by the filtered velocity ``speed``.
+
+    Returns:
+        Border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples; peak speed
+        [rad/s] and longest time step [s] of each cycle, shape (m,).
+    """
+    cycles = len(borders) - 1
+    edges = np.empty((cycles, parts + 1), np.int64)
+    peak, longest = np.zeros(cycles), np.zeros(cycles)
+    for group in groups(borders):
+        begin = int(borders[group.start])
+        start, stop = borders[group] - begin, borders[group.start + 1 : group.stop + 1] - begin
+        rows = slice(begin, begin + int(stop[-1]) + 1)
+        fast, step = np.abs(speed[rows]), np.diff(t[rows])
+        peak[group] = np.maximum.reduceat(fast[:-1], start)
+        longest[group] = np.maximum.reduceat(step, start)
+        gone = np.append(0.0, np.cumsum(0.5 * (fast[1:] + fast[:-1]) * step))
+        share = np.arange(1, parts) / parts
+        targets = gone[start][:, None] + (gone[stop] - gone[start])[:, None] * share
+        place = np.searchsorted(gone, targets).astype(np.int64)
+        # A part holds one sample at least, as long as there are enough of them for the parts that are left.
+        order = np.arange(parts - 1)
+        place = np.maximum.accumulate(np.maximum(place, start[:, None] + 1) - order, axis=1) + order
+        room = np.logical_and.accumulate(stop[:, None] - place >= parts - order, axis=1)
+        inner = np.where(room, place, stop[:, None])
+        edges[group] = begin + np.column_stack([start, inner, stop])
+    return edges, peak, longest
+
+
+def add_up(
+    t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None, edges: Int
+) -> Float:
+    """Add up energies between samples by the trapezoid rule: shape (m, parts, SUMS), indexed by the constants above.
+
+    Work and path are summed over the increments of q: both then scale alike with any error of the clock, and the noise
+    of the velocity enters neither. ``edges`` are the border samples of the parts of each cycle, shape (m, parts + 1);
+    all else has shape (n,).
+    """
+    sums = np.zeros((*np.subtract(edges.shape, (0, 1)), SUMS))
+    for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
+        own = edges[group] - edges[group.start, 0]
+        rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
+        v, moved, step, driving = dq[rows], np.diff(q[rows]), np.diff(t[rows]), torque[rows]
+        pairs = {WORK: (driving, moved)}
+        if compensation is not None:
+            pairs[COMPENSATION] = (compensation[rows], moved)
+            driving = driving + compensation[rows]
+        pairs |= {
+            PRINTED: (driving * v, step),
+            PATH: (np.sign(filtered[rows]), moved),
+            RECTIFIED: (np.abs(v), step),
+            SQUARE: (v * v, step),
+        }
+        # The zero at the end: a part that is empty may begin at the last border.
+        areas = np.zeros((len(pairs), len(v)))
+        for area, (height, width) in zip(areas, pairs.values(), strict=True):
+            np.multiply(height[1:] + height[:-1], width, out=area[:-1])
+        total = np.add.reduceat(areas, own[:, :-1].ravel(), axis=1).reshape(len(pairs), len(own), -1)
+        sums[group][..., list(pairs)] = np.moveaxis(0.5 * total, 0, -1) * (np.diff(own) > 0)[..., None]
+    sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
+    return sums
