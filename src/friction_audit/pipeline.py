@@ -15,6 +15,8 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
     from friction_audit.diagnosis.diagnose_joint import Subject
@@ -122,11 +124,13 @@ def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "Di
     return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
 
 
-def diagnose_estimate(estimate: Estimate, settings: "DiagnosisSettings") -> Diagnosis:
-    """Find what the nominal model misses on the joints of a log that was estimated before."""
+def diagnose_estimate(
+    estimate: Estimate, settings: "DiagnosisSettings", report: "Callable[[float], None] | None" = None
+) -> Diagnosis:
+    """Find what the nominal model misses on the joints of a log that was estimated before; report the share done."""
     from friction_audit.diagnosis.diagnose import diagnose_subjects
 
-    found = diagnose_subjects(diagnosis_subjects(estimate, settings), settings)
+    found = diagnose_subjects(diagnosis_subjects(estimate, settings), settings, report)
     return Diagnosis(estimate=estimate, discrepancy=found, settings=settings)
 
 

@@ -1,6 +1,7 @@
 """How a command shows that it works."""
 
 import io
+import re
 import time
 
 import pytest
@@ -88,6 +89,21 @@ def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
     assert " 62%" in shown
     assert "warning: the clock jumps\n" in shown
     assert shown.count("\x1b[?25h") == 1  # one display, and it gave the cursor back
+
+
+def test_stages_of_known_length_show_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = watch(monkeypatch)
+    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
+    with Voice(quiet=False, verbose=False).stages([1.0, 99.0]) as told:
+        with told.step("read"):
+            time.sleep(0.1)
+        with told.step("diagnose") as report:
+            time.sleep(0.2)
+            assert report is not None
+            report(1.0)
+    shown = terminal.getvalue()
+    assert re.search(r"about (?:9|1\d) s left", shown)  # 99 times the 0.1 s of the first
+    assert "diagnose ..." in shown
 
 
 def test_stages_nobody_watches_are_silent(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TextIO
@@ -102,12 +102,16 @@ class Voice:
             yield report
 
     @contextmanager
-    def stages(self, count: int) -> "Iterator[Voice]":
-        """Show one bar over several steps; yield the voice whose steps move it on, each named while it is under way."""
+    def stages(self, lengths: int | Sequence[float]) -> "Iterator[Voice]":
+        """Show one bar over several steps; yield the voice whose steps move it on, each named while it is under way.
+
+        Args:
+            lengths: How many steps, or how long each takes compared with the others, from which the time left follows.
+        """
         if not self._watched:
             yield self
             return
-        with _course(count) as course:
+        with _course([1.0] * lengths if isinstance(lengths, int) else lengths) as course:
             yield replace(self, course=course)
 
     @contextmanager
@@ -151,26 +155,39 @@ def _bar(name: str) -> Iterator[Report]:
 class Course:
     """Stages on the way to a result, on one bar."""
 
-    def __init__(self, bar: "Progress", count: int) -> None:
-        self._bar, self._task, self._done = bar, bar.add_task("", total=count), 0
+    def __init__(self, bar: "Progress", lengths: Sequence[float]) -> None:
+        self._bar, self._task = bar, bar.add_task("", total=sum(lengths), end_s=0.0)
+        self._lengths, self._done = iter(lengths), 0.0
 
     @contextmanager
     def stage(self, name: str) -> Iterator[Report]:
         """Name the stage that is under way; yield what takes the share of it that is done."""
+        length = next(self._lengths, 0.0)
         self._bar.update(self._task, description=name)
-        yield lambda share: self._bar.update(self._task, completed=self._done + share)
-        self._done += 1
-        self._bar.update(self._task, completed=self._done)
+        yield lambda share: self._reach(self._done + share * length)
+        self._done += length
+        self._reach(self._done)
+
+    def _reach(self, done: float) -> None:
+        """Move the bar on; the work will end when the rest has taken as long as what is done, length for length."""
+        task = self._bar.tasks[self._task]
+        self._bar.update(self._task, completed=done, end_s=(task.elapsed or 0.0) * (task.total or 0.0) / (done or 1.0))
 
 
 @contextmanager
-def _course(count: int) -> Iterator[Course]:
-    """Show a bar of stages, and how long it has been."""
-    from rich.progress import BarColumn, SpinnerColumn, TaskProgressColumn, TimeElapsedColumn
+def _course(lengths: Sequence[float]) -> Iterator[Course]:
+    """Show a bar of stages, how long it has been, and how long it will take."""
+    from rich.progress import BarColumn, ProgressColumn, SpinnerColumn, Task, TaskProgressColumn, TimeElapsedColumn
+    from rich.text import Text
 
-    bar = _new_bar(SpinnerColumn, "{task.description} ...", BarColumn, TaskProgressColumn, TimeElapsedColumn)
+    class TimeLeft(ProgressColumn):
+        def render(self, task: Task) -> Text:
+            left = task.fields["end_s"] - (task.elapsed or 0.0)
+            return Text(f"about {left:.0f} s left" if left >= 1.0 else "")
+
+    bar = _new_bar(SpinnerColumn, "{task.description} ...", BarColumn, TaskProgressColumn, TimeElapsedColumn, TimeLeft)
     with _late(bar):
-        yield Course(bar, count)
+        yield Course(bar, lengths)
 
 
 @contextmanager

@@ -35,6 +35,7 @@ EXAMPLES = """Examples:
   friction-audit diagnose run.mcap -o results --export mcap,parquet"""
 
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
+LENGTH = 10.0  # of the diagnosis, compared with reading
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,7 +65,6 @@ class DiagnosisOptions:
         ),
     ] = None
 
-
 def command(
     log: LogPath,
     options: DiagnosisOptions,
@@ -84,7 +84,7 @@ def command(
     kinds, again = choices.some_figures(figures, choices.DIAGNOSIS_FIGURES), shared.overwrite
     out = ResultFolder(folder=folder, name="diagnose", figures=kinds, formats=formats, exports=export, overwrite=again)
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
-    with voice.stages(2 + out.stages) as stages:
+    with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "scipy.signal"):
             recorded = chain.read(log, reading, stages)
         if settings.model is not None:
@@ -96,12 +96,13 @@ def command(
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.notices import diagnose_notices
 
-        with stages.step("diagnose"):
+        with stages.step("diagnose") as share:
             estimate = estimate_log(recorded, audit)
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
-            found = Diagnosis(estimate=estimate, discrepancy=diagnose_subjects(subjects, settings), settings=settings)
+            discrepancy = diagnose_subjects(subjects, settings, share)
+            found = Diagnosis(estimate=estimate, discrepancy=discrepancy, settings=settings)
         joints, json = found.discrepancy.joints, shared.general.json
         answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
         if not json:

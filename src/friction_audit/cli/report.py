@@ -42,7 +42,8 @@ EXAMPLES = """Examples:
 DEFAULT = "html"
 SECTIONS = ("friction", "diagnosis", "compensator", "recording")
 FORMATS = tuple(choices.REPORT_FORMATS)
-PARTS = 4  # stages before anything is written: read, estimate, replay, diagnose
+LENGTHS = {"read": 2.0, "friction": 2.0, "compensator": 1.0, "diagnosis": 15.0}  # as on a log of 21 s, seven joints
+DRAWING, WRITING = 15.0, 2.0  # likewise: the first file has to wait for the figures
 # Parameters that change nothing in the report; the values of a --config file are written out.
 NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config")
 
@@ -89,7 +90,8 @@ def command(
     name = f"{_stem(log)}.report"
     out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
     out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
-    with voice.stages(PARTS + len(files) + out.stages) as stages:
+    lengths = [LENGTHS[part] for part in LENGTHS if part in {"read", "friction", *(sections or SECTIONS)}]
+    with voice.stages([*lengths, DRAWING, *[WRITING] * (len(files) + out.stages)]) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)

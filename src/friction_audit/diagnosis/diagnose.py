@@ -1,6 +1,6 @@
 """Where simulation and measurement disagree, joint by joint."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 
 from friction_audit.diagnosis.data_audit import audit_data
@@ -57,8 +57,10 @@ def subjects_of(
     return tuple(subjects)
 
 
-def diagnose_subjects(subjects: Sequence[Subject], settings: DiagnosisSettings) -> Discrepancy:
-    """Diagnose joints side by side."""
+def diagnose_subjects(
+    subjects: Sequence[Subject], settings: DiagnosisSettings, report: Callable[[float], None] | None = None
+) -> Discrepancy:
+    """Diagnose joints side by side; ``report`` takes the share of them that is done."""
     candidates = [c for c in effects() if settings.candidates is None or c.name in settings.candidates]
 
     def one(k: int) -> JointDiagnosis:
@@ -78,4 +80,9 @@ def diagnose_subjects(subjects: Sequence[Subject], settings: DiagnosisSettings) 
     workers = workers_for(joints, WORKING_BYTES * max(len(subject.data.t) for subject in subjects))
     # Half of the work is in the interpreter, for which threads would wait.
     found = in_processes(one, joints, workers) if workers > 1 else per_joint(one, joints)
-    return Discrepancy(joints=tuple(found))
+    diagnosed: list[JointDiagnosis] = []
+    for joint in found:
+        diagnosed.append(joint)
+        if report is not None:
+            report(len(diagnosed) / joints)
+    return Discrepancy(joints=tuple(diagnosed))

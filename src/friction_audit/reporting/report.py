@@ -28,8 +28,8 @@ from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 T = TypeVar("T")
 SECTIONS = ("friction", "diagnosis", "compensator", "recording")
 """Sections of a report that can be left out."""
-Step = Callable[[str], AbstractContextManager[object]]
-"""Takes the name of a step and returns what is entered while it is under way."""
+Step = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
+"""Takes the name of a step and returns what is entered while it is under way: what takes the share done, or None."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -118,7 +118,7 @@ def report_estimate(
     sections: Sequence[str] = SECTIONS,
     reading: Mapping[str, object] | None = None,
     command: str = "",
-    step: Step = nullcontext,
+    step: Step = lambda _: nullcontext(),
 ) -> LogReport:
     """Run what follows an estimate; a part without an answer leaves the others as they are.
 
@@ -142,8 +142,8 @@ def report_estimate(
         with step("replay"):
             replay = _answer("replay", lambda: replay_estimate(estimate, replay_settings), unanswered)
     if "diagnosis" in sections and known:
-        with step("diagnose"):
-            diagnosis = _answer("diagnose", lambda: diagnose_estimate(estimate, diagnosis_settings), unanswered)
+        with step("diagnose") as share:
+            diagnosis = _answer("diagnose", lambda: diagnose_estimate(estimate, diagnosis_settings, share), unanswered)
     return LogReport(
         estimate=estimate,
         diagnosis=diagnosis,
