@@ -65,6 +65,7 @@ class DiagnosisOptions:
         ),
     ] = None
 
+
 def command(
     log: LogPath,
     options: DiagnosisOptions,
