@@ -16,7 +16,7 @@ FOUND: dict[str, Discrepancy] = {}
 _diagnose = diagnose.diagnose_subjects
 
 
-def _remembering(subjects: Any, settings: Any) -> Discrepancy:
+def _remembering(subjects: Any, settings: Any, _report: Any = None) -> Discrepancy:
     """Diagnose what was not diagnosed before; the name of the file is no part of what a diagnosis is made from."""
     key = sha256(pickle.dumps((subjects, settings))).hexdigest()
     if key not in FOUND:

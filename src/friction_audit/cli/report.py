@@ -90,8 +90,7 @@ def command(
     name = f"{_stem(log)}.report"
     out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
     out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
-    lengths = [LENGTHS[part] for part in LENGTHS if part in {"read", "friction", *(sections or SECTIONS)}]
-    with voice.stages([*lengths, DRAWING, *[WRITING] * (len(files) + out.stages)]) as stages:
+    with voice.stages(_lengths(sections, len(files) + out.stages)) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)
@@ -108,6 +107,12 @@ def command(
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)
     chain.exit_if_damaged(recorded)
+
+
+def _lengths(sections: Sequence[str], written: int) -> list[float]:
+    """Return how long the steps take, compared with each other."""
+    made = {"read", "friction", *(sections or SECTIONS)}
+    return [*(length for part, length in LENGTHS.items() if part in made), DRAWING, *[WRITING] * written]
 
 
 def _report(

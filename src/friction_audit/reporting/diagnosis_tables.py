@@ -296,7 +296,7 @@ JOINT_DIAGNOSIS = Record(
         Column("simulation_gap_before", float, get="simulation.before", unit="rad/s", on="f"),
         Column("simulation_gap_after", float, get="simulation.after", unit="rad/s", on="f"),
         _people("velocity error: nominal", "vel. error\nbefore", "rad/s", "simulation.before"),
-        _people("augmented", "vel. error\nafter", "rad/s", _augmented("simulation.after")),
+        _people("velocity error: augmented", "vel. error\nafter", "rad/s", _augmented("simulation.after")),
         Column(
             "detection_limit", float, "RMS that is detected with 90 % power",
             unit="N m", form=".2g", title="detection limit", on="jfp",

@@ -95,7 +95,7 @@ def brief(joint: JointDiagnosis) -> str:
     if joint.reason or joint.verdict == "adequate":
         return joint_message(joint).removeprefix("the model is adequate: ")
     first, *rest = joint.added or (None,)
-    parts = ["most of the residual has no name" if joint.verdict == "unexplained" else "", _touched(joint)]
+    parts = [_unknown(joint) if joint.verdict == "unexplained" else "", _touched(joint)]
     if first is not None:
         size = f"{first.size_nm:.2g} N m, {format_share(first.friction_share)} of friction"
         parts.append(f"{names_of(first, joint.effects)} ({size}){f' and {len(rest)} more' if rest else ''}")
@@ -106,6 +106,14 @@ def brief(joint: JointDiagnosis) -> str:
     elif joint.verdict != "unexplained":
         parts.append(_todo(joint))
     return plain_names("; ".join(filter(None, parts)))
+
+
+def _unknown(joint: JointDiagnosis) -> str:
+    """Return the size of what has no name, and what to do."""
+    if joint.gap is None:
+        return "cause unknown; look at the residual"
+    left = f"residual RMS {joint.gap.after:.2g} N m, noise floor {joint.gap.floor:.2g} N m"
+    return f"cause unknown ({left}); look at the residual"
 
 
 def negligible_words(joint: JointDiagnosis) -> str:

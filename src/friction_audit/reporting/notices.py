@@ -1,5 +1,6 @@
 """Everything the user must know about a result, from every step of the chain, in one list."""
 
+import re
 from collections.abc import Iterable
 from typing import NamedTuple, Protocol
 
@@ -178,9 +179,15 @@ def _line(message: str, same: list[Notice]) -> str:
 
 
 def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
-    """Return one line per reason, led by the joints that it holds for; none for joints with a result."""
-    reasons: dict[str, list[int]] = {}
+    """Return one line per reason, led by the joints that it holds for; none for joints with a result.
+
+    Reasons that differ in the number of a joint only are one.
+    """
+    reasons: dict[str, list[Reasoned]] = {}
     for joint in joints:
         if joint.reason:
-            reasons.setdefault(joint.reason, []).append(joint.joint)
-    return [f"{joints_label(numbers)}: {reason}" for reason, numbers in reasons.items()]
+            reasons.setdefault(re.sub(r"\bjoint \d+", "another joint", joint.reason), []).append(joint)
+    return [
+        f"{joints_label(one.joint for one in alike)}: {alike[0].reason if len(alike) == 1 else reason}"
+        for reason, alike in reasons.items()
+    ]

@@ -134,8 +134,7 @@ def report_estimate(
         step: Called with the part that is under way.
     """
     unanswered: list[Unanswered] = []
-    source = replace(estimate.log.source, path=name_of_log(Path(estimate.log.source.path)))
-    estimate = replace(estimate, log=replace(estimate.log, source=source))
+    estimate = _without_path(estimate)
     known = any(not joint.reason for joint in estimate.friction.joints)
     replay = diagnosis = None
     if "compensator" in sections and known:
@@ -153,6 +152,15 @@ def report_estimate(
         reading=reading or {},
         command=command,
     )
+
+
+def _without_path(estimate: Estimate) -> Estimate:
+    """Return the estimate with the name of the log in place of its path, in commands to paste also."""
+    log, seen = estimate.log, estimate.interaction
+    path, name = log.source.path, name_of_log(Path(log.source.path))
+    warnings = tuple(replace(one, message=one.message.replace(path, name)) for one in seen.warnings)
+    log = replace(log, source=replace(log.source, path=name))
+    return replace(estimate, log=log, interaction=replace(seen, warnings=warnings))
 
 
 def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -> T | None:
@@ -185,6 +193,7 @@ ESTIMATED, NO_ESTIMATE = "estimated", "no estimate"
 VERDICT_TONES: Mapping[str, Tone] = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fine"}
 # Answers that a lead gives for joints one by one; more are counted.
 MOST_GROUPS = 4
+MOST_LISTED = 8  # joints; more are counted
 
 
 def verdict_word(joint: JointReport) -> str:
@@ -253,6 +262,8 @@ def _missing(found: JointDiagnosis) -> str:
 
 def _joints(joints: Sequence[JointReport], every: int) -> str:
     """Return which joints are meant."""
+    if MOST_LISTED < len(joints) < every:
+        return count_of(len(joints), "joint")
     if len(joints) == every:
         return "the joint" if every == 1 else f"all {every} joints"
     return f"{'joint' if len(joints) == 1 else 'joints'} {enumerate_words(one.joint for one in joints)}"

@@ -34,7 +34,7 @@ from friction_audit.reporting.html.page import (
     terms_of,
 )
 from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
-from friction_audit.reporting.notices import notice_lines, physics_of, reason_lines
+from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
 from friction_audit.reporting.replay import JOINT_REPLAY
 from friction_audit.reporting.replay_text import describe_compensator
 from friction_audit.reporting.report import (
@@ -116,7 +116,7 @@ def log_page(report: LogReport, *, figures: bool = True) -> Page:
         sections=(
             Section(anchor="verdicts", title="Friction and verdict", parts=tuple(_answer(report, answered, drawn))),
             *([joints] if answered else ()),
-            *(topics[name](report, drawn) for name in report.sections if name in topics),
+            *(topics[name](report, drawn) for name in report.sections if answered or name == "recording"),
             _warnings(report),
             Section(
                 anchor="words", title="How to read it", parts=(Terms(pairs=tuple(WORDS.items()), words=True),),
@@ -144,10 +144,12 @@ def _answer(report: LogReport, answered: list[JointReport], drawn: Drawn) -> Ite
     if answered:
         caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
         yield VERDICT.people(answered, caption=caption, unit=report.unit).filled()
-    _, physics = physics_of(report.estimate.log, report_notices(report), [one.friction for one in report.joints])
+    # Warnings about the replay stand in its section.
+    joints = [one.friction for one in report.joints]
+    _, physics = physics_of(report.estimate.log, estimate_notices(report.estimate), joints)
     if physics:
         yield Text(lines=physics, listed=True, tone="unsure")
-    without = [in_unit(line, report.unit) for line in reason_lines(one.friction for one in report.joints)]
+    without = [in_unit(line, report.unit) for line in reason_lines(joints)]
     if without:
         yield Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
     if all(one.friction.reason for one in report.joints):
@@ -168,7 +170,10 @@ def _joint(report: LogReport, one: JointReport) -> Section:
     return Section(
         anchor=f"joint-{one.joint}",
         title=f"Joint {label}",
-        note=in_unit(f"{friction_words(one.friction)}; {verdict_word(one)}", unit),
+        # Why there is no estimate stands below the table of the answers.
+        note=verdict_word(one)
+        if one.friction.reason
+        else in_unit(f"{friction_words(one.friction)}; {verdict_word(one)}", unit),
         parts=(
             Terms(pairs=[(name, in_unit(plain_names(text), unit)) for name, text in pairs.items()]),
             *_effects(report, one),
@@ -241,7 +246,9 @@ def _compensator(report: LogReport, drawn: Drawn) -> Section:
         f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}.",
         f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}.",
     )
-    parts = (Text(lines=lines), *_pictures(drawn, "compensator"))
+    warnings = notice_lines(notices(found.warnings))
+    cautions = [Text(lines=warnings, listed=True, tone="unsure")] if warnings else []
+    parts = (Text(lines=lines), *cautions, *_pictures(drawn, "compensator"))
     return Section(anchor="compensator", title=title, parts=parts, folded=True)
 
 
