@@ -20,7 +20,7 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import InputError
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import sha256_of as hash_file
-from friction_audit.io.readers import SeveralArmsError
+from friction_audit.io.readers import SeveralLogsError
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log
@@ -173,7 +173,7 @@ def test_several_arms_in_a_log_are_several_robots(rig: Path, batch: Batch, recor
 
 
 def test_the_arms_of_a_log_can_be_named() -> None:
-    error = SeveralArmsError("x.csv: several", ["#left", "#right"])
+    error = SeveralLogsError("x.csv: several", ["#left", "#right"])
     assert (str(error), error.topics) == ("x.csv: several", ("#left", "#right"))
 
 

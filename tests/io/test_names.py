@@ -11,7 +11,7 @@ from friction_audit.io.readers.channel_names import is_label, labels_of, parse_n
 from friction_audit.io.readers.columns import ColumnMap, map_columns
 from friction_audit.io.readers.joint_names import arms_in, robot_of
 from friction_audit.io.readers.message_kinds import KINDS, match_kind
-from friction_audit.io.readers.reader import SeveralArmsError
+from friction_audit.io.readers.reader import SeveralLogsError
 from friction_audit.joint_log import JOINT_CHANNELS
 
 PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
@@ -184,7 +184,7 @@ def test_columns_that_are_not_there(names: str, mapping: Mapping[str, str], word
 
 
 def test_two_arms_are_refused_with_their_names() -> None:
-    with pytest.raises(SeveralArmsError, match=r"several arms for q: left_joint\{i\}/q, right_joint\{i\}/q") as caught:
+    with pytest.raises(SeveralLogsError, match=r"several arms for q: left_joint\{i\}/q, right_joint\{i\}/q") as caught:
         mapped(TWO_ARMS)
     assert caught.value.topics == ("#left", "#right")
 

@@ -30,7 +30,7 @@ def test_an_empty_file(tmp_path: Path, suffix: str) -> None:
 
 def test_a_directory_that_is_no_bag(tmp_path: Path) -> None:
     write_tidy_csv(tmp_path / "run.csv")
-    with pytest.raises(InputError, match=r"a directory without the storage files of a bag; what is read: .*parquet"):
+    with pytest.raises(InputError, match=r"without the storage files of a bag or .*; what is read: .*parquet"):
         read_log(tmp_path)
 
 

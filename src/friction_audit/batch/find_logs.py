@@ -11,7 +11,7 @@ from friction_audit.batch import remote
 from friction_audit.batch.remote import LEDGER, LogFile, ManifestRow, as_text
 from friction_audit.drift.session import natural
 from friction_audit.errors import InputError
-from friction_audit.io.files import Stamp, stamp_of
+from friction_audit.io.files import DATA_SET, Stamp, stamp_of
 from friction_audit.io.readers import READERS
 
 BAG_METADATA = "metadata.yaml"
@@ -80,9 +80,10 @@ def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
             continue
         folders[:] = sorted((name for name in folders if not name.startswith(".")), key=natural)
         around = _folders_around(top, here)
-        if is_bag(here.resolve().name, files):
+        is_one_bag = is_bag(here.resolve().name, files)
+        if is_one_bag or (here / DATA_SET).is_file():
             folders.clear()
-            yield _local(here, around[1:])
+            yield _local(here, around[1:] if is_one_bag else around)
             continue
         for file in sorted(files, key=natural):
             if not file.startswith(".") and file.lower().endswith(SUFFIXES):

@@ -18,7 +18,7 @@ from friction_audit.batch.remote import as_text, fetched
 from friction_audit.drift.session import Session
 from friction_audit.errors import FrictionAuditError, InputError
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
-from friction_audit.io.readers import SeveralArmsError, arm_of_log, read_log
+from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
 
@@ -82,11 +82,11 @@ def _work_on(settings: BatchSettings, path: Path) -> Worked:
     return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
 
 
-def _arms(settings: BatchSettings, path: Path) -> Worked:
+def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
     try:
-        return _arm(settings, path, "")
-    except SeveralArmsError as several:
-        arms = [_arm(settings, path, topic) for topic in several.topics]
+        return _arm(settings, path, topic)
+    except SeveralLogsError as several:
+        arms = [_arms(settings, path, one) for one in several.topics]
         return Worked(
             sha256=arms[0].sha256,
             recorded=tuple(one for arm in arms for one in arm.recorded),
@@ -99,7 +99,7 @@ def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
     try:
         recorded = _record(settings, path, topic)
         return Worked(sha256=recorded.session.sha256, recorded=(recorded,))
-    except SeveralArmsError:
+    except SeveralLogsError:
         raise
     except FrictionAuditError as error:
         fault = Fault(message=str(error), topic=topic)

@@ -17,6 +17,8 @@ from typing import Any
 
 from friction_audit.errors import UsageError
 
+DATA_SET = "meta/info.json"  # what the folder of a LeRobot data set holds
+_NUMBERS_OF_A_DATA_SET = ("meta", "data")  # of its folders; the others hold gigabytes of video
 METADATA, STORAGES = "metadata.yaml", (".db3", ".mcap")  # the files of a ROS 2 bag
 # Line of the metadata of bags that this program writes; `ros2 bag record` names a distribution of ROS.
 _MADE_HERE = "ros_distro: rosbags"
@@ -70,7 +72,10 @@ def sha256_of(path: Path) -> str:
 
 
 def _files_of(path: Path) -> list[Path]:
-    return sorted(file for file in path.rglob("*") if file.is_file()) if path.is_dir() else [path]
+    if not path.is_dir():
+        return [path]
+    folders = [path / name for name in _NUMBERS_OF_A_DATA_SET] if (path / DATA_SET).is_file() else [path]
+    return sorted(file for folder in folders for file in folder.rglob("*") if file.is_file())
 
 
 def starts_with(path: Path, magic: bytes) -> bool:

@@ -65,7 +65,7 @@ def map_columns(
 
     Raises:
         InputError: If a column that is needed is missing; all of them are named at once.
-        SeveralArmsError: If the names are of several arms and the user named none.
+        SeveralLogsError: If the names are of several arms and the user named none.
     """
     bare = [name.strip() for name in names]
     refuse_absent(mapping, bare, path)

@@ -15,6 +15,7 @@ from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_dialect import PEEK_BYTES, Dialect, is_number, separator_of, sniff_csv, split_line
 from friction_audit.io.readers.csv_lines import blocks_of_lines, check_widths, count_lines, fits, without_cut_line
+from friction_audit.io.readers.packed import open_table
 from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
@@ -35,10 +36,12 @@ _NANOSECONDS = 1_000_000_000
 def recognises(path: Path) -> bool:
     """Return True if the file is text whose first line has at least two fields; never raises."""
     try:
-        with path.open("rb") as stream:
+        with open_table(path) as stream:
             head = stream.read(PEEK_BYTES)
     except OSError:
         return False
+    except InputError:  # compressed, and damaged: reading it says so
+        return True
     text = head.decode("utf-8-sig", errors="ignore")
     line = next((line for line in text.splitlines() if line.strip()), "")
     printable = b"\0" not in head and len(text.encode()) > 0.95 * len(head) - 3

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 from friction_audit.errors import InputError
+from friction_audit.io.readers.packed import open_table
 
 # The longest head holds four lines of 100 000 columns; a file of one endless line is not split as a whole. [byte]
 _HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 23
@@ -60,7 +61,7 @@ def sniff_csv(path: Path) -> Dialect:
     Raises:
         InputError: If it holds no line of numbers.
     """
-    with path.open("rb") as stream:
+    with open_table(path) as stream:
         _refuse_no_text(path, stream.read(_HEAD_BYTES))
         skipped, begin = _skip_comments(stream)
         head = stream.read(_HEAD_BYTES)

@@ -8,6 +8,7 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.csv_dialect import Dialect, is_number, split_line
+from friction_audit.io.readers.packed import open_table
 from friction_audit.joint_log import Finding
 
 _BLOCK_BYTES = 8 << 20
@@ -28,7 +29,7 @@ def blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, 
 
 def _chunks(path: Path, dialect: Dialect) -> Iterator[bytes]:
     """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
-    with path.open("rb") as stream:
+    with open_table(path) as stream:
         stream.seek(dialect.offset)
         while chunk := stream.read(min(_BLOCK_BYTES, dialect.size - stream.tell())):
             yield chunk

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterable, Sequence
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.reader import SeveralArmsError
+from friction_audit.io.readers.reader import SeveralLogsError
 
 UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
 # panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
@@ -58,7 +58,7 @@ def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ..
 
     Raises:
         InputError: If there is no such arm.
-        SeveralArmsError: If there are several arms and the user named none.
+        SeveralLogsError: If there are several arms and the user named none.
     """
     arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
     if wanted and wanted not in arms:
@@ -72,11 +72,11 @@ def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ..
     return arms[wanted] if wanted else next(iter(arms.values()), ())
 
 
-def several_arms(what: str, arms: Iterable[str]) -> SeveralArmsError:
+def several_arms(what: str, arms: Iterable[str]) -> SeveralLogsError:
     """Return the error of a table with several arms, with the choices for ``--topic``."""
     topics = [f"#{arm}" for arm in arms]
     choices = " or ".join(f"--topic '{topic}'" for topic in topics)
-    return SeveralArmsError(f"{what}; choose one with {choices}", topics)
+    return SeveralLogsError(f"{what}; choose one with {choices}", topics)
 
 
 def arm_name(prefix: str) -> str:

@@ -38,7 +38,7 @@ def read_messages(
 
     Raises:
         InputError: If there is no joint state to read.
-        SeveralArmsError: If the log holds several arms and the user named none.
+        SeveralLogsError: If the log holds several arms and the user named none.
     """
     candidates = _candidates(path, stream, options)
     choice = choose_topic(path, candidates, _topics(stream, candidates), options.topic)

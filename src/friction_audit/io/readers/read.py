@@ -10,10 +10,10 @@ from pathlib import Path
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks import examine
-from friction_audit.io.files import Stamp, sha256_of, stamp_of, starts_with
+from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic
+from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
 
@@ -21,14 +21,16 @@ from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source,
 READERS: tuple[Reader, ...] = (
     Reader("parquet", (".parquet", ".pq")),
     Reader("npz", (".npz",)),
+    Reader("npy", (".npy",)),
+    Reader("mat", (".mat",)),
+    Reader("lerobot", ()),
     Reader("rosbag1", (".bag",)),
     Reader("rosbag2", (".db3", ".zstd", ".zst")),
     Reader("mcap", (".mcap",)),
-    Reader("csv", (".csv", ".tsv", ".txt", ".dat")),
+    Reader("csv", (".csv", ".tsv", ".txt", ".dat", ".csv.gz", ".csv.zst")),
 )
 _DEFAULT = ReadOptions()
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
-_GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
 
 def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
@@ -142,7 +144,9 @@ def choose_reader(path: Path) -> Reader:
         return by_suffix[0]
     if path.is_dir():
         next(path.iterdir(), None)  # raises if it may not be looked into
-    what = "a directory without the storage files of a bag" if path.is_dir() else "of no known format"
+    what = "of no known format"
+    if path.is_dir():
+        what = f"a directory without the storage files of a bag or the {DATA_SET} of a LeRobot data set"
     raise InputError(f"{path}: {what}; what is read: {_formats()}; convert it, or choose a file inside")
 
 
@@ -156,11 +160,8 @@ def _stamp(path: Path) -> Stamp:
         if path.is_dir():
             choose_reader(path)  # before all files below it are looked at, which may be a whole disk
         elif path.is_file():
-            with path.open("rb") as stream:
-                if stream.read(len(_GIT_LFS)) == _GIT_LFS:
-                    raise InputError(
-                        f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
-                    )
+            path.open("rb").close()  # raises if it may not be read
+            refuse_lfs_pointer(path)
         elif path.exists():
             raise InputError(f"{path}: a pipe or a device; expected a file; save its content to a file and read that")
         stamp = stamp_of(path)

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 
 from friction_audit.errors import InputError, UsageError
+from friction_audit.io.files import starts_with
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import JOINT_CHANNELS
 
@@ -20,6 +21,7 @@ WHOLE_BYTES = 256 << 20
 _MAPPABLE = ("t", *JOINT_CHANNELS)
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
+_GIT_LFS = b"version https://git-lfs.github.com/spec/"
 TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
 
 
@@ -34,11 +36,7 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
         TooLargeError: If they are larger than the memory.
         InputError: If no recording can be packed so tightly.
     """
-    if needed > max(_BOMB_BYTES, _BOMB_RATIO * packed):
-        raise InputError(
-            f"{path}: {needed / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that were "
-            f"measured, which do not shrink to less than a hundredth; the file is damaged or no recording"
-        )
+    refuse_bomb(path, needed, packed)
     try:
         memory = min(address_limit(), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
     except (AttributeError, ValueError, OSError):  # Windows does not hand out more memory than it has
@@ -47,6 +45,31 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
         raise TooLargeError(
             f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
             f"memory here; {TAKE_A_PART}"
+        )
+
+
+def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
+    """Refuse more content than a recording can be packed to, both in bytes.
+
+    Raises:
+        InputError: If there is more.
+    """
+    if unpacked > max(_BOMB_BYTES, _BOMB_RATIO * packed):
+        raise InputError(
+            f"{path}: {unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that "
+            f"were measured, which do not shrink to less than a hundredth; the file is damaged or no recording"
+        )
+
+
+def refuse_lfs_pointer(path: Path) -> None:
+    """Refuse a file that stands for one that Git has not fetched.
+
+    Raises:
+        InputError: If it is one.
+    """
+    if starts_with(path, _GIT_LFS):
+        raise InputError(
+            f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
         )
 
 
@@ -60,11 +83,11 @@ def address_limit() -> float:
     return inf if limit == resource.RLIM_INFINITY else limit
 
 
-class SeveralArmsError(UsageError):
-    """A log holds several arms, and the user named none.
+class SeveralLogsError(UsageError):
+    """A log holds several arms, or a data set several episodes, and the user named none.
 
     Attributes:
-        topics: What ``--topic`` may say, once for each arm.
+        topics: What ``--topic`` may say, once for each.
     """
 
     def __init__(self, message: str, topics: Sequence[str]) -> None:

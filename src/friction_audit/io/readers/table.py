@@ -106,7 +106,7 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
 
     Raises:
         InputError: If columns are missing or damaged, or a topic was asked for.
-        SeveralArmsError: If the table holds several arms and the user named none.
+        SeveralLogsError: If the table holds several arms and the user named none.
     """
     path, topic = str(table.path), options.topic
     stated, _, arm = (topic or "").partition("#")

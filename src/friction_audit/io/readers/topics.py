@@ -10,7 +10,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.joint_names import UNNAMED_ARM, arm_name, arms_in
 from friction_audit.io.readers.message_decoder import MessageDecoder
 from friction_audit.io.readers.message_kinds import MessageKind, Row
-from friction_audit.io.readers.reader import SeveralArmsError, Topic
+from friction_audit.io.readers.reader import SeveralLogsError, Topic
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 
 # Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished.
@@ -60,7 +60,7 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
 
     Raises:
         InputError: If there is nothing to read, or the topic wanted is not there.
-        SeveralArmsError: If the file holds several arms and the user named none.
+        SeveralLogsError: If the file holds several arms and the user named none.
     """
     if wanted is not None:
         name, _, arm = wanted.partition("#")
@@ -73,7 +73,7 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
     prefixes = {arm for candidate in measured for arm in candidate.arms} - {""}
     if len(namespaces) > 1 or len(prefixes) > 1:
         message = f"{path}: several arms in one log; choose one with {_choices(measured)}"
-        raise SeveralArmsError(message, _best_of_each_arm(measured))
+        raise SeveralLogsError(message, _best_of_each_arm(measured))
     best = min(measured, key=_preference)
     return Choice(best, _arm_joints(path, best, ""), _others_finding(best, [c for c in measured if c is not best]))
 
@@ -123,7 +123,7 @@ def _arm_joints(path: Path, candidate: Candidate, wanted: str) -> tuple[str, ...
         )
     if len(arms) > 1:
         message = f"{path}: several arms on topic {candidate.topic}; choose one with {_choices([candidate])}"
-        raise SeveralArmsError(message, _best_of_each_arm([candidate]))
+        raise SeveralLogsError(message, _best_of_each_arm([candidate]))
     return next(iter(arms.values()))
 
 

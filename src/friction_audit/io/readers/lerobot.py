@@ -1,0 +1,183 @@
+"""LeRobot data sets, v2.1 and v3 -> Recording: one episode of a folder with ``meta/info.json``.
+
+``data/chunk-000/episode_000003.parquet`` (v2.1) holds one episode, ``data/chunk-000/file-000.parquet`` (v3) many; the
+features of a frame are lists whose elements ``info.json`` names: ``observation.state``, ``observation.velocity``,
+``observation.effort``, or all of them in ``observation.state`` as ``elbow.pos``, ``elbow.vel``, ``elbow.torque``.
+"""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.io.files import DATA_SET
+from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.channel_names import parse_name
+from friction_audit.io.readers.reader import ReadOptions, SeveralLogsError, Topic, refuse_lfs_pointer
+from friction_audit.io.readers.table import read_table
+from friction_audit.io.recording import Recording
+
+_NUMBER = re.compile(r"episode_(\d+)")
+_STATE = "observation.state"
+
+
+def recognises(path: Path) -> bool:
+    """Return True for the folder of a data set."""
+    return (path / DATA_SET).is_file()
+
+
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the episodes of a data set."""
+    return tuple(
+        Topic(name=name, type=f"episode in {file.name}", messages=frames, readable=True)
+        for name, (file, frames) in _episodes(path).items()
+    )
+
+
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read the only episode, or the one that ``--topic`` names.
+
+    Raises:
+        InputError: If there is no such episode, or it holds no joint log.
+        SeveralLogsError: If there are several episodes, or several arms, and the user named none.
+    """
+    episodes = _episodes(path)
+    wanted, _, arm = (options.topic or "").partition("#")
+    if not wanted and len(episodes) > 1:
+        first, last = next(iter(episodes)), next(reversed(episodes))
+        raise SeveralLogsError(
+            f"{path}: {len(episodes)} episodes in one data set; choose one with --topic {first} ... --topic {last}, or "
+            "take all of them as sessions with batch-report",
+            list(episodes),
+        )
+    name = wanted or next(iter(episodes))
+    if name not in episodes:
+        raise InputError(f"{path}: no episode {name!r}; it has {', '.join([*episodes][:5])} ... ({len(episodes)})")
+    table = _EpisodeTable(path, _columns(episodes[name][0], name), _features(path))
+    options = replace(options, topic=f"#{arm}" if arm else None, mapping={**table.mapping, **options.mapping})
+    try:
+        return replace(read_table(table, options), topic=name)
+    except SeveralLogsError as several:
+        raise SeveralLogsError(str(several), [f"{name}{one}" for one in several.topics]) from several
+
+
+class _EpisodeTable(ArrayTable):
+    """The frames of an episode; elements of the state are called by their quantity where their names say it."""
+
+    may_be_long = False
+
+    def __init__(self, path: Path, arrays: Mapping[str, NDArray[Any]], features: Mapping[str, Any]) -> None:
+        super().__init__(path, arrays)
+        labels: dict[int, str] = {}
+        names = list(self.names)
+        for feature, array in arrays.items():
+            motors = _motors(features.get(feature, {}).get("names"))
+            cells = [cell for cell, name in enumerate(names) if name.startswith(f"{feature}[")]
+            if array.ndim == 1 or len(motors) != len(cells):
+                continue
+            split = [motor.rpartition(".") for motor in motors]
+            if all(parse_name(f"{quantity}[0]") for _, _, quantity in split):
+                counts: dict[str, int] = {}
+                for cell, (motor, _, quantity) in zip(cells, split, strict=True):
+                    place = counts[quantity] = counts.get(quantity, -1) + 1
+                    names[cell], labels[cell] = f"{feature}.{quantity}[{place}]", motor
+            else:
+                labels |= dict(zip(cells, motors, strict=True))
+        self.names, self.labels = names, labels
+        found = {parsed.channel for name in names if (parsed := parse_name(name))}
+        state = f"{_STATE}[0]" in names and "q" not in found
+        self.mapping = {"q": _STATE} if state else {}
+
+
+def _motors(names: Any) -> list[str]:  # noqa: ANN401 - JSON
+    """Return the names of a feature's elements: a list, a list of one list, or a list under one key."""
+    while isinstance(names, dict | list) and len(names) == 1:
+        inner = next(iter(names.values())) if isinstance(names, dict) else names[0]
+        if not isinstance(inner, dict | list):
+            break
+        names = inner
+    return [str(name) for name in names] if isinstance(names, list) else []
+
+
+def _features(path: Path) -> dict[str, Any]:
+    try:
+        info = json.loads((path / DATA_SET).read_text(encoding="utf-8"))
+        features = info["features"]
+        return {name: one for name, one in features.items() if isinstance(one, dict)}
+    except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
+        raise InputError(
+            f"{path}: {DATA_SET} is no description of a LeRobot data set ({error}); expected its features; copy the "
+            "data set again"
+        ) from error
+
+
+def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
+    """Return by name the file that each episode is in, and its frames."""
+    found: dict[int, tuple[Path, int]] = {}
+    for file in sorted((path / "data").glob("**/*.parquet")):
+        refuse_lfs_pointer(file)
+        match = _NUMBER.fullmatch(file.stem)
+        with _opened(file) as parquet:
+            if match:
+                found[int(match[1])] = (file, parquet.metadata.num_rows)
+            elif "episode_index" in parquet.schema_arrow.names:
+                index = _column(parquet.read(["episode_index"]), "episode_index")
+                counted = zip(*np.unique(index, return_counts=True), strict=True)
+                found |= {int(number): (file, int(count)) for number, count in counted}
+    if not any(frames for _, frames in found.values()):
+        raise InputError(
+            f"{path}: a LeRobot data set with 0 frames; expected episodes in data/*/*.parquet; record some, or fetch "
+            "the files of the data set"
+        )
+    return {f"episode_{number:06d}": found[number] for number in sorted(found)}
+
+
+def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
+    """Return the columns of numbers of an episode, by the names of their features."""
+    import pyarrow as pa
+    from pyarrow import compute
+
+    with _opened(file) as parquet:
+        schema = parquet.schema_arrow
+        wanted = [field.name for field in schema if _is_numeric(field.type)]
+        table = parquet.read(wanted)
+    if "episode_index" in wanted:
+        table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))
+    try:
+        return {name: _column(table, name) for name in wanted}
+    except (ValueError, pa.ArrowException) as error:
+        raise InputError(f"{file}: {error}; expected lists of one length in every frame; copy the data set") from error
+
+
+def _opened(file: Path) -> Any:  # noqa: ANN401 - of pyarrow, without types
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
+        return pq.ParquetFile(file)
+    except (pa.ArrowException, OSError) as error:
+        raise InputError(f"{file}: a damaged or unfinished Parquet file: {error}; copy the data set again") from error
+
+
+def _is_numeric(kind: Any) -> bool:  # noqa: ANN401 - a type of Arrow
+    import pyarrow as pa
+
+    inner = kind.value_type if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) else kind
+    return bool(pa.types.is_floating(inner) or pa.types.is_integer(inner))
+
+
+def _column(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table of Arrow
+    import pyarrow as pa
+
+    column = table[name].combine_chunks()
+    if not (pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type)):
+        array: NDArray[Any] = column.to_numpy(zero_copy_only=False)
+        return array
+    values: NDArray[Any] = column.flatten().to_numpy(zero_copy_only=False)
+    return values.reshape(len(column), -1)

@@ -1,0 +1,140 @@
+"""MATLAB .mat -> Recording: versions 5 to 7 by SciPy, version 7.3, which is HDF5, by h5py.
+
+Variables are found by name as everywhere; the fields of structures have dotted names, ``log.q``.
+"""
+
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from importlib.util import find_spec
+from math import prod
+from mmap import ACCESS_READ, mmap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.io.files import starts_with
+from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
+from friction_audit.io.readers.table import read_table
+from friction_audit.io.recording import Recording
+
+_HDF5 = b"MATLAB 7.3"
+_FEWEST_SAMPLES = 2
+_HEADER_BYTES, _ORDER_BYTES = 128, slice(126, 128)
+# Types of elements of version 5 (MAT-File Format, MathWorks, table 1-1).
+_ELEMENTS, _MATRIX, _COMPRESSED = {*range(1, 8), 9, *range(12, 19)}, 14, 15
+_DEEPEST = 10  # structures within structures
+# What SciPy and h5py raise on a damaged file.
+_DAMAGED = (ValueError, TypeError, LookupError, OSError, EOFError, OverflowError, AttributeError, NotImplementedError,
+            RuntimeError, NameError, zlib.error, struct.error)  # fmt: skip
+
+
+def recognises(path: Path) -> bool:
+    """Return True if the file begins as MATLAB's do."""
+    return starts_with(path, b"MATLAB ")
+
+
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read the variables of a MATLAB file."""
+    return read_table(ArrayTable(path, _arrays(path)), options)
+
+
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the arrays of a MATLAB file."""
+    return tuple(
+        Topic(name=name, type=f"array {array.shape} {array.dtype}", messages=len(array), readable=True)
+        for name, array in _arrays(path).items()
+    )
+
+
+def _arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """Return the arrays of numbers by name, one row per sample."""
+    try:
+        whole = dict(_from_hdf5(path) if starts_with(path, _HDF5) else _from_version_5(path))
+    except _DAMAGED as error:
+        text = " ".join(str(error).split())
+        raise InputError(f"{path}: a damaged MATLAB file: {text}; copy or save it again") from error
+    plain = {name: np.atleast_1d(np.squeeze(array)) for name, array in whole.items()}
+    samples = max((max(array.shape) for array in plain.values() if array.ndim <= 2), default=0)  # noqa: PLR2004
+    # Joints are columns in one half of all scripts, and rows in the other.
+    turned = {name: array.T if array.shape[-1] == samples else array for name, array in plain.items()}
+    found = {name: array for name, array in turned.items() if array.ndim <= 2 and len(array) == samples}  # noqa: PLR2004
+    if samples < _FEWEST_SAMPLES or not found:
+        held = ", ".join(f"{name} {'x'.join(map(str, array.shape))}" for name, array in whole.items())
+        raise InputError(
+            f"{path}: no array of numbers with several samples; found {held or 'none'}; expected time, q, dq and a "
+            "torque as arrays or fields of a structure (MATLAB objects such as timeseries and table cannot be read: "
+            "save their Time and Data); save them with save('log.mat', 't', 'q', 'dq', 'tau_J')"
+        )
+    return _without_common_structure(found)
+
+
+def _without_common_structure(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    """Leave out the structure that holds all arrays: ``log.q`` is ``q``."""
+    heads = {name.rpartition(".")[0] for name in arrays}
+    head = f"{heads.pop()}." if len(heads) == 1 else ""
+    return {name.removeprefix(head): array for name, array in arrays.items()}
+
+
+def _from_version_5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
+    from scipy.io import loadmat, whosmat
+
+    with path.open("rb") as stream, mmap(stream.fileno(), 0, access=ACCESS_READ) as content:
+        order = ">" if content[_ORDER_BYTES] == b"MI" else "<"
+        _check_elements(content, _HEADER_BYTES, len(content), order)
+    refuse_too_large(path, 8 * sum(prod(shape) for _, shape, _ in whosmat(str(path))), path.stat().st_size)
+    variables = loadmat(str(path), simplify_cells=True)
+    yield from _flat({name: value for name, value in variables.items() if not name.startswith("__")}, "")
+
+
+def _check_elements(content: mmap, place: int, stop: int, order: str) -> None:
+    """Refuse elements that SciPy ends the process at: of unknown types, or longer than what holds them."""
+    while place + 8 <= stop:
+        kind, size = struct.unpack_from(f"{order}II", content, place)
+        is_small = kind >> 16 != 0  # type and size share four bytes, the content has the other four
+        end = place + 8 + (0 if is_small else size)
+        kind &= 0xFFFF
+        if kind not in _ELEMENTS or end > stop:
+            raise ValueError(f"an element of type {kind} and {size} bytes at byte {place}")
+        if kind == _MATRIX:
+            _check_elements(content, place + 8, end, order)
+        place = end + (-end % 8 if kind != _COMPRESSED else 0)
+
+
+def _flat(values: Mapping[str, Any], head: str) -> Iterator[tuple[str, NDArray[Any]]]:
+    for name, value in values.items():
+        if isinstance(value, Mapping) and head.count(".") < _DEEPEST:
+            yield from _flat(value, f"{head}{name}.")
+        elif isinstance(value, list | np.ndarray) and len(value) and isinstance(value[0], Mapping):
+            yield from _flat({str(number): one for number, one in enumerate(value, 1)}, f"{head}{name}.")
+        elif isinstance(value, np.ndarray) and value.dtype.kind in "fiu" and value.size:
+            yield f"{head}{name}", value
+
+
+def _from_hdf5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
+    if find_spec("h5py") is None:
+        raise InputError(
+            f"{path}: MATLAB version 7.3, which is HDF5; reading it needs h5py: pip install 'friction-audit[hdf5]' (or "
+            "save it with save(..., '-v7'))"
+        )
+    import h5py
+
+    with h5py.File(path) as file:
+        numbers: list[Any] = []
+        file.visititems(
+            lambda _, item: numbers.append(item) if isinstance(item, h5py.Dataset) and _is_numeric(item) else None
+        )
+        refuse_too_large(path, 8 * sum(item.size for item in numbers), path.stat().st_size)
+        for item in numbers:
+            yield item.name.strip("/").replace("/", "."), item[()].T  # MATLAB's columns are HDF5's rows
+
+
+def _is_numeric(item: Any) -> bool:  # noqa: ANN401 - a data set of h5py
+    kind = item.attrs.get("MATLAB_class", b"double")
+    return (
+        item.dtype.kind in "fiu" and kind not in (b"char", b"cell") and not item.name.startswith("/#") and item.size > 0
+    )

@@ -1,0 +1,180 @@
+"""Compressed text, NumPy arrays, MATLAB files and LeRobot data sets, each written by the library that people use."""
+
+import gzip
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+import scipy.io
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers import ReadOptions, list_topics, read_log
+from friction_audit.io.readers.reader import SeveralLogsError
+from tests.io.synthetic_recordings import motion, write_tidy_csv
+
+JOINTS = ["shoulder_pan", "elbow", "gripper"]
+BY_NUMBER = {"t": "#1", "q": "#2-#4", "dq": "#5-#7", "tau_J": "#8-#10"}
+
+
+def packed(folder: Path, suffix: str) -> Path:
+    content = write_tidy_csv(folder / "run.csv").read_bytes()
+    path = folder / f"run.csv{suffix}"
+    path.write_bytes(gzip.compress(content) if suffix == ".gz" else pa.compress(content, codec="zstd", asbytes=True))
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".gz", ".zst"])
+def test_compressed_text(tmp_path: Path, suffix: str) -> None:
+    path = packed(tmp_path, suffix)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.q, motion(300)["q"])
+    assert (log.source.format, log.source.findings) == ("csv", ())
+    assert list_topics(path)[1][0].messages == 300
+
+
+@pytest.mark.parametrize("suffix", [".gz", ".zst"])
+@pytest.mark.parametrize("kept", [0.02, 0.9])
+def test_compressed_text_that_breaks_off(tmp_path: Path, suffix: str, kept: float) -> None:
+    path = packed(tmp_path, suffix)
+    content = path.read_bytes()
+    path.write_bytes(content[: int(kept * len(content))])
+    with pytest.raises(InputError, match=r"stream breaks off or is damaged .*; copy it again, or read the part"):
+        read_log(path)
+
+
+def test_a_plain_array(tmp_path: Path) -> None:
+    arrays = motion(300)
+    np.save(tmp_path / "run.npy", np.column_stack(list(arrays.values())))
+    log = read_log(tmp_path / "run.npy", ReadOptions(mapping=BY_NUMBER))
+    np.testing.assert_array_equal(log.tau_J, arrays["tau_J"])
+    with pytest.raises(InputError, match=r"300 rows and 10 columns without names.*--map t=#1"):
+        read_log(tmp_path / "run.npy")
+
+
+def test_an_array_of_records(tmp_path: Path) -> None:
+    arrays = motion(300)
+    kinds = [(name, float, () if array.ndim == 1 else (3,)) for name, array in arrays.items()]
+    records = np.zeros(300, dtype=kinds)
+    for name, array in arrays.items():
+        records[name] = array
+    np.save(tmp_path / "run.npy", records)
+    np.testing.assert_array_equal(read_log(tmp_path / "run.npy").dq, arrays["dq"])
+
+
+@pytest.mark.parametrize(
+    ("array", "message"),
+    [
+        (np.zeros((3, 500)), "3 rows, 500 columns; expected one row per sample"),
+        (np.zeros(500), r"shape \(500,\) float64; expected numbers of shape \(samples, columns\)"),
+        (np.array({"q": 1}, dtype=object), r"could run foreign code .* numpy.savez"),
+    ],
+)
+def test_an_array_that_is_no_table(tmp_path: Path, array: Any, message: str) -> None:
+    np.save(tmp_path / "run.npy", array, allow_pickle=True)
+    with pytest.raises(InputError, match=message):
+        read_log(tmp_path / "run.npy", ReadOptions(mapping=BY_NUMBER))
+
+
+@pytest.mark.parametrize("structure", [False, True])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_matlab_file(tmp_path: Path, *, structure: bool, turned: bool) -> None:
+    arrays = motion(300)
+    kept = {name: array.T if turned else array for name, array in arrays.items()} | {"note": "warm", "gain": 3.0}
+    scipy.io.savemat(tmp_path / "run.mat", {"log": kept} if structure else kept, do_compression=turned)
+    log = read_log(tmp_path / "run.mat")
+    np.testing.assert_array_equal(log.q, arrays["q"])
+    np.testing.assert_array_equal(log.tau_J, arrays["tau_J"])
+    assert log.source.format == "mat"
+
+
+def test_a_matlab_file_of_version_7_3(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    h5py = pytest.importorskip("h5py")
+    path = tmp_path / "run.mat"
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, array in motion(300).items():
+            file.create_dataset(name, data=np.atleast_2d(array.T)).attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(124) + b"\x00\x02IM")
+    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
+    monkeypatch.setattr("friction_audit.io.readers.mat.find_spec", lambda _: None)
+    with pytest.raises(InputError, match=r"needs h5py: pip install 'friction-audit\[hdf5\]'"):
+        read_log(path)
+
+
+def test_matlab_files_without_a_log(tmp_path: Path) -> None:
+    path = tmp_path / "run.mat"
+    scipy.io.savemat(path, {"gain": 3.0, "note": "warm"})
+    with pytest.raises(InputError, match=r"no array of numbers with several samples; found .*; expected time, q, dq"):
+        read_log(path)
+    scipy.io.savemat(path, motion(300))
+    content = bytearray(path.read_bytes())
+    struct.pack_into("<I", content, 176, 200)  # SciPy ends the process at an element of this type
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"a damaged MATLAB file: an element of type 200"):
+        read_log(path)
+
+
+def data_set(root: Path, version: str, episodes: int, features: dict[str, list[str]]) -> Path:
+    """Write a data set: the layout of ``info.json`` and of the Parquet files is that of huggingface/lerobot."""
+    folder = root / "data" / "chunk-000"
+    folder.mkdir(parents=True)
+    (root / "meta").mkdir()
+    described = {name: {"dtype": "float32", "shape": [len(one)], "names": one} for name, one in features.items()}
+    (root / "meta" / "info.json").write_text(json.dumps({"codebase_version": version, "features": described}))
+    frames = []
+    for episode in range(episodes):
+        arrays = motion(600 + 10 * episode, 3, rate_hz=100.0)
+        columns: dict[str, Any] = {"timestamp": arrays["t"].astype(np.float32), "episode_index": episode}
+        parts = [arrays["q"], arrays["dq"], arrays["tau_J"]]
+        if len(features) == 1:
+            parts = [np.stack(parts, axis=2).reshape(len(arrays["t"]), -1)]
+        columns |= {name: list(part.astype(np.float32)) for name, part in zip(features, parts, strict=True)}
+        frames.append(pd.DataFrame(columns))
+        if version == "v2.1":
+            frames[-1].to_parquet(folder / f"episode_{episode:06d}.parquet")
+    if version == "v3.0":
+        pd.concat(frames).to_parquet(folder / "file-000.parquet")
+    return root
+
+
+APART = dict.fromkeys(("observation.state", "observation.velocity", "observation.effort"), JOINTS)
+TOGETHER = {"observation.state": [f"joint_{i}.{part}" for i in (1, 2, 3) for part in ("pos", "vel", "torque")]}
+
+
+@pytest.mark.parametrize("version", ["v2.1", "v3.0"])
+def test_an_episode_of_a_data_set(tmp_path: Path, version: str) -> None:
+    root = data_set(tmp_path / "set", version, 3, APART)
+    with pytest.raises(SeveralLogsError, match=r"3 episodes in one data set; choose one with --topic") as caught:
+        read_log(root)
+    assert caught.value.topics == tuple(f"episode_{episode:06d}" for episode in range(3))
+    assert [topic.messages for topic in list_topics(root)[1]] == [600, 610, 620]
+    log = read_log(root, ReadOptions(topic="episode_000001"))
+    assert log.joint_names == ("shoulder_pan", "elbow")
+    assert log.source.channels["dq"] == "observation.velocity[{i}]"
+    np.testing.assert_allclose(log.q, motion(610, 3, rate_hz=100.0)["q"][:, :2], atol=1e-6)
+    with pytest.raises(InputError, match="no episode 'episode_000007'"):
+        read_log(root, ReadOptions(topic="episode_000007"))
+
+
+@pytest.mark.parametrize("version", ["v2.1", "v3.0"])
+def test_a_state_whose_elements_say_their_quantity(tmp_path: Path, version: str) -> None:
+    log = read_log(data_set(tmp_path / "set", version, 1, TOGETHER))
+    assert log.joint_names == ("joint_1", "joint_2", "joint_3")
+    assert log.tau_J is not None
+    np.testing.assert_allclose(log.tau_J, motion(600, 3, rate_hz=100.0)["tau_J"], atol=1e-6)
+
+
+def test_data_sets_without_numbers(tmp_path: Path) -> None:
+    root = data_set(tmp_path / "set", "v2.1", 1, APART)
+    file = root / "data" / "chunk-000" / "episode_000000.parquet"
+    file.write_bytes(b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n")
+    with pytest.raises(InputError, match="a Git LFS pointer"):
+        read_log(root)
+    file.unlink()
+    with pytest.raises(InputError, match="a LeRobot data set with 0 frames; expected episodes"):
+        read_log(root)
