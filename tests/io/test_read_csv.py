@@ -332,17 +332,14 @@ def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
             read_log(write(tmp_path / "run.csv", text))
 
 
-@pytest.mark.parametrize(
-    ("content", "word"),
-    [
-        (tidy_frame(30).to_csv(index=False).encode("utf-32"), "UTF-32"),
-        (tidy_frame(30).to_csv(index=False).encode("utf-16"), "UTF-16"),
-        (gzip.compress(tidy_frame(30).to_csv(index=False).encode()), "gzip -d"),
-    ],
-    ids=["utf-32", "utf-16", "gzip"],
-)
+@pytest.mark.parametrize("coding", ["utf-32", "utf-16"])
 @pytest.mark.parametrize("name", ["run.csv", "run.csv.gz"])
-def test_what_is_no_plain_text_is_called_by_its_name(tmp_path: Path, content: bytes, word: str, name: str) -> None:
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(InputError, match=word if name == "run.csv" or "gzip" in word else "no known format"):
+def test_what_is_no_plain_text_is_called_by_its_name(tmp_path: Path, coding: str, name: str) -> None:
+    (tmp_path / name).write_bytes(tidy_frame(30).to_csv(index=False).encode(coding))
+    with pytest.raises(InputError, match=coding.upper()):
         read_log(tmp_path / name)
+
+
+def test_a_compressed_table_is_read_under_any_name(tmp_path: Path) -> None:
+    (tmp_path / "run.csv").write_bytes(gzip.compress(tidy_frame(30).to_csv(index=False).encode()))
+    assert len(read_log(tmp_path / "run.csv").t) == 30
