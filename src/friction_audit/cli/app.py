@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from types import ModuleType
 
 NAMES = (
-    *("info", "estimate", "plot", "replay", "diagnose", "report", "export", "diff"),
+    *("info", "estimate", "plot", "replay", "diagnose", "report", "plan", "export", "diff"),
     *("batch-report", "convert", "simulate", "reproduce", "compare"),
 )
 """Of the commands, in the order of the help text."""

@@ -19,6 +19,7 @@ SESSIONS, DRIFT, ESTIMATE, DIAGNOSIS = "Sessions", "Drift", "Estimate", "Diagnos
 OUTPUT, COMMON, FIGURE_FILES = "Output", "Common options", "Figure files"
 READING, SELECTION, TORQUE, CYCLES = "Reading the log", "Part of the log", "Interaction torque", "Energy cycles"
 TUNING, RUNNING, GENERAL = "Compensator", "Processes", "General"
+MOTION = "Motion"
 EVERY = "friction_audit.every_option"  # key in the context of a help that shows every option
 
 HEADINGS: dict[str, Collection[str] | None] = {
@@ -30,6 +31,7 @@ HEADINGS: dict[str, Collection[str] | None] = {
     DRIFT: None,
     ESTIMATE: ("estimate",),
     DIAGNOSIS: ("diagnose",),
+    MOTION: None,
     OUTPUT: None,
     FIGURE_FILES: ("plot", "compare", "reproduce"),
     COMMON: None,

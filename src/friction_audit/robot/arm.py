@@ -251,6 +251,11 @@ def load_arm(
     return arm.with_load(mass, np.array(centre), np.zeros((3, 3)))
 
 
+def panda_urdf() -> bytes:
+    """Return the URDF of the built-in Panda."""
+    return _read(None)
+
+
 def check_urdf(urdf: Path) -> None:
     """Refuse a file that is no arm with inertias, without building its model.
 

@@ -5,20 +5,22 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.simulation.motion import commanded, sinusoid, slow_sweep, stop_and_go
+from friction_audit.simulation.motion import commanded, prescribed, sinusoid, slow_sweep, stop_and_go
 from friction_audit.simulation.motion.commanded import Commanded, intend_joints
 from friction_audit.simulation.motion.hand_path import HandMotion, HandPath, plan_hand
 from friction_audit.simulation.motion.motion import Intention
+from friction_audit.simulation.motion.prescribed import Prescribed
 from friction_audit.simulation.motion.sinusoid import Sinusoid
 from friction_audit.simulation.motion.slow_sweep import SlowSweep
 from friction_audit.simulation.motion.stop_and_go import StopAndGo
 
-MotionSettings = StopAndGo | Sinusoid | SlowSweep | Commanded
+MotionSettings = StopAndGo | Sinusoid | SlowSweep | Commanded | Prescribed
 MOTIONS: dict[type[MotionSettings], Callable[[Any, int, float, np.random.Generator], Intention]] = {
     StopAndGo: stop_and_go.intend,
     Sinusoid: sinusoid.intend,
     SlowSweep: slow_sweep.intend,
     Commanded: commanded.intend,
+    Prescribed: prescribed.intend,
 }
 
 
@@ -44,6 +46,7 @@ __all__ = [
     "HandPath",
     "Intention",
     "MotionSettings",
+    "Prescribed",
     "Sinusoid",
     "SlowSweep",
     "StopAndGo",

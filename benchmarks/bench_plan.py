@@ -1,0 +1,173 @@
+"""How often the motion of `plan` leaves the right single name, where the log before left several.
+
+    python benchmarks/bench_plan.py ROWS.csv [--joints 60] [--seed 42000] [--page benchmarks/plan.md]
+
+Joints of the simulator with one hidden effect each, numbers drawn by seed, 40 s long; those whose diagnosis is ambiguous
+with the true name among others that a motion can separate are taken, in the order of the seeds, until there are enough.
+Each is recorded again twice, for as long as the plan takes: along the planned motion, and along its own kind of motion.
+ROWS.csv gets a row per joint and is resumed.
+"""
+
+import argparse
+import csv
+import os
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from statsmodels.stats.proportion import proportion_confint
+
+from benchmarks.hidden_effects.draw import draw_case, settings_of
+from friction_audit.diagnosis.diagnose import diagnose_subjects
+from friction_audit.diagnosis.result import JointDiagnosis
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.registry import effect_of
+from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
+from friction_audit.planning.limits import Wanted, limits_of
+from friction_audit.planning.plan import plan_to_decide
+from friction_audit.planning.question import AUTO, SERVO, question_of_log
+from friction_audit.simulation import Operator
+from friction_audit.simulation.motion.prescribed import Prescribed
+from friction_audit.simulation.scenarios import simulate
+
+EFFECTS = (
+    *("stribeck", "stiction", "nonlinear_viscous", "asymmetric_coulomb", "asymmetric_viscous", "presliding"),
+    *("frictional_lag", "load_dependent_friction", "position_dependent_friction", "torque_ripple", "gravity_error"),
+    *("cable_spring", "torque_bias", "torque_drift", "time_delay", "joint_elasticity", "backlash", "warm_up"),
+)
+SCALES = (0.15, 0.3, 0.6)  # of the usual strength, half to twice of it: small effects are the ambiguous ones
+LENGTH_S = 40.0
+FIELDS = ("seed", "truth", "scenario", "scale", "before", "unknown", "planned", "repeated", "seconds", "cpu_s")
+
+
+def draw(seed: int) -> tuple[str, float, Any]:
+    """Draw the hidden effect, its scale and the settings of the recording."""
+    rng = np.random.default_rng([seed, 20261124])
+    name, scale = str(rng.choice(EFFECTS)), float(rng.choice(SCALES))
+    case = replace(draw_case(seed, [name], 1.0), duration_s=LENGTH_S)
+    return case.scenario, scale, replace(settings_of(case, [scale]), rate_hz=500.0)
+
+
+def truth_of(settings: Any) -> str:  # noqa: ANN401 - of a bench
+    """Name the hidden effect."""
+    return next(one.name for one in settings.hidden[0].each() if one.hidden)
+
+
+def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Any, JointDiagnosis]:
+    """Return estimate, prepared joint and diagnosis of a log of one joint."""
+    estimate = estimate_log(log, settings)
+    subjects = diagnosis_subjects(estimate, DiagnosisSettings())
+    return estimate, subjects[0], diagnose_subjects(subjects, DiagnosisSettings()).joints[0]
+
+
+def sets_of(found: JointDiagnosis) -> str:
+    """Write the answer: names that may be each other by |, effects by ;."""
+    return ";".join("|".join((one.name, *one.alternatives)) for one in found.effects)
+
+
+def same(name: str) -> set[str]:
+    """Return the names that no motion separates from one."""
+    return {name, *effect_of(name).indistinguishable}
+
+
+def open_names(truth: str, sets: str) -> bool:
+    """Whether the true name stands with others that a motion can separate."""
+    found = [set(one.split("|")) for one in sets.split(";")]
+    return any(truth in one and one - same(truth) - {"contact_event"} for one in found)
+
+
+def right(truth: str, sets: str, *, strict: bool = False) -> bool:
+    """Whether the truth is the only name, up to names that no motion separates from it unless strict."""
+    names = set(sets.replace(";", "|").split("|"))
+    return truth in names and names <= ({truth} if strict else same(truth)) and ";" not in sets
+
+
+def work(seed: int) -> dict[str, Any]:
+    """Return the row of a seed; with an empty plan where the log is not ambiguous."""
+    began = time.process_time()
+    scenario, scale, settings = draw(seed)
+    truth = truth_of(settings)
+    row: dict[str, Any] = dict.fromkeys(FIELDS, "") | {
+        "seed": seed, "truth": truth, "scenario": scenario, "scale": scale
+    }  # fmt: skip
+    log = simulate(settings, seed).log
+    estimate, subject, found = diagnosed(log, AuditSettings())
+    row["before"] = sets_of(found)
+    if found.verdict == "ambiguous" and open_names(truth, row["before"]):
+        hand = estimate.interaction.choice.drive == "hand"
+        question = question_of_log(found, subject, hand=hand, start_rad=0.0)
+        limits = limits_of("", 1, 0.0, urdf=None, panda=True, hand=hand, wanted=Wanted())
+        plan = plan_to_decide(question, limits, "", check=False)
+        row["unknown"] = "|".join(plan.unknown)
+        strokes = tuple(one for run in plan.runs for one in run.strokes)
+        operator = Operator(motion=Prescribed(strokes=strokes), **({} if hand else SERVO))
+        again = replace(settings, duration_s=plan.duration_s)
+        row["planned"] = sets_of(diagnosed(simulate(replace(again, operator=operator), seed + 10**6).log, AUTO)[2])
+        row["repeated"] = sets_of(diagnosed(simulate(again, seed + 10**6).log, AUTO)[2])
+        row["seconds"] = round(plan.duration_s, 1)
+    row["cpu_s"] = round(time.process_time() - began, 1)
+    return row
+
+
+def share(hits: list[bool]) -> str:
+    """Return a share in per cent with its Wilson interval."""
+    low, high = proportion_confint(sum(hits), len(hits), method="wilson")
+    return f"{sum(hits)} of {len(hits)}, {100 * np.mean(hits):.0f} % ({100 * low:.0f} to {100 * high:.0f})"
+
+
+def table(rows: list[dict[str, str]]) -> list[str]:
+    """Return the figures and every joint as Markdown tables."""
+    lines = ["| figure | planned motion | plain repetition |", "| --- | --- | --- |"]
+    for words, strict in (("right single name", False), ("the same, pairs that no motion separates are two", True)):
+        cells = [share([right(r["truth"], r[key], strict=strict) for r in rows]) for key in ("planned", "repeated")]
+        lines.append(f"| {words} | {cells[0]} | {cells[1]} |")
+    lines += ["", "| seed | truth | scenario | before | planned | repeated |", "| --- | --- | --- | --- | --- | --- |"]
+    keys = ("seed", "truth", "scenario", "before", "planned", "repeated")
+    return [*lines, *("| " + " | ".join(r[key].replace("|", " or ") or "none" for key in keys) + " |" for r in rows)]
+
+
+def main() -> None:
+    """Go through the seeds until there are enough ambiguous joints, then print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("rows", type=Path)
+    parser.add_argument("--joints", type=int, default=60)
+    parser.add_argument("--seed", type=int, default=42000)
+    parser.add_argument("--workers", type=int, default=min(2, os.cpu_count() or 1))
+    parser.add_argument("--page", type=Path)
+    asked = parser.parse_args()
+    rows: list[dict[str, str]] = []
+    if asked.rows.exists():
+        with asked.rows.open(newline="") as file:
+            rows = list(csv.DictReader(file))
+    seed = max((int(row["seed"]) for row in rows), default=asked.seed - 1) + 1
+    with asked.rows.open("a", newline="") as file, ProcessPoolExecutor(asked.workers) as pool:
+        writer = csv.DictWriter(file, FIELDS)
+        if not rows:
+            writer.writeheader()
+            file.flush()  # before processes are forked, which would write it again
+        while sum(row["seconds"] != "" for row in rows) < asked.joints:
+            for row in pool.map(work, range(seed, seed + 4 * asked.workers)):
+                rows.append({key: str(value) for key, value in row.items()})
+                writer.writerow(row)
+                file.flush()
+                if row["seconds"]:
+                    print(*(row[key] for key in FIELDS), sep=" , ", flush=True)
+            seed += 4 * asked.workers
+    chosen = [row for row in rows if row["seconds"] != ""][: asked.joints]
+    text = "\n".join(table(chosen)) + "\n"
+    print(text)
+    if asked.page:
+        head = (
+            "# `plan` on ambiguous simulated joints\n\n"
+            f"Made by `python -m benchmarks.bench_plan ROWS.csv --seed {asked.seed} --page benchmarks/plan.md`: the "
+            f"first {len(chosen)} ambiguous of the joints {asked.seed} to {chosen[-1]['seed']}.\n\n"
+        )
+        asked.page.write_text(head + text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,188 @@
+"""T-optimal design: which candidate motions, how often, so that the competing effects differ most.
+
+A. C. Atkinson and V. V. Fedorov (Biometrika 62 (1975) 57): with one effect true, the best fit of another one leaves a
+sum of squares; over the variance of the noise it is the expected 2 ln of the likelihood ratio between the two. The
+design makes the sum over all pairs of ln(1 + that) large (a compound criterion), by adding the candidate with the
+largest gain per second and then exchanging candidates as long as one gains (V. V. Fedorov, Theory of Optimal
+Experiments, 1972). Sums of squares add up over candidates, for each starts and ends at rest.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.noise_model import NoiseModel
+from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_model import FittedTerm
+from friction_audit.effects.registry import effect_of, effects
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+from friction_audit.planning.candidates import Candidate
+from friction_audit.planning.question import Joint, subject_of, torque_on
+from friction_audit.simulation.motion.prescribed import Prescribed, starts_of
+
+MOST_POINTS = 16  # of an effect's grid: neighbours differ little
+ENOUGH = (
+    20.0  # of 2 ln of a likelihood ratio: more is of little use; from 10 on evidence is very strong (Kass, Raftery)
+)
+OTHERS = 0.1  # weight of effects that the log has ruled out: the new log must rule them out again
+SWEEPS = 4  # of exchanges; two usually suffice
+RIDGE = 1e-9
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Information:
+    """Sums of squares and products of whitened columns, by candidate; c candidates, h true effects, k competitors.
+
+    Attributes:
+        rows: Of the nominal model, nuisances and a competing effect with themselves, shape (c, k, r, r).
+        cross: Of these with the torques of the true effects, shape (c, k, r, h).
+        own: Of each torque with itself, shape (c, h).
+        names: Name of the effect of each competitor, of which several are points of one grid, shape (k,).
+        truths: Names of the true effects.
+        prior: Precision of the rows, shape (r, r).
+        seconds: Length of each candidate. [s]
+    """
+
+    rows: Float
+    cross: Float
+    own: Float
+    names: NDArray[np.str_]
+    truths: tuple[str, ...]
+    prior: Float
+    seconds: Float
+
+    def separation(self, counts: Float) -> tuple[tuple[str, ...], Float]:
+        """Return the competing names and the expected 2 ln of the likelihood ratio against each, shape (h, names)."""
+        rows = np.tensordot(counts, self.rows, 1) + self.prior
+        cross, own = np.tensordot(counts, self.cross, 1), counts @ self.own
+        scale = np.sqrt(np.einsum("krr->kr", rows)) + 1e-300
+        scaled = rows / scale[:, :, None] / scale[:, None, :] + RIDGE * np.eye(rows.shape[1])
+        cross = cross / scale[:, :, None]
+        left = own - np.einsum("krh,krh->kh", cross, np.linalg.solve(scaled, cross))
+        names = tuple(dict.fromkeys(self.names.tolist()))
+        found = np.stack([left[self.names == name].min(axis=0) for name in names], axis=1)
+        return names, np.maximum(found, 0.0)
+
+
+def information_of(
+    joint: Joint,
+    candidates: Sequence[Candidate],
+    truths: Mapping[str, FittedTerm],
+    certain: Sequence[FittedTerm] = (),
+    choice: Sequence[Effect] | None = None,
+) -> Information:
+    """Simulate the joint along all candidates once, and take apart what the columns of all effects say of each.
+
+    Args:
+        joint: The joint.
+        candidates: What it may do.
+        truths: Effects of which one is there, by name.
+        certain: Effects that are there in any case.
+        choice: Effects that compete; None for all.
+    """
+    motion = Prescribed(strokes=tuple(one for c in candidates for one in c.strokes))
+    data = subject_of(joint, joint.settings(motion, float(starts_of(motion)[-1]) + 0.5), seed=1).data
+    problem = RegressionProblem.build(data, None)
+    nominal = joint.nominal(data)
+    nuisances = problem.nuisances(nominal)
+    fixed = problem.samples.of(torque_on(certain, data, nominal))[None] if certain else np.zeros((0, len(problem.y)))
+    base = np.vstack([problem.X, *(one.column[None] for one in nuisances), fixed])
+    fit = np.linalg.lstsq(base.T, problem.y)[0]
+    noise = NoiseModel.fit(problem, [problem.y - fit @ base], problem.model_error(nominal))
+    torques = np.array([problem.samples.of(torque_on([one], data, nominal)) for one in truths.values()])
+    torques = torques.reshape(len(truths), len(problem.y))
+    dictionary = Dictionary.build(problem, effects() if choice is None else choice, nominal)
+    ends = np.cumsum([sum(1 for _ in c.strokes) for c in candidates])
+    place = np.searchsorted(starts_of(motion)[ends], problem.samples.t, side="right")
+    slices = [np.flatnonzero(place == k) for k in range(len(candidates))]
+    blocks = [b for name in {b.name: 0 for b in dictionary.blocks} for b in _thinned(dictionary, name)]
+    if not blocks or not len(problem.y):
+        raise AnalysisError("no candidate motion shows any effect; widen the limits")
+    width = max(b.p for b in blocks)
+    white, seen = noise.whiten(base), noise.whiten(torques)
+    shape = (len(candidates), len(blocks), len(base) + width)
+    rows, cross = np.zeros((*shape, shape[2])), np.zeros((*shape, len(torques)))
+    for k, block in enumerate(blocks):
+        own = np.vstack([white, noise.whiten(block.columns), np.zeros((width - block.p, len(problem.y)))])
+        for c, at in enumerate(slices):
+            part = own[:, at]
+            rows[c, k], cross[c, k] = part @ part.T, part @ seen[:, at].T
+    prior = np.zeros(shape[2])
+    prior[len(problem.X) : len(problem.X) + len(nuisances)] = [1.0 / one.sd**2 for one in nuisances]
+    return Information(
+        rows=rows,
+        cross=cross,
+        own=np.stack([np.sum(seen[:, at] ** 2, axis=1) for at in slices]),
+        names=np.array([b.name for b in blocks]),
+        truths=tuple(truths),
+        prior=np.diag(prior) + RIDGE * np.eye(shape[2]),
+        seconds=np.array([c.duration_s for c in candidates]),
+    )
+
+
+def _thinned(dictionary: Dictionary, name: str) -> list[Block]:
+    own = [b for b in dictionary.blocks if b.name == name]
+    return own[:: max(1, len(own) // MOST_POINTS)]
+
+
+def value_of_separation(about: Information, counts: Float) -> float:
+    """Return the compound T-criterion of a design."""
+    names, found = about.separation(counts)
+    weight = np.array([[_weight(one, other, about.truths) for other in names] for one in about.truths])
+    return float(np.sum(weight * found / (found + ENOUGH)))
+
+
+def _weight(one: str, other: str, truths: Sequence[str]) -> float:
+    if one == other or other in effect_of(one).indistinguishable:
+        return 0.0
+    return 1.0 if other in truths else OTHERS
+
+
+def value_for_coefficients(about: Information, counts: Float) -> float:
+    """Return the D-criterion of inertia, Coulomb and viscous friction of a design, the rest of the model free."""
+    first = (np.tensordot(counts, about.rows[:, 0], 1) + about.prior)[:-1, :-1]
+    return float(np.linalg.slogdet(first[:3, :3] + RIDGE * np.eye(3))[1])
+
+
+Criterion = Callable[[Information, Float], float]
+
+
+def exchange(about: Information, criterion: Criterion, duration_s: float) -> NDArray[np.int64]:
+    """Return how often each candidate is run in a time, shape (c,).
+
+    Args:
+        about: What each candidate shows.
+        criterion: Value of a design, of ``Information`` and counts.
+        duration_s: Time that there is. [s]
+    """
+    counts, units = np.zeros(len(about.seconds)), np.eye(len(about.seconds))
+    best = criterion(about, counts)
+    while True:
+        fits = np.flatnonzero(about.seconds <= duration_s - counts @ about.seconds)
+        if not len(fits):
+            break
+        values = np.array([criterion(about, counts + units[k]) for k in fits])
+        chosen = int(np.argmax((values - best) / about.seconds[fits]))
+        counts, best = counts + units[fits[chosen]], float(values[chosen])
+    for _ in range(SWEEPS):
+        before = best
+        for out in np.flatnonzero(counts):
+            rest = counts - units[out]
+            fits = np.flatnonzero(about.seconds <= duration_s - rest @ about.seconds)
+            values = np.array([criterion(about, rest + units[k]) for k in fits])
+            if values.max() > best + 1e-9:
+                counts, best = rest + units[fits[int(np.argmax(values))]], float(values.max())
+        if best <= before + 1e-9:
+            break
+    return counts.astype(np.int64)
+
+
+def in_order(candidates: Sequence[Candidate], counts: NDArray[np.int64]) -> list[Candidate]:
+    """Return the runs spread over the time, so that neither warming up nor drift goes with one of them."""
+    moments = [((k + 0.5) / count, n) for n, count in enumerate(counts) for k in range(count)]
+    return [candidates[n] for _, n in sorted(moments)]

@@ -1,0 +1,217 @@
+"""The next recording: its document and its text."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from friction_audit.diagnosis.result import VERDICTS
+from friction_audit.friction.history import Coefficient
+from friction_audit.planning.candidates import Candidate
+from friction_audit.planning.check import Answer
+from friction_audit.planning.plan import JointPlan
+from friction_audit.planning.source import Task
+from friction_audit.reporting.documents import WARNINGS
+from friction_audit.reporting.notices import Notice
+from friction_audit.reporting.table import Column, Document, Record
+from friction_audit.reporting.terminal_table import table_lines
+from friction_audit.reporting.words import joint_label
+
+PURPOSES = ("decide", "diagnose", "estimate")
+WORDS = {"decide": "to decide between", "diagnose": "to diagnose", "estimate": "to estimate friction"}
+RECORD = "friction-audit {} RECORDING --thresholds auto"
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Recording:
+    """The motions of one recording, one joint after the other.
+
+    Attributes:
+        purpose: What it is for.
+        plans: Of the joints, in order.
+        files: Where its trajectory was written.
+    """
+
+    purpose: str
+    plans: tuple[JointPlan, ...]
+    files: tuple[str, ...] = ()
+
+    @property
+    def duration_s(self) -> float:
+        """Its length. [s]"""
+        return sum(plan.duration_s for plan in self.plans)
+
+
+def _span(run: Candidate) -> tuple[float, float]:
+    places, place = [0.0], 0.0
+    for one in run.strokes:
+        place += one.way_rad
+        places.append(place)
+    return min(places), max(places)
+
+
+def _numbers(answer: Answer) -> dict[str, float]:
+    return {key: value for key, value in answer.numbers.items() if not isinstance(value, str)}
+
+
+def _answer_words(answer: Answer) -> str:
+    names = " and ".join(" or ".join(one) for one in answer.sets)
+    verdict = answer.verdict.replace("_", " ")
+    return f"{verdict}: {names}" if names else verdict
+
+
+STROKE = Record(
+    (
+        Column("way", float, "signed", "way_rad", unit="rad"),
+        Column("speed", float, "highest", "speed_rad_s", unit="rad/s"),
+        Column("ease", float, "time of the rise of the velocity, and of its fall", "ease_s", unit="s"),
+        Column("rest", float, "rest afterwards", "rest_s", unit="s"),
+    )
+)
+RUN = Record(
+    (
+        Column("words", str, "what it is"),
+        Column("low", float, "lowest position relative to the start", lambda run: _span(run)[0], unit="rad"),
+        Column("high", float, "highest", lambda run: _span(run)[1], unit="rad"),
+        Column("duration", float, "its length", "duration_s", unit="s"),
+        Column("strokes", [STROKE], "from rest to rest"),
+    )
+)
+LIMITS = Record(
+    (
+        Column("start", float, "position at the start", "start_rad", unit="rad"),
+        Column("low", float, "lowest position", "low_rad", unit="rad"),
+        Column("high", float, "highest position", "high_rad", unit="rad"),
+        Column("speed", float, "highest speed", "speed_rad_s", unit="rad/s"),
+        Column("acceleration_rad_s2", float, "highest acceleration"),
+        Column("jerk_rad_s3", float, "highest jerk"),
+        Column("source", str, "where the limits come from"),
+    )
+)
+SEPARATED = Record(
+    (
+        Column("effect", str, "if this effect is there"),
+        Column("other", str, "against this one"),
+        Column("two_ln_likelihood_ratio", float, "expected of the recording: from 10 on very strong"),
+    )
+)
+ANSWER = Record(
+    (
+        Column("effect", str, "if this effect is there", title="if the joint has", on="jt"),
+        Column("numbers", {"*": float}, "as simulated; empty where it does nothing in this motion", _numbers),
+        Column("verdict", VERDICTS, "verdict of `diagnose`"),
+        Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
+        Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
+        Column("decided", bool, "whether it is the only name left of those that compete", title="decided", on="jt"),
+    )
+)
+JOINT_PLAN = Record(
+    (
+        Column("joint", int, "number, from 1", "joint.number"),
+        Column("name", str, "name in the log", "joint.name"),
+        Column("why", str, "what is open", null=True),
+        Column("duration", float, "its length", "duration_s", unit="s"),
+        Column("limits", LIMITS, "limits that it keeps"),
+        Column("runs", [RUN], "in order"),
+        Column("separated", [SEPARATED], "what the design expects of each pair of effects"),
+        Column("answers", [ANSWER], "what `diagnose` would answer, simulated; empty if it was not"),
+        Column("coefficients", {"*": Coefficient}, "what `estimate` would find, simulated"),
+        Column("left_out", {"*": str}, "competing names that were not planned for, and why", "unknown"),
+    )
+)
+RECORDING = Record(
+    (
+        Column("purpose", PURPOSES, "what it is for"),
+        Column("duration", float, "its length", "duration_s", unit="s"),
+        Column("joints", [JOINT_PLAN], "one after the other", "plans"),
+        Column("files", [str], "where the trajectory was written"),
+    )
+)
+SETTLED = Record(
+    (
+        Column("joint", int, "number, from 1", "joint.number"),
+        Column("name", str, "name in the log", "joint.name"),
+        Column("why", str, "the answer that there is"),
+    )
+)
+PLAN = Document(
+    "plan",
+    1,
+    "The next recording of an arm",
+    Record(
+        (
+            Column("source", str, "log or result; null without one", null=True),
+            Column("recordings", [RECORDING], "what to record"),
+            Column("settled", [SETTLED], "joints for which nothing is planned"),
+            WARNINGS,
+        )
+    ),
+)
+
+
+def plan_document(
+    source: str, recordings: Sequence[Recording], settled: Sequence[Task], warnings: Sequence[Notice]
+) -> dict[str, Any]:
+    """Return the document."""
+    return PLAN.json({"source": source, "recordings": recordings, "settled": settled, "warnings": warnings})
+
+
+def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Iterator[Notice]:
+    """Yield what the user must know before running the motion."""
+    plans = [plan for one in recordings for plan in one.plans]
+    if plans and not known_start:
+        yield Notice("start_unknown", None, "the result holds no pose; the motion starts at --start, here as printed")
+    for plan in plans:
+        number = plan.joint.number
+        for name, why in plan.unknown.items():
+            yield Notice("name_left_out", number, f"joint {number}: {name} is not planned for: {why}")
+        if plan.purpose == "decide" and plan.undecided:
+            names = " and ".join(plan.undecided)
+            yield Notice(
+                "not_decided",
+                number,
+                f"joint {number}: if it has {names}, `diagnose` would not name it alone after this motion; record "
+                "longer (--duration), or allow a wider --range or a higher --speed",
+            )
+
+
+def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
+    """Return the motions as text for a person, and what `diagnose` would answer after them."""
+    lines = [f"{joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in settled]
+    if not any(one.purpose == "decide" for one in recordings) and settled:
+        lines.append("The best recording otherwise:")
+    for one in recordings:
+        for plan in one.plans:
+            lines += [*([""] if lines else []), *_joint_lines(plan)]
+        command = "estimate" if one.purpose == "estimate" else "diagnose"
+        lines += [*one.files, f"then: {RECORD.format(command)}"]
+    return lines
+
+
+def _joint_lines(plan: JointPlan) -> Iterator[str]:
+    limits, joint = plan.limits, plan.joint
+    open_ = f" {plan.why}" if plan.purpose == "decide" else f" ({plan.why})" if plan.why else ""
+    yield f"{joint_label(joint.number, joint.name)}, {WORDS[plan.purpose]}{open_}: {plan.duration_s:.0f} s, " + (
+        "by hand or by the robot" if joint.hand else "by the robot"
+    )
+    yield (
+        f"start at {limits.start_rad:.2f} rad; within {limits.low_rad:.2f} to {limits.high_rad:.2f} rad, "
+        f"{limits.speed_rad_s:.3g} rad/s, {limits.acceleration_rad_s2:.3g} rad/s², {limits.jerk_rad_s3:.3g} rad/s³ "
+        f"({limits.source})"
+    )
+    counts: dict[str, list[Candidate]] = {}
+    for run in plan.runs:
+        counts.setdefault(run.words, []).append(run)
+    for words, runs in counts.items():
+        low, high = _span(runs[0])
+        yield f"  {len(runs)} x {words}; {low:+.2f} to {high:+.2f} rad from the start, {runs[0].duration_s:.0f} s"
+    if len(plan.runs) > 1:
+        yield "  in mixed order, each from rest to rest; the other joints hold still"
+    if plan.answers:
+        yield from table_lines(ANSWER.people(plan.answers, "t"))
+    if plan.coefficients:
+        found = ", ".join(f"{key.partition('_')[0]} {_half_width(one)}" for key, one in plan.coefficients.items())
+        yield f"estimate would find, with 95 % intervals: {found}"
+
+
+def _half_width(one: Coefficient) -> str:
+    return f"{one.value:.3g} ± {(one.high - one.low) / 2.0:.2g}"
