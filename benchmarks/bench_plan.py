@@ -2,8 +2,8 @@
 
     python benchmarks/bench_plan.py ROWS.csv [--joints 60] [--seed 42000] [--page benchmarks/plan.md]
 
-Joints of the simulator with one hidden effect each, numbers drawn by seed, 40 s long; those whose diagnosis is ambiguous
-with the true name among others that a motion can separate are taken, in the order of the seeds, until there are enough.
+Joints of the simulator with one hidden effect each, numbers drawn by seed, 40 s long; those whose diagnosis is
+ambiguous with the true name among others that a motion can separate are taken, in the order of the seeds.
 Each is recorded again twice, for as long as the plan takes: along the planned motion, and along its own kind of motion.
 ROWS.csv gets a row per joint and is resumed.
 """
@@ -54,7 +54,7 @@ def draw(seed: int) -> tuple[str, float, Any]:
 
 def truth_of(settings: Any) -> str:  # noqa: ANN401 - of a bench
     """Name the hidden effect."""
-    return next(one.name for one in settings.hidden[0].each() if one.hidden)
+    return str(next(one.name for one in settings.hidden[0].each() if one.hidden))
 
 
 def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Any, JointDiagnosis]:
@@ -100,7 +100,9 @@ def work(seed: int) -> dict[str, Any]:
     if found.verdict == "ambiguous" and open_names(truth, row["before"]):
         hand = estimate.interaction.choice.drive == "hand"
         question = question_of_log(found, subject, hand=hand, start_rad=0.0)
-        limits = limits_of("", 1, 0.0, urdf=None, panda=True, hand=hand, wanted=Wanted())
+        limits = limits_of(
+            "", 1, 0.0, urdf=None, panda=True, hand=hand, reach_rad=question.joint.reach_rad, wanted=Wanted()
+        )
         plan = plan_to_decide(question, limits, "", check=False)
         row["unknown"] = "|".join(plan.unknown)
         strokes = tuple(one for run in plan.runs for one in run.strokes)

@@ -40,7 +40,7 @@ class MotionOptions:
     duration: Annotated[float, option(MOTION, "Length of the motion of a joint.", metavar="SECONDS")] = 120.0
     range_: Annotated[
         str | None,
-        option(MOTION, "Positions relative to the start [rad]. Default: -0.8,0.8, within the arm's.", "--range",
+        option(MOTION, "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.", "--range",
                metavar="LOW,HIGH"),
     ] = None  # fmt: skip
     speed: Annotated[
@@ -174,7 +174,16 @@ def _limits(task: "Task", arm: "Arm", motion: MotionOptions, shared: LogOptions)
     joint, panda = task.joint, arm.panda and shared.reading.robot != "none"
     start = arm.start_rad[joint.number - 1]
     urdf = shared.torque.urdf
-    return limits_of(joint.name, joint.number, start, urdf=urdf, panda=panda, hand=joint.hand, wanted=wanted)
+    return limits_of(
+        joint.name,
+        joint.number,
+        start,
+        urdf=urdf,
+        panda=panda,
+        hand=joint.hand,
+        reach_rad=joint.reach_rad,
+        wanted=wanted,
+    )
 
 
 def _parse_start(text: str | None) -> tuple[float, ...] | None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
 from friction_audit.planning.limits import Limits
 from friction_audit.simulation.motion.prescribed import Stroke
 
@@ -49,7 +50,7 @@ def _excursions(low: float, high: float, fast: float, limits: Limits) -> Iterato
     hand = limits.slowest_rad_s > 0.02  # noqa: PLR2004 - rad/s: slower than a person is steady
     for speed in np.geomspace(limits.slowest_rad_s, fast, 7):
         ends = [float(np.clip(end, -speed * LONGEST_S, speed * LONGEST_S)) for end in (high, low)]
-        yield _of(f"steady at {speed:.2g} rad/s, there and back to both sides", [*_there(ends[0]), *_there(ends[1])],
+        yield _of(f"steady at {speed:.2g} rad/s, there and back to both sides", [ends[0], 0.0, ends[1], 0.0],
                   speed, limits, rest_s=0.3)  # fmt: skip
     for share in (0.25, 0.5, 1.0):
         places = [high, low, high, low, 0.0]
@@ -83,10 +84,6 @@ def _excursions(low: float, high: float, fast: float, limits: Limits) -> Iterato
     yield _of("chirp: swings of growing width and speed", places, np.linspace(0.2, 1.0, 7) * fast, limits, smooth=True)
 
 
-def _there(end: float) -> list[float]:
-    return [end, 0.0]
-
-
 def _middle(low: float, high: float, half: float) -> float:
     """Return a half-width that fits on both sides of the start, or half a width on the wider one."""
     return min(half, max(min(-low, high), 0.02))
@@ -95,13 +92,14 @@ def _middle(low: float, high: float, half: float) -> float:
 def _of(
     words: str,
     places: Sequence[float],
-    speeds: float | Sequence[float] | None,
+    speeds: float | Sequence[float] | Float | None,
     limits: Limits,
     *,
     rest_s: float = 0.0,
     smooth: bool = False,
 ) -> Candidate:
-    ways = np.diff([0.0, *places])
+    low, high = limits.low_rad - limits.start_rad, limits.high_rad - limits.start_rad
+    ways = np.diff([0.0, *np.clip(places, low, high)])
     wanted = np.broadcast_to(2.0 * np.abs(ways) if speeds is None else np.asarray(speeds, float), ways.shape)
     strokes = [
         _stroke(float(way), float(speed), limits, rest_s=rest_s, smooth=smooth)

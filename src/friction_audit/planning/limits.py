@@ -9,7 +9,7 @@ from xml.etree import ElementTree as ET
 from friction_audit.errors import UsageError
 from friction_audit.robot.arm import BUILT_IN, panda_urdf
 
-SOURCES = {BUILT_IN: "libfranka and moveit_resources (panda_moveit_config)", "": "usual of arms", "hand": "of a person"}
+SOURCES = {BUILT_IN: "libfranka, moveit_resources (panda_moveit_config)", "": "usual of arms"}
 # Of joints 1 to 7, a quarter of what libfranka allows, in rad/s^2; with it 300 rad/s^3: joint_limits.yaml of
 # moveit_resources. Positions and speeds of the built-in URDF are those of libfranka.
 PANDA_ACCELERATIONS = (3.75, 1.875, 2.5, 3.125, 3.75, 5.0, 5.0)
@@ -49,8 +49,8 @@ class Limits:
     def __post_init__(self) -> None:
         if not self.low_rad <= self.start_rad <= self.high_rad:
             raise UsageError(
-                f"start {self.start_rad:.3g} rad: outside of {self.low_rad:.3g} to {self.high_rad:.3g} rad, within which "
-                "the joint may move; give another --start, or --range"
+                f"start {self.start_rad:.3g} rad: outside of {self.low_rad:.3g} to {self.high_rad:.3g} rad, where the "
+                "joint may move; give another --start, or --range"
             )
         if self.high_rad - self.low_rad < LEAST_RANGE_RAD:
             raise UsageError(
@@ -83,7 +83,15 @@ class Wanted:
 
 
 def limits_of(
-    name: str, joint: int, start_rad: float, *, urdf: Path | None, panda: bool, hand: bool, wanted: Wanted
+    name: str,
+    joint: int,
+    start_rad: float,
+    *,
+    urdf: Path | None,
+    panda: bool,
+    hand: bool,
+    reach_rad: tuple[float, float],
+    wanted: Wanted,
 ) -> Limits:
     """Return the limits of a joint: those of the arm, tightened to those of a hand, replaced by what is asked for.
 
@@ -94,6 +102,7 @@ def limits_of(
         urdf: File of the arm, or None.
         panda: Whether the arm is a Panda, where no file is given.
         hand: Whether a person moves it.
+        reach_rad: Range where none is asked for, relative to the start. [rad]
         wanted: As asked for.
 
     Raises:
@@ -108,9 +117,9 @@ def limits_of(
         low, high, speed = _in_urdf(panda_urdf(), "the built-in Panda", f"panda_joint{joint}")
         acceleration, jerk, source = PANDA_ACCELERATIONS[joint - 1], PANDA_JERK, SOURCES[BUILT_IN]
     if hand:
-        speed, acceleration, jerk = min(speed, HAND[0]), HAND[1], HAND[2]
-        source = SOURCES["hand"] if low == -inf else f"{source}; speed, acceleration and jerk {SOURCES['hand']}"
-    below, above = wanted.range_rad or (-REACH_RAD, REACH_RAD)
+        speed, acceleration, jerk = min(speed, HAND[0]), min(acceleration, HAND[1]), min(jerk, HAND[2])
+        source = f"{source}; at most those of a person"
+    below, above = wanted.range_rad or reach_rad
     found = Limits(
         start_rad=start_rad,
         low_rad=max(low + MARGIN_RAD, start_rad + below),

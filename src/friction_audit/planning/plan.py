@@ -161,8 +161,8 @@ def _filled(about: design.Information, criterion: design.Criterion, duration_s: 
     counts = design.exchange(about, criterion, duration_s - duration_of(()))
     if counts.sum() < FEWEST_RUNS:
         raise AnalysisError(
-            f"{duration_s:g} s: room for {counts.sum()} of the candidate motions, the shortest of {about.seconds.min():.1f} "
-            f"s; expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
+            f"{duration_s:g} s: room for {counts.sum()} candidate motions, the shortest of "
+            f"{about.seconds.min():.1f} s; expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
         )
     return counts
 
@@ -172,7 +172,8 @@ def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
     alone = [one for one in effects() if one.coefficients and not EQUALS[one.name].needs_neighbours]
     data = reference(joint)
     problem, nominal = RegressionProblem.build(data, None), joint.nominal(data)
-    dictionary, size, terms = Dictionary.build(problem, alone, nominal), SIZE * joint.parameters.coulomb_nm, {}
+    dictionary, size = Dictionary.build(problem, alone, nominal), SIZE * joint.parameters.coulomb_nm
+    terms = dict[str, FittedTerm]()
     for effect in alone:
         own = [one for one in dictionary.blocks if one.name == effect.name]
         found = [_of_size(one, problem, size) for one in own[len(own) // 2 :] + own[: len(own) // 2]]

@@ -1,4 +1,4 @@
-"""What a diagnosis leaves open in a joint: the competing effects at their estimated sizes, and the joint to plan for."""
+"""What a diagnosis leaves open in a joint: the competing effects at their estimated sizes, and the joint."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -12,12 +12,13 @@ from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, reach
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
+from friction_audit.planning.limits import REACH_RAD
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, JointParameters, Operator, Sensors, simulate
 from friction_audit.simulation.motion import MotionSettings
@@ -40,6 +41,7 @@ class Joint:
         noise_nm: RMS of the torque's noise below ``corner_hz``. [N m]
         corner_hz: Corner of the low-pass filter. [Hz]
         hand: Whether a person moves it.
+        reach_rad: Lowest and highest position of the log relative to the start, at least REACH_RAD either way. [rad]
         gravity: Amplitude [N m] and phase [rad] of its gravity load over its own angle from the start.
     """
 
@@ -49,6 +51,7 @@ class Joint:
     noise_nm: float = 0.02
     corner_hz: float = CORNER_HZ
     hand: bool = True
+    reach_rad: tuple[float, float] = (-REACH_RAD, REACH_RAD)
     gravity: tuple[float, float] = (0.0, 0.0)
 
     @property
@@ -114,7 +117,7 @@ class Question:
 
 def joint_of(numbers: Mapping[str, float], **about: Any) -> Joint:  # noqa: ANN401 - attributes of a joint
     """Return a joint with the coefficients of a result; what is not known there is as usual."""
-    usual, own = JointParameters(), {}
+    usual, own = JointParameters(), dict[str, Any]()
     for key in ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad"):
         value = numbers.get(key, float("nan"))
         own[key] = float(value) if np.isfinite(value) and value > 0.0 else getattr(usual, key)
@@ -165,6 +168,7 @@ def question_of_log(found: JointDiagnosis, subject: Subject, *, hand: bool, star
         start_rad: Where the planned motion starts. [rad]
     """
     fitted = {name: number.value for name, number in (found.augmented or found.nominal).items()}
+    low, high = reach(subject.data)
     fitted["inertia_kg_m2"] = fitted.get("inertia_kg_m2", 0.0) + subject.known_inertia_kg_m2
     joint = joint_of(
         fitted,
@@ -173,6 +177,7 @@ def question_of_log(found: JointDiagnosis, subject: Subject, *, hand: bool, star
         noise_nm=Joint().noise_nm if found.gap is None else found.gap.floor,
         corner_hz=CORNER_HZ if found.traces is None else found.traces.corner_hz,
         hand=hand,
+        reach_rad=(min(-REACH_RAD, low - start_rad), max(REACH_RAD, high - start_rad)),
         gravity=gravity_of(subject.data, start_rad),
     )
     return question_of(joint, effects_of(found), subject.data, start_rad)
@@ -204,7 +209,7 @@ def _fitted(
     target, found = problem.samples.of(torque), dict[str, tuple[float, FittedTerm]]()
     for block in dictionary.blocks:
         rows = np.vstack([problem.X, block.columns])
-        fit = np.linalg.lstsq(rows.T, target)[0]
+        fit: Float = np.asarray(np.linalg.lstsq(rows.T, target)[0], np.float64)
         own = block.whole(fit[len(problem.X) :])
         fitted = term_of_block(block, own)
         if fitted is None or not block.possible(fit[len(problem.X) :]):

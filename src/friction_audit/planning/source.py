@@ -134,7 +134,8 @@ def of_document(
     try:
         source, chosen = document["source"], document["settings"]["torque_chosen"]
         own = {int(one["joint"]): str(one["name"]) for one in document["joints"]}
-        names = [own.get(k, f"joint{k}") for k in range(1, int(source["joints"]) + 1)]
+        usual_name = "panda_joint" if source["robot"] == BUILT_IN else "joint"
+        names = [own.get(k, f"{usual_name}{k}") for k in range(1, int(source["joints"]) + 1)]
         usual = READY_RAD if source["robot"] == BUILT_IN and len(names) == len(READY_RAD) else [0.0] * len(names)
         arm = _arm(names, usual if start is None else start, str(source["robot"]), known=start is not None)
         places = {k: arm.start_rad[k - 1] for k in own if wanted is None or k in wanted}

@@ -1,0 +1,156 @@
+"""``plan``: limits kept by every candidate, designs that separate, and the command end to end."""
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+from friction_audit import robot
+from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.planning.candidates import candidates_of
+from friction_audit.planning.limits import Limits, Wanted, limits_of
+from friction_audit.planning.plan import JointPlan, plan_to_decide, plan_to_estimate
+from friction_audit.planning.question import Joint, question_of
+from tests.cli.conftest import Run, run
+
+__all__ = ["run"]
+
+STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}
+
+
+def limits(**changes: float) -> Limits:
+    usual = {
+        "start_rad": 0.3, "low_rad": -0.5, "high_rad": 1.1, "speed_rad_s": 1.5, "acceleration_rad_s2": 2.5,
+        "jerk_rad_s3": 100.0, "slowest_rad_s": 0.01,
+    }  # fmt: skip
+    return Limits(**(usual | changes), source="of this test")
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [
+        limits(),
+        limits(jerk_rad_s3=5.0),
+        limits(start_rad=-0.5),
+        limits(low_rad=0.25, high_rad=0.35),
+        limits(slowest_rad_s=0.05, acceleration_rad_s2=20.0, jerk_rad_s3=1e4),
+    ],
+)
+def test_every_candidate_keeps_the_limits_and_returns_to_the_start(asked: Limits) -> None:
+    for one in candidates_of(asked):
+        plan = JointPlan(joint=Joint(), purpose="decide", why="", limits=asked, runs=(one,))
+        t, q, dq, ddq = plan.trajectory(1000.0)
+        assert asked.low_rad - 1e-9 <= q.min(), one.words
+        assert q.max() <= asked.high_rad + 1e-9, one.words
+        assert np.abs(dq).max() <= asked.speed_rad_s * 1.0001, one.words
+        assert np.abs(ddq).max() <= asked.acceleration_rad_s2 * 1.01, one.words
+        assert np.abs(np.diff(ddq)).max() * 1000.0 <= asked.jerk_rad_s3 * 1.05, one.words
+        assert abs(q[-1] - q[0]) < 1e-9
+        assert dq[0] == dq[-1] == 0.0
+        assert np.allclose(np.cumsum(dq) / 1000.0, q - q[0], atol=2e-3)
+        assert t[-1] == pytest.approx(plan.duration_s, abs=2e-3)
+
+
+def test_limits_of_the_panda_are_those_published() -> None:
+    def of(**changes: object) -> Limits:
+        given: dict[str, object] = {"urdf": None, "panda": True, "hand": False, "reach_rad": (-9.0, 9.0)}
+        return limits_of("panda_joint4", 4, -2.0, **(given | {"wanted": Wanted()} | changes))  # type: ignore[arg-type]
+
+    found = of()
+    assert (found.low_rad, found.high_rad) == pytest.approx((-3.0718 + 0.05, -0.0698 - 0.05))
+    assert (found.speed_rad_s, found.acceleration_rad_s2, found.jerk_rad_s3) == (2.175, 3.125, 300.0)
+    by_hand = of(hand=True)
+    assert by_hand.acceleration_rad_s2 == 3.125  # a trajectory for a hand is one for the arm too
+    assert by_hand.speed_rad_s == 1.8
+    assert of(wanted=Wanted(range_rad=(-0.1, 0.2), speed_rad_s=0.5)).high_rad == pytest.approx(-1.8)
+    with pytest.raises(UsageError, match="no joint elbow"):
+        limits_of("elbow", 1, 0.0, urdf=urdf(), panda=False, hand=False, reach_rad=(-1.0, 1.0), wanted=Wanted())
+
+
+def urdf() -> Path:
+    return Path(robot.__file__).parent / "panda.urdf"
+
+
+def test_stribeck_and_nonlinear_viscous_friction_are_separated_and_the_check_says_so() -> None:
+    effects = [{"name": "stribeck", "alternatives": ("nonlinear_viscous",), "parameters": STRIBECK}]
+    plan = plan_to_decide(question_of(Joint(), effects, None, 0.0), limits(slowest_rad_s=0.05), "", 120.0)
+    assert 100.0 < plan.duration_s <= 120.0
+    expected = {(one.effect, one.other): one.two_ln_likelihood_ratio for one in plan.separated}
+    assert min(expected.values()) > 20.0
+    assert [(one.effect, one.decided) for one in plan.answers] == [("stribeck", True), ("nonlinear_viscous", True)]
+    slow = [one for one in plan.runs if "steady" in one.words]
+    assert slow, "a Stribeck curve takes slow steady motion"
+
+
+def test_a_recording_for_estimate_determines_both_coefficients() -> None:
+    joint = Joint()
+    found = plan_to_estimate(joint, limits(), "", 60.0).coefficients
+    true = {"coulomb_nm": joint.parameters.coulomb_nm, "viscous_nms_per_rad": joint.parameters.viscous_nms_per_rad}
+    for name, value in true.items():
+        assert found[name].value == pytest.approx(value, rel=0.1), name
+    with pytest.raises(AnalysisError, match="longer --duration"):
+        plan_to_estimate(joint, limits(), "", 5.0)
+
+
+def result(path: Path, verdict: str, **changes: object) -> Path:
+    """Write as much of a document of ``diagnose`` as a plan reads."""
+    own = {
+        "joint": 2, "name": "panda_joint2", "verdict": verdict, "message": "", "effects": [],
+        "gap": {"noise_floor_rms_nm": 0.01},
+        "augmented": {"inertia_kg_m2": 0.3, "coulomb_nm": 0.3, "viscous_nms_per_rad": 0.07},
+        "from_energy": {"coulomb_nm": 0.3, "viscous_nms_per_rad": 0.07},
+    }  # fmt: skip
+    source = {"joints": 7, "robot": "panda"}
+    document = {
+        "schema": "friction-audit/diagnose/3", "source": source, "settings": {"torque_chosen": {"drive": "robot"}},
+        "joints": [own | changes],
+    }  # fmt: skip
+    path.write_text(json.dumps(document))
+    return path
+
+
+def test_the_command_writes_a_document_and_the_trajectory_of_the_arm(run: Run, tmp_path: Path) -> None:
+    effect = {"name": "stribeck", "alternatives": ["nonlinear_viscous"], "parameters": STRIBECK}
+    source = result(tmp_path / "a.json", "ambiguous", effects=[effect])
+    answer = run("plan", source, "--no-check", "--duration", "60", "-o", "out", "--json")
+    document = answer.document()
+    assert answer.code == 0
+    (recording,) = document["recordings"]
+    assert recording["purpose"] == "decide"
+    assert document["warnings"][0]["code"] == "start_unknown"
+    assert json.loads((tmp_path / "out/plan.json").read_text()) == document
+    table = np.genfromtxt(tmp_path / "out/trajectory.csv", delimiter=",", names=True)
+    assert all(low < high for low, high in pairwise(table["time_s"]))
+    assert np.ptp(table["q_panda_joint1"]) == 0.0 < np.ptp(table["q_panda_joint2"])
+    with (tmp_path / "out/trajectory.mcap").open("rb") as file:
+        ((_, _, _, message),) = make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages()
+    assert list(message.joint_names) == [f"panda_joint{k}" for k in range(1, 8)]
+    assert message.points[100].positions[1] == pytest.approx(table["q_panda_joint2"][100], abs=1e-8)
+    assert run("plan", source, "--no-check", "-o", "out").code == 2  # files that exist
+
+
+def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: Run, tmp_path: Path) -> None:
+    text = run("plan", result(tmp_path / "a.json", "adequate"), "--no-check").out
+    assert "nothing to decide" in text
+    assert "to diagnose" in text
+    assert "to estimate friction" in text
+    constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
+    text = run("plan", result(tmp_path / "b.json", "ambiguous", effects=[constants]), "--no-check").out
+    assert "no motion of the joint separates torque_bias from asymmetric_coulomb" in text
+
+
+def test_what_it_refuses(run: Run, tmp_path: Path) -> None:
+    source = result(tmp_path / "a.json", "adequate")
+    (tmp_path / "other.json").write_text('{"schema": "friction-audit/diff/1"}')
+    (tmp_path / "half.json").write_text('{"schema": "friction-audit/diagnose/3"}')
+    (tmp_path / "empty.csv").touch()
+    assert [run("plan", tmp_path / name).code for name in ("other.json", "half.json", "empty.csv")] == [3, 3, 3]
+    for words in (("--speed", "0.001"), ("--range=0.5,0.6",), ("--start", "1,2"), ("--acceleration", "1e-5")):
+        answer = run("plan", source, "--no-check", *words)
+        assert answer.code == 2, words
+        assert "expected" in answer.err or "give" in answer.err
+    assert run("plan", source, "--no-check", "--duration", "5").code == 4
