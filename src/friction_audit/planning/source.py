@@ -93,6 +93,8 @@ def _task(question: Question, verdict: str, reason: str, coefficients: Sequence[
     lacking = [name for name, value in zip(("Coulomb", "viscous"), coefficients, strict=True) if not np.isfinite(value)]
     if lacking and verdict != "data_fault":
         return Task(joint=joint, purpose="estimate", why=f"{' and '.join(lacking)} friction is not determined")
+    if verdict == "ambiguous":  # every competing name is named as well, or cannot be fitted
+        return Task(joint=joint, purpose=None, why="no two of its names can be simulated apart from each other")
     return Task(joint=joint, purpose=None, why=reason or verdict.replace("_", " "))
 
 

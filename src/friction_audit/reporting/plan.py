@@ -177,7 +177,7 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
 def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
     """Return the motions as text for a person, and what `diagnose` would answer after them."""
     lines = [f"{joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in settled]
-    if not any(one.purpose == "decide" for one in recordings) and settled:
+    if settled and not any(plan.why for one in recordings for plan in one.plans):
         lines.append("The best recording otherwise:")
     for one in recordings:
         for plan in one.plans:
