@@ -1,6 +1,6 @@
 """What `diagnose` would answer after a planned motion: the simulator runs it with each competing effect in turn."""
 
-from collections.abc import Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, fields, replace
 
 from friction_audit.diagnosis.diagnose_joint import diagnose_joint
@@ -29,7 +29,7 @@ class Answer:
         numbers: As simulated: values by name; empty where it does nothing in this motion.
         verdict: The verdict.
         sets: Names of each effect that is named, with those that it may be instead.
-        decided: Whether the effect is the only name left of those that compete.
+        decided: Whether no wrong name is left but the effect and those that are there in any case.
     """
 
     effect: str
@@ -50,9 +50,7 @@ def duration_of(strokes: Sequence[Stroke]) -> float:
     return float(sum(one.moving_s + one.rest_s for one in strokes)) + Prescribed(strokes=()).start_s + END_S
 
 
-def answer(
-    joint: Joint, runs: Sequence[Candidate], name: str, terms: Sequence[FittedTerm], competing: Sequence[str], seed: int
-) -> Answer:
+def answer(joint: Joint, runs: Sequence[Candidate], name: str, terms: Sequence[FittedTerm], seed: int) -> Answer:
     """Simulate a joint with some effects along the runs and diagnose the log.
 
     Args:
@@ -60,7 +58,6 @@ def answer(
         runs: The motion.
         name: The effect in question.
         terms: It and the effects that are there in any case, with their numbers.
-        competing: Names that compete.
         seed: Of the noise.
     """
     settings = recording(joint, runs)
@@ -70,16 +67,15 @@ def answer(
     found = diagnose_joint(subject_of(joint, settings, seed), effects(), DiagnosisSettings())
     numbers = {} if own is None else own.values()
     sets = tuple((one.name, *one.alternatives) for one in found.effects)
-    decided = _decided(found, name, [one for one in competing if one != name], absent=own is None)
+    decided = _decided(found, name, {one.name for one in terms} - {name}, absent=own is None)
     return Answer(effect=name, numbers=numbers, verdict=found.verdict, sets=sets, decided=decided)
 
 
-def _decided(found: JointDiagnosis, name: str, others: Sequence[str], *, absent: bool) -> bool:
-    """Return whether the name is left alone; what no motion separates from it counts as the same."""
+def _decided(found: JointDiagnosis, name: str, certain: Set[str], *, absent: bool) -> bool:
+    """Return whether no wrong name is left; what no motion separates from the effect counts as the same."""
     same = {name, *effect_of(name).indistinguishable}
     named = {one for effect in found.effects for one in (effect.name, *effect.alternatives)}
-    wrong = named & set(others) - same
-    return not wrong and (bool(named & same) or absent)
+    return named <= same | certain and (bool(named & same) or absent)
 
 
 def hidden_effect(term: FittedTerm, joint: Joint, settings: BenchSettings) -> HiddenEffect | None:

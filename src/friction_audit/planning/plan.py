@@ -102,7 +102,7 @@ def plan_to_decide(
         raise AnalysisError(f"joint {question.joint.number}: no two names are left to decide between")
     certain = [next(iter(one.values())) for one in question.sets if len(one) == 1]
     plan = _of_effects(question.joint, limits, truths, certain, duration_s)
-    answers = [answer(question.joint, plan.runs, name, question.terms(name), tuple(truths), SEED) for name in truths]
+    answers = [answer(question.joint, plan.runs, name, question.terms(name), SEED) for name in truths]
     return replace(plan, why=why, answers=tuple(answers) if check else (), unknown=dict(question.unknown))
 
 
@@ -115,7 +115,7 @@ def plan_to_diagnose(
     """
     truths = usual_terms(joint)
     plan = _of_effects(joint, limits, truths, (), duration_s)
-    answers = [answer(joint, plan.runs, name, [term], tuple(truths), SEED) for name, term in truths.items() if check]
+    answers = [answer(joint, plan.runs, name, [term], SEED) for name, term in truths.items() if check]
     return replace(plan, purpose="diagnose", why=why, answers=tuple(answers))
 
 

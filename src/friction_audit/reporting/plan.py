@@ -101,7 +101,7 @@ ANSWER = Record(
         Column("verdict", VERDICTS, "verdict of `diagnose`"),
         Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
         Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
-        Column("decided", bool, "whether it is the only name left of those that compete", title="decided", on="jt"),
+        Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
     )
 )
 JOINT_PLAN = Record(
