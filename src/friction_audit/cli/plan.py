@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 import typer
 
 from friction_audit.cli import chain
@@ -210,6 +209,8 @@ def _written(
 
 def _trajectory(plans: "Sequence[JointPlan]", arm: "Arm", rate_hz: float) -> "Trajectory":
     """Return the motions of the joints one after the other, all other joints held at the start."""
+    import numpy as np
+
     from friction_audit.io.writers.joint_trajectory import Trajectory
 
     parts, begin = [], 0.0

@@ -90,6 +90,7 @@ class FrictionLaw:
         columns = self.speeds[:, None] ** np.array(POWERS[: highest_power + 1])
         scale = np.abs(columns).max(axis=0)
         fitted, _ = nnls(columns / scale, torque)
+        fitted[fitted < np.finfo(float).eps * SPEEDS * np.max(np.abs(torque))] = 0.0  # rounding, no coefficient
         found = np.zeros(len(POWERS))
         found[: highest_power + 1] = fitted / scale
         size, error = (float(np.sqrt(np.mean(values**2))) for values in (torque, torque - columns @ (fitted / scale)))

@@ -40,7 +40,7 @@ def candidates_of(limits: Limits) -> tuple[Candidate, ...]:
     fast = max((abs(one.speed_rad_s) for one in (_stroke(high - low, np.inf, limits),)), default=0.0)
     if fast < 4.0 * limits.slowest_rad_s:
         raise UsageError(
-            f"limits: the fastest stroke over {high - low:.3g} rad has {fast:.2g} rad/s; expected at least "
+            f"limits: the fastest motion over {high - low:.3g} rad has {fast:.2g} rad/s; expected at least "
             f"{4.0 * limits.slowest_rad_s:g}; widen --range or raise --speed, --acceleration or --jerk"
         )
     return tuple(_excursions(low, high, fast, limits))

@@ -1,6 +1,7 @@
 """What `diagnose` would answer after a planned motion: the simulator runs it with each competing effect in turn."""
 
-from collections.abc import Sequence, Set
+from collections.abc import Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, fields, replace
 
 from friction_audit.diagnosis.diagnose_joint import diagnose_joint
@@ -71,7 +72,7 @@ def answer(joint: Joint, runs: Sequence[Candidate], name: str, terms: Sequence[F
     return Answer(effect=name, numbers=numbers, verdict=found.verdict, sets=sets, decided=decided)
 
 
-def _decided(found: JointDiagnosis, name: str, certain: Set[str], *, absent: bool) -> bool:
+def _decided(found: JointDiagnosis, name: str, certain: AbstractSet[str], *, absent: bool) -> bool:
     """Return whether no wrong name is left; what no motion separates from the effect counts as the same."""
     same = {name, *effect_of(name).indistinguishable}
     named = {one for effect in found.effects for one in (effect.name, *effect.alternatives)}

@@ -39,7 +39,7 @@ class Prescribed:
         UsageError: If a number has the wrong sign or a way is shorter than rise and fall of its speed.
     """
 
-    strokes: tuple[Stroke, ...]
+    strokes: tuple[Stroke, ...] = (Stroke(0.5, 0.5, 0.3, 0.5), Stroke(-0.5, 0.5, 0.3, 0.5)) * 4
     start_s: float = 0.5
 
     def __post_init__(self) -> None:
