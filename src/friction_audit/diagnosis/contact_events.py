@@ -27,6 +27,8 @@ ALIKE = 0.3  # distance of similar states of motion, in standard deviations of e
 FEWEST_AGAIN = 2  # similar states in other cycles from which it can be said what the motion repeats
 NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
 GLITCH = 1.2  # output of a pulse over that of pushes, from which one sample is wrong (stranger_none_30034)
+IMPULSE_S = 0.025  # half of the window of the median: a quarter of the shortest push, which stays
+OUTLIER = 5.0  # standard deviations: 6e-7 of normal noise is beyond
 APART_S = 0.2  # pushes between which less time passes are one contact
 END_S = 1.0  # next to an end of a log a drive settles, which no cycle repeats (measured Panda, joints 4 and 5)
 LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
@@ -186,6 +188,20 @@ def detect(
     inside, cycle = touched(problem, contacts), problem.samples.cycle
     often = len(np.unique(cycle[inside])) > MOST_CYCLES * len(np.unique(cycle))
     return () if often else contacts
+
+
+def impulses(problem: RegressionProblem, fine: Float) -> Float:
+    """What the samples see of outliers in a residual on the fine grid, shapes (n,) to (m,). [N m]
+
+    A velocity that jumps within a sample needs a torque that no sample holds, and is no push (Hampel's identifier:
+    R. K. Pearson, IEEE Trans. Control Syst. Technol. 10 (2002) 55). A push is longer than the window of the median.
+    """
+    from scipy.ndimage import median_filter
+
+    data = problem.data
+    apart = fine - median_filter(fine, 2 * max(round(IMPULSE_S / data.step_s), 1) + 1)
+    sigma = SIGMA_PER_MEDIAN * float(np.median(np.abs(apart[data.used])))
+    return problem.samples.of(np.where(np.abs(apart) > OUTLIER * sigma, apart, 0.0))
 
 
 def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:

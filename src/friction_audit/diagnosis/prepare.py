@@ -17,7 +17,7 @@ from friction_audit.effects.joint_data import JointData, grid_noise
 from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, steady_clock
+from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, moments_of_samples
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.torque_source import CHANNELS
@@ -53,7 +53,7 @@ def prepare(
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
     choice, fresh = interaction.choice, fresh_samples(log)
-    t = steady_clock(log.t[fresh])
+    t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
     motion = _filtered_motion(log, low_pass, t, fresh, valid)

@@ -47,6 +47,7 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
+    left -= contact_events.impulses(problem, fine_torques(state)[1])
     contacts = contact_events.detect(problem, left, state.gram.noise, formula_errors(state))
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
@@ -95,7 +96,7 @@ def _identifiable(state: State) -> list[Block]:
     found = intervals.of(state.gram, state.dictionary, state.active, baseline).not_identifiable
     for block, unknown in zip(state.active, found, strict=True):
         simple = [b for b in state.gram.blocks if b.effect is block.effect and len(b.shape) < len(block.shape)]
-        if simple and set(unknown) == set(state.dictionary.bounds(block)):
+        if simple and set(unknown) >= set(state.dictionary.bounds(block)):
             gained, coefficients = state.search.training.gain([b for b in state.active if b is not block])
             fits = {id(b): (g, b.possible(c)) for b, g, c in zip(state.gram.blocks, gained, coefficients, strict=True)}
             able = [b for b in simple if fits[id(b)][1]]

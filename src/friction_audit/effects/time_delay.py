@@ -1,8 +1,9 @@
 """Time delay: the torque reaches the log later than the motion, or earlier if the delay is below zero.
 
 The regressor is the torque of inertia and friction, read earlier by a step, less what it is now, per step: jumps at
-reversals stay jumps. It is exact where the delay is the step. Where a late sensor bears a load too, what was taken away
-for the load was taken too early.
+reversals stay jumps. It is exact where the delay is the step. It is read between samples by a cubic spline: a straight
+line damps the more the farther from a sample, so that delays of half a step would fit smoothed reversals
+(effects_time_delay_40001). Where a late sensor bears a load too, what was taken away for the load was taken too early.
 """
 
 from collections.abc import Sequence
@@ -27,11 +28,14 @@ class TimeDelay(Effect):
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return (rest(t - s) - rest(t)) / s as a column, first and last value held; with the load or without."""
+        from scipy.interpolate import CubicSpline
+
         step, with_load = values
         rest = simple_torque(motion)
         if round(with_load) and motion.load is not None:
             rest = rest + motion.load
-        return np.asarray((np.interp(motion.t - step, motion.t, rest) - rest) / step)[:, None]
+        late = CubicSpline(motion.t, rest)(np.clip(motion.t - step, motion.t[0], motion.t[-1]))
+        return np.asarray((late - rest) / step)[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""

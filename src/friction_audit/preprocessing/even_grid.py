@@ -29,6 +29,7 @@ LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps e
 # Nearly all stamps are early by less than this quantile; twice as early happens only by a wrong tick. Without the rule
 # late stamps before a lost tick are contacts or a delay (rows stranger_none 30001 and 30007).
 COMMON_EARLINESS, EARLIEST = 0.99, 2.0
+STEP_ERROR = 0.01  # of a period: ticks are even, and stamps on ticks, to this share
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
 
 
@@ -171,6 +172,27 @@ def steady_clock(t: Float) -> Float:
     while np.any(early := (np.diff(own, prepend=-np.inf) > 1.0) & (own + phase - t / period > earliest)):
         own -= early
     return np.asarray((own + phase) * period) if np.mean(own < tick) <= MOST_MOVED else t
+
+
+def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
+    """Return when the samples of positions and velocities, shape (n, j), were taken, shape (n,). [s]
+
+    On the ticks of a steady clock whose stamps are late; at the stamps where the samples are late with them. Then the
+    position has moved by the velocity times the delay, and a regression of its second difference on that has a slope of
+    1, else of 0. Of shifted ticks stranger_none_40033 has a contact.
+    """
+    ticks = steady_clock(t)
+    step, usual = np.diff(ticks), median_step(ticks)
+    even = np.abs(step - usual) < STEP_ERROR * usual
+    late = (t - ticks)[:, None]
+    if np.ptp(late) < STEP_ERROR * usual or not np.any(even[1:] & even[:-1]):
+        return ticks
+    moved = (dq[1:-1] * np.diff(late, 2, axis=0))[even[1:] & even[:-1]]
+    position = np.diff(q, 2, axis=0)[even[1:] & even[:-1]]
+    # Each joint counts by its own noise.
+    noise = np.maximum(np.sum(position**2, axis=0), np.finfo(float).tiny)
+    slope = np.sum(np.sum(position * moved, axis=0) / noise) / max(np.sum(moved**2 / noise), np.finfo(float).tiny)
+    return t if slope > 0.5 else ticks  # noqa: PLR2004 - between 0 and 1
 
 
 def _period(t: Float) -> float:
