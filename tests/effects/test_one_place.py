@@ -13,7 +13,7 @@ TEXTS = {path.relative_to(SOURCE).as_posix(): path.read_text() for path in SOURC
 APPLIED = ("simulation/mechanics/", "simulation/mechanism.py", "simulation/sensors.py")
 # Other files: examples of the help, scenarios, and parts of the program that treat one effect in a way of its own.
 ELSEWHERE = {
-    "stribeck": 2, "stiction": 1, "nonlinear_viscous": 1, "asymmetric_coulomb": 2, "asymmetric_viscous": 1,
+    "stribeck": 2, "stiction": 1, "nonlinear_viscous": 2, "asymmetric_coulomb": 2, "asymmetric_viscous": 1,
     "presliding": 2,
     "frictional_lag": 2, "load_dependent_friction": 1, "torque_ripple": 2, "gravity_error": 4, "torque_bias": 2,
     "torque_drift": 1, "time_delay": 2, "torque_crosstalk": 2, "joint_elasticity": 4, "backlash": 3,
