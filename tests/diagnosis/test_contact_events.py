@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from friction_audit.diagnosis.contact_events import detect, touched
+from friction_audit.diagnosis.contact_events import detect, impulses, touched
 from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.nominal_model import least_squares
 from friction_audit.diagnosis.problem import RegressionProblem
@@ -56,6 +56,16 @@ def test_a_push_is_found_by_its_flanks_where_slow_noise_is_as_large_as_its_mean(
     assert size_nm < 7.0 * np.std(means)
     (one,) = found(slow + box(30.0, 0.2, size_nm))
     assert one.start_s < 30.1 < one.stop_s
+
+
+def test_an_impulse_of_a_sample_is_separated_from_a_push() -> None:
+    problem, spike = RegressionProblem.build(MOTION, None), box(30.0, MOTION.step_s, 1.0)
+    rest = noise(0.01) + box(20.0, 0.1, 0.2)
+    alone, with_spike = impulses(problem, rest), impulses(problem, rest + spike)
+    assert np.max(np.abs(alone)) < 0.02
+    np.testing.assert_allclose(
+        with_spike - alone, problem.samples.of(spike), atol=0.1 * np.max(problem.samples.of(spike))
+    )
 
 
 def test_units_of_measurement_change_nothing() -> None:

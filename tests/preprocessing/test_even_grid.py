@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, gaps, steady_clock
+from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, gaps, moments_of_samples, steady_clock
 from friction_audit.simulation import BenchSettings, simulate
 
 STEP = 1e-3
@@ -144,6 +144,17 @@ def test_late_stamps_do_not_stretch_the_period() -> None:
 def test_stamps_without_a_clock_stay_as_they_are() -> None:
     t = np.cumsum(np.random.default_rng(2).exponential(STEP, 3000))
     assert steady_clock(t) is t
+
+
+@pytest.mark.parametrize("samples_are_late", [False, True])
+def test_the_position_shows_whether_samples_are_as_late_as_their_stamps(samples_are_late: bool) -> None:
+    rng = np.random.default_rng(5)
+    tick = np.arange(20_000) * STEP
+    t = tick + rng.exponential(1e-4, len(tick)).clip(max=0.8e-3)
+    taken = t if samples_are_late else tick
+    q = np.column_stack([np.sin(taken), 0.5 * np.sin(2.0 * taken)]) + rng.normal(scale=1e-6, size=(len(tick), 2))
+    moments = moments_of_samples(t, q, np.column_stack([np.cos(taken), np.cos(2.0 * taken)]))
+    assert np.std(moments - taken) < 0.2 * np.std(t - tick)
 
 
 def test_a_handful_of_stamps_shows_no_clock() -> None:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from friction_audit.batch.remote import LogFile, ManifestRow
 from friction_audit.drift.session import Session, natural, put_in_order
 
-_EPISODE = re.compile(r"episode_\d+")  # of a data set: all of one arm
+_EPISODE = re.compile(r"^episode_\d+")  # of a data set: its episodes are of the same arm or arms
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -155,8 +155,8 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
 def _session(file: LogFile, recorded: Recorded) -> Session:
     row, session, known = file.row or ManifestRow(path=""), recorded.session, recorded.session.robot
     start_s, start_from = _start(file, row, session)
-    if recorded.topic and not _EPISODE.fullmatch(recorded.topic):  # one of several arms of a log
-        robot = f"{row.robot}/{known or recorded.topic}" if row.robot else known or recorded.topic
+    if arm := _EPISODE.sub("", recorded.topic):  # one of several arms of a log
+        robot = f"{row.robot}/{known or arm}" if row.robot else known or arm
     else:
         robot = row.robot or known or robot_folder(file.folders)
     return replace(

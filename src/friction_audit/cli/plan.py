@@ -102,8 +102,9 @@ def _files(purposes: Sequence[str]) -> list[str]:
 
 def _tasks(source: Path | None, motion: MotionOptions, shared: LogOptions) -> "tuple[Arm, list[Task]]":
     """Return the arm and what its joints need; where nothing is to be decided, the best recordings of the first one."""
+    from friction_audit.io.documents import read_document
     from friction_audit.planning.question import Joint
-    from friction_audit.planning.source import Task, arm_alone, of_document, read_result
+    from friction_audit.planning.source import Task, arm_alone, of_document
 
     start, wanted = _parse_start(motion.start), parse_joints(shared.selection.joints)
     if source is None:
@@ -113,23 +114,17 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: LogOptions) -> "t
             raise UsageError(f"--joints {number}: the arm has {len(arm.names)} joints; choose one of them")
         tasks = [Task(joint=Joint(number=number, name=arm.names[number - 1]), purpose=None, why="there is no log")]
     elif source.suffix.lower() == ".json":
-        arm, tasks = of_document(read_result(source), source, start, wanted)
+        arm, tasks = of_document(read_document(source, ("diagnose", "estimate")), source, start, wanted)
     else:
         arm, tasks = _tasks_of_log(source, start, shared)
     if shared.torque.drive != "auto":
-        tasks = [replace(one, joint=replace(one.joint, hand=shared.torque.drive == "hand")) for one in tasks]
-        tasks = [one if one.question is None else _asked(one) for one in tasks]
+        tasks = [one.driven(hand=shared.torque.drive == "hand") for one in tasks]
     if not tasks:
         raise InputError(f"{source}: holds no joint of --joints; name one that it has")
     if any(one.purpose for one in tasks):
         return arm, tasks
     best = [replace(tasks[0], purpose=purpose, why="") for purpose in ("diagnose", "estimate")]
     return arm, [*(tasks if source else []), *best]
-
-
-def _asked(task: "Task") -> "Task":
-    assert task.question is not None
-    return replace(task, question=replace(task.question, joint=task.joint))
 
 
 def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: LogOptions) -> "tuple[Arm, list[Task]]":
@@ -153,11 +148,11 @@ def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: LogOp
 def _plan(task: "Task", arm: "Arm", motion: MotionOptions, shared: LogOptions) -> "JointPlan":
     from friction_audit.planning import plan
 
-    limits, given = _limits(task, arm, motion, shared), {"duration_s": motion.duration, "check": motion.check}
+    limits = _limits(task, arm, motion, shared)
     if task.purpose == "decide" and task.question is not None:
-        return plan.plan_to_decide(task.question, limits, task.why, **given)  # type: ignore[arg-type]
+        return plan.plan_to_decide(task.question, limits, task.why, motion.duration, check=motion.check)
     make = plan.plan_to_estimate if task.purpose == "estimate" else plan.plan_to_diagnose
-    return make(task.joint, limits, task.why, **given)  # type: ignore[arg-type]
+    return make(task.joint, limits, task.why, motion.duration, check=motion.check)
 
 
 def _limits(task: "Task", arm: "Arm", motion: MotionOptions, shared: LogOptions) -> "Limits":
@@ -170,15 +165,13 @@ def _limits(task: "Task", arm: "Arm", motion: MotionOptions, shared: LogOptions)
         acceleration_rad_s2=motion.acceleration,
         jerk_rad_s3=motion.jerk,
     )
-    joint, panda = task.joint, arm.panda and shared.reading.robot != "none"
-    start = arm.start_rad[joint.number - 1]
-    urdf = shared.torque.urdf
+    joint = task.joint
     return limits_of(
         joint.name,
         joint.number,
-        start,
-        urdf=urdf,
-        panda=panda,
+        arm.start_rad[joint.number - 1],
+        urdf=shared.torque.urdf,
+        panda=arm.panda and shared.reading.robot != "none",
         hand=joint.hand,
         reach_rad=joint.reach_rad,
         wanted=wanted,

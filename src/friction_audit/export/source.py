@@ -1,6 +1,5 @@
 """Where an export takes its numbers from: a model file, an estimate's document, a folder of results, or a log."""
 
-import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,13 +12,13 @@ from friction_audit.effects.model_file import load_model
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law, moving_speeds
 from friction_audit.friction.history import JointFriction
+from friction_audit.io.documents import read_document
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 
 MODEL, ESTIMATE = "model.toml", "estimate.json"
-ESTIMATE_SCHEMA = "friction-audit/estimate/"
+OTHERWISE = f"of `diagnose`, give the {MODEL} that it writes with --output"
 SPEEDS = (0.01, 1.0)  # rad/s: of a file without a log, from the slowest motion that counts to that of a hand
-BIGGEST = 64 << 20  # bytes of a document; that of an hour with seven joints has 10 MB
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,7 +57,7 @@ def read_result(path: Path) -> Joints:
             reflected=None,
             lacking=tuple((number, "no model in the file") for number, _, joint in known if joint is None),
         )
-    return _of_document(read_document(path), path)
+    return _of_document(read_document(path, ("estimate",), OTHERWISE), path)
 
 
 def of_estimate(estimate: Estimate) -> Joints:
@@ -129,26 +128,6 @@ def _simple(coulomb: float, viscous: float, inertia: float) -> JointModel:
     return simple_model(
         inertia_kg_m2=float(inertia) if np.isfinite(inertia) else 0.0, coulomb_nm=known[0], viscous_nms_per_rad=known[1]
     )
-
-
-def read_document(path: Path) -> Mapping[str, Any]:
-    """Return a document, a JSON object."""
-    try:
-        size = path.stat().st_size
-        if size > BIGGEST:
-            raise InputError(f"{path}: {size} bytes; expected a document of at most {BIGGEST}")
-        document = json.loads(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}; give an {ESTIMATE} or a {MODEL}") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is no JSON: {error}; expected an {ESTIMATE} or a {MODEL}") from error
-    schema = document.get("schema") if isinstance(document, dict) else None
-    if not isinstance(schema, str) or not schema.startswith(ESTIMATE_SCHEMA):
-        raise InputError(
-            f"{path}: schema is {schema!r}; expected a document of `estimate`; of `diagnose`, give the {MODEL} that it "
-            "writes with --output"
-        )
-    return dict(document)
 
 
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:

@@ -37,7 +37,7 @@ def candidates_of(limits: Limits) -> tuple[Candidate, ...]:
         UsageError: If the limits leave hardly any speed.
     """
     low, high = limits.low_rad - limits.start_rad, limits.high_rad - limits.start_rad
-    fast = max((abs(one.speed_rad_s) for one in (_stroke(high - low, np.inf, limits),)), default=0.0)
+    fast = _stroke(high - low, np.inf, limits).speed_rad_s
     if fast < 4.0 * limits.slowest_rad_s:
         raise UsageError(
             f"limits: the fastest motion over {high - low:.3g} rad has {fast:.2g} rad/s; expected at least "
@@ -59,7 +59,7 @@ def _excursions(low: float, high: float, fast: float, limits: Limits) -> Iterato
     for reach in (0.1, 0.3):
         for share in (0.4, 1.0):
             place = reach * (high - low) / 2.0
-            speed = share * abs(_stroke(2.0 * place, np.inf, limits).speed_rad_s)
+            speed = share * _stroke(2.0 * place, np.inf, limits).speed_rad_s
             places = [*(_middle(low, high, place) * (-1) ** np.arange(10)), 0.0]
             words = f"10 quick reversals over {2 * abs(places[0]):.2g} rad, peak {speed:.2g} rad/s"
             yield _of(words, places, speed, limits, smooth=True)

@@ -30,6 +30,7 @@ class Answer:
         numbers: As simulated: values by name; empty where it does nothing in this motion.
         verdict: The verdict.
         sets: Names of each effect that is named, with those that it may be instead.
+        exact: Whether the simulator has these very numbers, of all effects that are there, and not only near ones.
         decided: Whether no wrong name is left but the effect and those that are there in any case.
     """
 
@@ -37,6 +38,7 @@ class Answer:
     numbers: dict[str, float | str]
     verdict: Verdict
     sets: tuple[tuple[str, ...], ...]
+    exact: bool
     decided: bool
 
 
@@ -62,14 +64,15 @@ def answer(joint: Joint, runs: Sequence[Candidate], name: str, terms: Sequence[F
         seed: Of the noise.
     """
     settings = recording(joint, runs)
-    groups = [one for one in (hidden_effect(term, joint, settings) for term in terms) if one is not None]
-    own = next((one for one in groups if one.name == EQUALS[name].name), None)
-    settings = replace(settings, hidden=(Hidden().holding(*groups),))
+    pairs = [one for one in (hidden_effect(term, joint, settings) for term in terms) if one is not None]
+    own = next((one for one, _ in pairs if one.name == EQUALS[name].name), None)
+    settings = replace(settings, hidden=(Hidden().holding(*(one for one, _ in pairs)),))
     found = diagnose_joint(subject_of(joint, settings, seed), effects(), DiagnosisSettings())
     numbers = {} if own is None else own.values()
     sets = tuple((one.name, *one.alternatives) for one in found.effects)
     decided = _decided(found, name, {one.name for one in terms} - {name}, absent=own is None)
-    return Answer(effect=name, numbers=numbers, verdict=found.verdict, sets=sets, decided=decided)
+    exact = all(exactly for _, exactly in pairs)
+    return Answer(effect=name, numbers=numbers, verdict=found.verdict, sets=sets, exact=exact, decided=decided)
 
 
 def _decided(found: JointDiagnosis, name: str, certain: AbstractSet[str], *, absent: bool) -> bool:
@@ -79,8 +82,8 @@ def _decided(found: JointDiagnosis, name: str, certain: AbstractSet[str], *, abs
     return named <= same | certain and (bool(named & same) or absent)
 
 
-def hidden_effect(term: FittedTerm, joint: Joint, settings: BenchSettings) -> HiddenEffect | None:
-    """Return the simulator's effect that comes nearest to a term; None for one that a joint alone does not show.
+def hidden_effect(term: FittedTerm, joint: Joint, settings: BenchSettings) -> tuple[HiddenEffect, bool] | None:
+    """Return the simulator's effect and whether it equals a term; None for one that a joint alone does not show.
 
     Where the simulator has no equal, numbers that mean the same are taken over and the others are as usual.
     """
@@ -97,9 +100,10 @@ def hidden_effect(term: FittedTerm, joint: Joint, settings: BenchSettings) -> Hi
     )
     try:
         given = kind.from_parameters(values, setting)
-        return kind.make({key: value if isinstance(value, str) else repr(float(value)) for key, value in given.items()})
+        texts = {key: value if isinstance(value, str) else repr(float(value)) for key, value in given.items()}
+        return kind.make(texts), True
     except (NoEqualError, UsageError):
-        return _near(kind, values)
+        return _near(kind, values), False
 
 
 def _near(kind: type[HiddenEffect], values: dict[str, float]) -> HiddenEffect:

@@ -27,7 +27,7 @@ from friction_audit.simulation.motion.prescribed import Prescribed, starts_of
 
 MOST_POINTS = 16  # of an effect's grid: neighbours differ little
 ENOUGH = (
-    20.0  # of 2 ln of a likelihood ratio: more is of little use; from 10 on evidence is very strong (Kass, Raftery)
+    20.0  # of 2 ln of a likelihood ratio: from 10 on evidence is very strong (Kass, Raftery), more is of little use
 )
 OTHERS = 0.1  # weight of effects that the log has ruled out: the new log must rule them out again
 SWEEPS = 4  # of exchanges; two usually suffice

@@ -1,13 +1,12 @@
 """Limits of a joint's motion: of the arm, of a person's hand, and as asked for."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 from friction_audit.errors import UsageError
-from friction_audit.robot.arm import BUILT_IN, panda_urdf
+from friction_audit.robot.arm import BUILT_IN, read_urdf
+from friction_audit.robot.urdf import limits_in
 
 SOURCES = {BUILT_IN: "libfranka, moveit_resources (panda_moveit_config)", "": "usual of arms"}
 # Of joints 1 to 7, a quarter of what libfranka allows, in rad/s^2; with it 300 rad/s^3: joint_limits.yaml of
@@ -111,10 +110,10 @@ def limits_of(
     low, high, speed = -inf, inf, inf
     acceleration, jerk, source = (*USUAL[1:], SOURCES[""])
     if urdf is not None:
-        low, high, speed = _in_urdf(urdf.read_bytes(), str(urdf), name)
+        low, high, speed = limits_in(read_urdf(urdf), str(urdf), name)
         source = f"{urdf.name}; acceleration and jerk {source}"
     elif panda:
-        low, high, speed = _in_urdf(panda_urdf(), "the built-in Panda", f"panda_joint{joint}")
+        low, high, speed = limits_in(read_urdf(None), "the built-in Panda", f"panda_joint{joint}")
         acceleration, jerk, source = PANDA_ACCELERATIONS[joint - 1], PANDA_JERK, SOURCES[BUILT_IN]
     if hand:
         speed, acceleration, jerk = min(speed, HAND[0]), min(acceleration, HAND[1]), min(jerk, HAND[2])
@@ -132,19 +131,3 @@ def limits_of(
     )
     asked = {key: getattr(wanted, key) for key in ("speed_rad_s", "acceleration_rad_s2", "jerk_rad_s3")}
     return replace(found, **{key: value for key, value in asked.items() if value is not None})
-
-
-def _in_urdf(text: bytes, where: str, name: str) -> tuple[float, float, float]:
-    """Return lowest and highest position and the highest speed of a joint."""
-    joints: Mapping[str | None, ET.Element] = {one.get("name"): one for one in ET.fromstring(text).findall("joint")}  # noqa: S314 - the user's own file
-    if name not in joints:
-        raise UsageError(f"{where}: no joint {name}; its joints are {_names(list(joints))}; give the URDF of this arm")
-    limit = joints[name].find("limit")
-    values: Mapping[str, str] = {} if limit is None else limit.attrib
-    numbers = [float(values.get(key, usual)) for key, usual in (("lower", "0"), ("upper", "0"), ("velocity", "inf"))]
-    endless = joints[name].get("type") == "continuous" or not numbers[0] < numbers[1]
-    return (-inf, inf, numbers[2]) if endless else (numbers[0], numbers[1], numbers[2])
-
-
-def _names(names: Sequence[str | None]) -> str:
-    return ", ".join(str(name) for name in names)

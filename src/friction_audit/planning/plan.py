@@ -102,8 +102,8 @@ def plan_to_decide(
         raise AnalysisError(f"joint {question.joint.number}: no two names are left to decide between")
     certain = [next(iter(one.values())) for one in question.sets if len(one) == 1]
     plan = _of_effects(question.joint, limits, truths, certain, duration_s)
-    answers = [answer(question.joint, plan.runs, name, question.terms(name), SEED) for name in truths]
-    return replace(plan, why=why, answers=tuple(answers) if check else (), unknown=dict(question.unknown))
+    answers = [answer(question.joint, plan.runs, name, question.terms(name), SEED) for name in truths if check]
+    return replace(plan, why=why, answers=tuple(answers), unknown=dict(question.unknown))
 
 
 def plan_to_diagnose(

@@ -1,8 +1,7 @@
 """What is to be recorded next: from the diagnosis of a log, or from a document of `diagnose` or `estimate`."""
 
-import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +17,6 @@ from friction_audit.planning.plan import Purpose
 from friction_audit.planning.question import Joint, Question, joint_of, question_of, question_of_log
 from friction_audit.robot.arm import BUILT_IN
 from friction_audit.simulation.panda_joint import READY_RAD
-
-SCHEMAS = ("friction-audit/diagnose/", "friction-audit/estimate/")
-BIGGEST = 256 << 20  # bytes of a document; one of `diagnose` with curves has 1 MB a joint
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -48,6 +44,12 @@ class Task:
     purpose: Purpose | None
     why: str
     question: Question | None = None
+
+    def driven(self, *, hand: bool) -> "Task":
+        """Return the task for a joint that a person moves, or the robot."""
+        joint = replace(self.joint, hand=hand)
+        question = None if self.question is None else replace(self.question, joint=joint)
+        return replace(self, joint=joint, question=question)
 
 
 def arm_of_log(log: JointLog, start: Sequence[float] | None) -> Arm:
@@ -96,26 +98,6 @@ def _task(question: Question, verdict: str, reason: str, coefficients: Sequence[
     if verdict == "ambiguous":  # every competing name is named as well, or cannot be fitted
         return Task(joint=joint, purpose=None, why="no two of its names can be simulated apart from each other")
     return Task(joint=joint, purpose=None, why=reason or verdict.replace("_", " "))
-
-
-def read_result(path: Path) -> Mapping[str, Any]:
-    """Return a document of `diagnose` or `estimate`.
-
-    Raises:
-        InputError: If it is neither.
-    """
-    try:
-        if path.stat().st_size > BIGGEST:
-            raise InputError(f"{path}: {path.stat().st_size} bytes; expected a document of at most {BIGGEST}")
-        document = json.loads(path.read_bytes())
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}; give a log, or a result of diagnose") from error
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: is no JSON: {error}; expected a diagnose.json or an estimate.json") from error
-    schema = document.get("schema") if isinstance(document, dict) else None
-    if not isinstance(schema, str) or not schema.startswith(SCHEMAS):
-        raise InputError(f"{path}: schema is {schema!r}; expected a document of `diagnose` or `estimate`")
-    return dict(document)
 
 
 def of_document(

@@ -101,6 +101,7 @@ ANSWER = Record(
         Column("verdict", VERDICTS, "verdict of `diagnose`"),
         Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
         Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
+        Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
         Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
     )
 )
@@ -164,6 +165,13 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
         number = plan.joint.number
         for name, why in plan.unknown.items():
             yield Notice("name_left_out", number, f"joint {number}: {name} is not planned for: {why}")
+        near = [one.effect for one in plan.answers if not one.exact]
+        if plan.purpose == "decide" and near:
+            yield Notice(
+                "near_numbers",
+                number,
+                f"joint {number}: the check for {' and '.join(near)} uses the nearest numbers that the simulator has",
+            )
         if plan.purpose == "decide" and plan.undecided:
             names = " and ".join(plan.undecided)
             yield Notice(

@@ -224,7 +224,7 @@ def load_arm(
     with ThreadPoolExecutor(max_workers=1) as pool:
         mj: Any = pool.submit(import_module, "mujoco").result()
     where = "the built-in Panda" if urdf is None else str(urdf)
-    parsed = parse_urdf(_read(urdf), where)
+    parsed = parse_urdf(read_urdf(urdf), where)
     try:
         model = mj.MjModel.from_xml_string(parsed.xml)
     except ValueError as error:
@@ -251,21 +251,21 @@ def load_arm(
     return arm.with_load(mass, np.array(centre), np.zeros((3, 3)))
 
 
-def panda_urdf() -> bytes:
-    """Return the URDF of the built-in Panda."""
-    return _read(None)
-
-
 def check_urdf(urdf: Path) -> None:
     """Refuse a file that is no arm with inertias, without building its model.
 
     Raises:
         UsageError: If it cannot be read, is no URDF, no joint counts or there is no mass.
     """
-    parse_urdf(_read(urdf), str(urdf))
+    parse_urdf(read_urdf(urdf), str(urdf))
 
 
-def _read(urdf: Path | None) -> bytes:
+def read_urdf(urdf: Path | None) -> bytes:
+    """Return the content of a URDF; of the built-in Panda's without a file.
+
+    Raises:
+        UsageError: If the file cannot be read.
+    """
     if urdf is None:
         return resources.files("friction_audit.robot").joinpath("panda.urdf").read_bytes()
     try:

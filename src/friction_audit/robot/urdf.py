@@ -59,12 +59,7 @@ def parse_urdf(text: bytes, where: str) -> Urdf:
     Raises:
         UsageError: If it is no URDF, no joint counts or there is no mass.
     """
-    try:
-        root = ET.fromstring(text)  # noqa: S314  the user's own file, on the user's own machine
-    except ET.ParseError as error:
-        raise UsageError(f"{where}: not XML ({error}); expected a URDF (a .xacro must be expanded first)") from error
-    if root.tag != "robot":
-        raise UsageError(f"{where}: the outermost element is <{root.tag}>; expected <robot>, the root of a URDF")
+    root = _root(text, where)
     faults = _faults(root)
     if faults:
         more = f" and {len(faults) - _SHOWN} more" if len(faults) > _SHOWN else ""
@@ -86,6 +81,40 @@ def parse_urdf(text: bytes, where: str) -> Urdf:
         plain = ET.SubElement(bare, "joint", name=joint.get("name", ""), type=kind)
         plain.extend(part for part in joint if part.tag in ("origin", "parent", "child", "axis"))
     return Urdf(xml=ET.tostring(bare, encoding="unicode"), inertials=inertials)
+
+
+def limits_in(text: bytes, where: str, name: str) -> tuple[float, float, float]:
+    """Return lowest and highest position and highest speed of a joint, infinite where it has none. [rad], [rad/s]
+
+    Args:
+        text: Content of the file.
+        where: The file, for the messages.
+        name: Name of the joint.
+
+    Raises:
+        UsageError: If it is no URDF, has no such joint, or the limits are no numbers.
+    """
+    joints = {one.get("name", ""): one for one in _root(text, where).findall("joint")}
+    if name not in joints:
+        raise UsageError(f"{where}: no joint {name}; its joints are {', '.join(joints)}; give the URDF of this arm")
+    limit = joints[name].find("limit")
+    values = {} if limit is None else limit.attrib
+    try:
+        low, high, speed = (float(values.get(key, "inf")) for key in ("lower", "upper", "velocity"))
+    except ValueError as error:
+        raise UsageError(f"{where}: limit of joint {name}: {error}; expected numbers; repair the URDF") from error
+    endless = joints[name].get("type") == "continuous" or not low < high
+    return (-inf, inf, speed) if endless else (low, high, speed)
+
+
+def _root(text: bytes, where: str) -> ET.Element:
+    try:
+        root = ET.fromstring(text)  # noqa: S314  the user's own file, on the user's own machine
+    except ET.ParseError as error:
+        raise UsageError(f"{where}: not XML ({error}); expected a URDF (a .xacro must be expanded first)") from error
+    if root.tag != "robot":
+        raise UsageError(f"{where}: the outermost element is <{root.tag}>; expected <robot>, the root of a URDF")
+    return root
 
 
 def _counts(joint: ET.Element) -> bool:
