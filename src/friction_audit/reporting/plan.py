@@ -184,7 +184,7 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
 
 def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
     """Return the motions as text for a person, and what `diagnose` would answer after them."""
-    lines = [f"{joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in settled]
+    lines = [f"joint {joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in settled]
     if settled and not any(plan.why for one in recordings for plan in one.plans):
         lines.append("The best recording otherwise:")
     for one in recordings:
@@ -198,7 +198,7 @@ def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list
 def _joint_lines(plan: JointPlan) -> Iterator[str]:
     limits, joint = plan.limits, plan.joint
     open_ = f" {plan.why}" if plan.purpose == "decide" else f" ({plan.why})" if plan.why else ""
-    yield f"{joint_label(joint.number, joint.name)}, {WORDS[plan.purpose]}{open_}: {plan.duration_s:.0f} s, " + (
+    yield f"joint {joint_label(joint.number, joint.name)}, {WORDS[plan.purpose]}{open_}: {plan.duration_s:.0f} s, " + (
         "by hand or by the robot" if joint.hand else "by the robot"
     )
     yield (
