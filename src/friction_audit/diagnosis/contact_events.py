@@ -195,7 +195,7 @@ def impulses(problem: RegressionProblem, fine: Float) -> Float:
 
     A velocity that jumps within a sample needs a torque that no sample holds, and is no push (Hampel's identifier:
     R. K. Pearson, IEEE Trans. Control Syst. Technol. 10 (2002) 55). A push is longer than the window of the median.
-    Without this 15 rows of stranger_40000, whose motion has a corner, have a contact.
+    Without this 16 rows of stranger_40000, whose motion has a corner, have a false contact.
     """
     from scipy.ndimage import median_filter
 

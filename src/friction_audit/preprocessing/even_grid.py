@@ -179,7 +179,7 @@ def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
 
     On the ticks of a steady clock whose stamps are late; at the stamps where the samples are late with them. Then the
     position has moved by the velocity times the delay, and a regression of its second difference on that has a slope of
-    1, else of 0. On shifted ticks 14 rows of stranger_40033 have a contact more.
+    1, else of 0. On shifted ticks 16 rows more of stranger_40033 have a contact.
     """
     ticks = steady_clock(t)
     step, usual = np.diff(ticks), median_step(ticks)
