@@ -17,7 +17,7 @@ from friction_audit.compensation.tally import close_row, count_energy, count_tic
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, bristle_damping, bristle_nm, taken
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 
 
 class Recorded(NamedTuple):
@@ -38,7 +38,7 @@ class Recorded(NamedTuple):
     @property
     def total(self) -> Float:
         """Torque S = F_m + u that drove the inner side, shape (n,). [N m]"""
-        return self.torque + self.logged if len(self.logged) else self.torque
+        return read_only(self.torque + self.logged) if len(self.logged) else self.torque
 
 
 class Control(NamedTuple):
@@ -50,7 +50,7 @@ class Control(NamedTuple):
         tally: Record of TALLY; changed.
         feed: Friction that a compensator with a joint's model feeds forward.
         cuts: Per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all.
-        torques: Receives torques in force at each t[i]: of the person, law, passivity controller, limits, (4, n). [N m]
+        torques: Zeros that receive torques in force: person, law, passivity controller, limits, shape (4, n). [N m]
         rows: Receives a row per cycle, shape (most, COLUMNS).
     """
 
@@ -106,14 +106,21 @@ class Drive(NamedTuple):
 
 
 @compiled()
-def tick(control: Control, i: int, dt: float, q: float, v: float, interaction: float) -> bool:
+def tick(  # noqa: PLR0913 - a tuple of arrays handed on at every tick costs three times the compensator
+    settings: Record,
+    memory: Record,
+    tally: Record,
+    rows: Float,
+    i: int,
+    dt: float,
+    v: float,
+    interaction: float,
+    cut: int,
+) -> bool:
     """Run the compensator on sample i and count what it does; return False once the loop has diverged."""
-    settings, memory, tally, feed, cuts, _, rows = control
-    if settings.kind == JOINT_MODEL:
-        feed_friction(memory, feed, q, v, i)
     u, cycle, acted = memory.u_nm, memory.cycle, memory.acted
     coulomb, viscous = memory.coulomb_nm, memory.viscous_nms_per_rad
-    step(settings, memory, v, interaction, dt, cuts[i] if len(cuts) > 1 else cuts[0])
+    step(settings, memory, v, interaction, dt, cut)
     if memory.unstable == 1:
         return False
     count_tick(tally, settings, memory, u, i)
@@ -123,11 +130,13 @@ def tick(control: Control, i: int, dt: float, q: float, v: float, interaction: f
 
 
 @compiled()
-def write_torques(control: Control, i: int, interaction: float) -> None:
-    """Write down the torques in force at sample i."""
-    torques, memory = control.torques, control.memory
+def write_torques(torques: Float, memory: Record, i: int, interaction: float) -> None:
+    """Write down the torques in force at sample i; memory for zeros that is never written to is never taken."""
     torques[0, i], torques[1, i] = interaction, memory.compensation_nm
-    torques[2, i], torques[3, i] = memory.passivity_nm, memory.limited_nm
+    if memory.passivity_nm != 0.0:
+        torques[2, i] = memory.passivity_nm
+    if memory.limited_nm != 0.0:
+        torques[3, i] = memory.limited_nm
 
 
 @compiled()
@@ -142,18 +151,21 @@ def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
         recorded: The recording.
         q: Position, shape (n,), or empty where the compensator has no use for it. [rad]
     """
+    settings, memory, tally, feed, cuts, torques, rows = control
     t, dq, torque, logged = recorded
     before = needed_before = 0.0
     for i in range(len(t)):
         dt = t[i] - t[i - 1] if i > 0 else 0.0
         total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
-        needed = total - control.memory.u_nm
-        write_torques(control, i, needed)
+        needed = total - memory.u_nm
+        write_torques(torques, memory, i, needed)
         if i > 0:
             moved = 0.5 * (dq[i - 1] + dq[i]) * dt
             friction, exchange = 0.5 * (before + total) * moved, 0.5 * (needed_before + needed) * moved
-            count_energy(control.tally, control.settings, friction, exchange, moved, dt)
-        if not tick(control, i, dt, q[i] if len(q) > 0 else 0.0, dq[i], needed):
+            count_energy(tally, settings, friction, exchange, moved, dt)
+        if settings.kind == JOINT_MODEL:
+            feed_friction(memory, feed, q[i], dq[i], i)
+        if not tick(settings, memory, tally, rows, i, dt, dq[i], needed, cuts[i] if len(cuts) > 1 else cuts[0]):
             return i
         before, needed_before = total, needed
     return len(t)
@@ -172,17 +184,21 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
         drive: What drives it.
         velocity: Receives the velocity, shape (n,). [rad/s]
     """
-    t, push, memory = drive.t, drive.push, control.memory
+    settings, memory, tally, feed, cuts, torques, rows = control
+    t, push = drive.t, drive.push
     q, v, starts, bent = drive.q[0], drive.dq[0], 0, joint.bent[0].copy()
     sign = np.sign(v)
     for i in range(len(t)):
         interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint) + drive.lacking[i]
-        write_torques(control, i, interaction)
+        write_torques(torques, memory, i, interaction)
         velocity[i] = v
         again = drive.restart[i] and i > 0
         if again:
             put_back(memory, 0.5 * joint.own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
-        if not tick(control, i, t[i] - t[i - 1] if i > 0 else 0.0, q, v, interaction):
+        if settings.kind == JOINT_MODEL:
+            feed_friction(memory, feed, q, v, i)
+        dt, cut = t[i] - t[i - 1] if i > 0 else 0.0, cuts[i] if len(cuts) > 1 else cuts[0]
+        if not tick(settings, memory, tally, rows, i, dt, v, interaction, cut):
             return i
         if again:
             q, v, starts = drive.q[i], drive.dq[i], starts + 1
@@ -193,7 +209,7 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
             span = Step(t[i + 1] - t[i], push[i], push[i + 1], float(i), i + 1.0)
             pieces = max(1, int(np.ceil(span.h / joint.longest_s - 1e-6)))
             q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, joint)
-            count_energy(control.tally, control.settings, lost, lost - u * (q - before), q - before, span.h)
+            count_energy(tally, settings, lost, lost - u * (q - before), q - before, span.h)
     return len(t)
 
 

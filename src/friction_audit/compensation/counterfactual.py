@@ -199,7 +199,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
         tally=tally,
         feed=feed,
         cuts=scene.cuts,
-        torques=np.empty((4, len(t))),
+        torques=np.zeros((4, len(t))),
         rows=np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS)),
     )
     if scene.joint is None:
@@ -209,16 +209,9 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
         dq = np.empty(len(t))
         samples = run_closed_loop(control, *_joint_and_drive(scene, scene.joint, motion), dq)
     tally["diverged"] = samples < len(t)
-    interaction, compensation, passivity, limited = control.torques[:, :samples]
+    torques = map(read_only, control.torques[:, :samples])
     return Run(
-        signals=Signals(
-            t=t[:samples],
-            dq=dq[:samples],
-            interaction_nm=interaction,
-            compensation_nm=compensation,
-            passivity_nm=passivity,
-            limited_nm=limited,
-        ),
+        signals=Signals(t[:samples], read_only(dq[:samples]), *torques),
         rows=control.rows[: int(tally["cycles"])].copy(),
         tally=tally,
         last=Coefficients(

@@ -1,5 +1,7 @@
 """What a replay comes to: energies, torques, when the compensation is right, and how it gets over a friction step."""
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +22,7 @@ from friction_audit.compensation.tally import (
     VISCOUS_APPLIED,
     VISCOUS_ESTIMATED,
 )
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 
 RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right
@@ -84,12 +87,16 @@ def first_right(history: ReplayHistory, first: int = 0) -> int | None:
     return first + int(np.argmax(runs)) if runs.any() else None
 
 
+@compiled(any_order=True)
 def sum_up(t: Float, dq: Float, torque: Float) -> tuple[float, float, float]:
     """Return work [J], root mean square over the time [N m] and largest magnitude [N m] of a torque, shape (n,)."""
-    dt = np.diff(t)
-    work = 0.25 * np.sum((torque[:-1] + torque[1:]) * (dq[:-1] + dq[1:]) * dt)
-    mean_square = np.trapezoid(torque**2, t) / (t[-1] - t[0])
-    return float(work), float(np.sqrt(mean_square)), float(np.max(np.abs(torque)))
+    work, square, largest = 0.0, 0.0, abs(torque[0])
+    for i in range(1, len(t)):
+        dt = t[i] - t[i - 1]
+        work += 0.25 * (torque[i - 1] + torque[i]) * (dq[i - 1] + dq[i]) * dt
+        square += 0.5 * (torque[i - 1] * torque[i - 1] + torque[i] * torque[i]) * dt
+        largest = max(largest, abs(torque[i]))
+    return work, math.sqrt(square / (t[-1] - t[0])), largest
 
 
 def measure(recorded: Recorded, without: Signals, replayed: Signals, history: ReplayHistory, tally: Record) -> Numbers:
@@ -104,9 +111,10 @@ def measure(recorded: Recorded, without: Signals, replayed: Signals, history: Re
     """
     samples = len(replayed.t)
     before = sum_up(without.t, without.dq, without.interaction_nm)
+    own = before if without.interaction_nm is recorded.torque else sum_up(recorded.t, recorded.dq, recorded.torque)
     after = sum_up(replayed.t, replayed.dq, replayed.interaction_nm)
     return Numbers(
-        energy_recorded_j=sum_up(recorded.t, recorded.dq, recorded.torque)[0],
+        energy_recorded_j=own[0],
         energy_without_j=before[0],
         energy_with_j=after[0],
         dissipation_removed=share_removed(before[0], after[0]),
@@ -115,9 +123,7 @@ def measure(recorded: Recorded, without: Signals, replayed: Signals, history: Re
         peak_torque_with_nm=after[2],
         rms_torque_without_nm=before[1],
         rms_torque_with_nm=after[1],
-        peak_compensation_nm=float(
-            np.max(np.abs(replayed.compensation_nm + replayed.passivity_nm + replayed.limited_nm))
-        ),
+        peak_compensation_nm=float(tally["largest_nm"]),
         peak_rate_nm_s=float(tally["fastest_nm_s"]),
         limited_fraction=float(tally["limited"]) / samples,
         cycles_to_converge=first_right(history),

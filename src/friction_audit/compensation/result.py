@@ -18,7 +18,7 @@ from friction_audit.preprocessing.interaction import Caution
 STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Signals:
     """One joint over time, n samples; a torque at sample i is the one in force at t[i].
 

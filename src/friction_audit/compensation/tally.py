@@ -41,6 +41,7 @@ TALLY = np.dtype(
         ("reserve_j", "f8"),  # the ledger then
         ("active_friction_j", "f8"),  # what friction took since
         ("acting_s", "f8"),
+        ("largest_nm", "f8"),  # of the torques in force
         ("limited", "i8"),  # samples at a limit of torque or rate
         ("fastest_nm_s", "f8"),
         ("injected_j", "f8"),
@@ -104,6 +105,7 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
     if memory.damping_nms_per_rad > 0.0:
         tally.acting_s += settings.period_s
     tally.injected_j = memory.dissipated_j
+    tally.largest_nm = max(tally.largest_nm, abs(u_before))
     change = abs(memory.u_nm - u_before)
     tally.fastest_nm_s = max(tally.fastest_nm_s, change / settings.period_s)
     at_rate = change >= settings.max_torque_rate_nm_s * settings.period_s * NEARLY
