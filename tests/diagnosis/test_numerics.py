@@ -179,10 +179,14 @@ def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
     cycle = gram.problem.samples.cycle[gram.order]
     cycles = np.unique(cycle)
     without = np.stack([np.linalg.lstsq(columns[cycle != c], gram.y[cycle != c])[0] for c in cycles])
-    m = len(cycles)
-    se = np.sqrt((m - 1) / m * np.sum((without - without.mean(axis=0)) ** 2, axis=0))
+    m, full = len(cycles), np.linalg.lstsq(columns, gram.y)[0]
+    se = np.sqrt((m - 1) / m * np.sum((without - full) ** 2, axis=0))
+    sandwich = np.linalg.pinv(columns)
+    parts = np.stack([np.sum(sandwich[:, cycle == c] ** 2, axis=1) for c in cycles])
+    effective = parts.sum(axis=0) ** 2 / np.sum(parts**2, axis=0)
+    assert np.all(effective <= m)
     half = [(one.high - one.low) / 2 for one in (*found.nominal.values(), *found.effects[0].values())]
-    assert half == pytest.approx(student.ppf(0.975, m - 1) * se, rel=1e-3)
+    assert half == pytest.approx(student.ppf(0.975, effective - 1) * se, rel=1e-3)
 
 
 def test_a_number_that_the_log_does_not_hold_is_not_identifiable_and_leaves_the_others_alone() -> None:
