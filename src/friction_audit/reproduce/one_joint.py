@@ -177,6 +177,7 @@ FIGURE_9 = Reproduction(
 
 
 BAND = 0.25  # share of E_cyclic^2 that the net energy may leave it by at the later ends of cycles
+NEAR = 0.05  # the same, where the estimate of two cycles is good
 PERSONS = 0.95  # share of the persons with whom it must not: the paper shows one
 SECOND = 1  # row of the second cycle
 
@@ -187,6 +188,7 @@ def check_10(simulations: Simulations) -> tuple[Claim, ...]:
     rises = np.array([np.diff(course.ends_j[: SECOND + 1], prepend=0.0).min() for course in courses])
     ridge = each(simulations["fig10"], lambda simulation: leaves_by(make_course(simulation)))
     printed = each(simulations["fig10-published"], lambda simulation: leaves_by(make_course(simulation)))
+    slow = each(simulations["fig10-slow-noise"], lambda simulation: leaves_by(make_course(simulation)))
     last_s = np.median([course.ends_s[-1] - course.ends_s[SECOND] for course in courses])
     return (
         Claim(
@@ -205,6 +207,14 @@ def check_10(simulations: Simulations) -> tuple[Claim, ...]:
             "same speed determine the sum of both coefficients only",
             last_s,
         ),
+        _band(
+            "the same with torque noise of which a tenth wanders over 50 ms",
+            slow,
+            "the noise of a real Panda was measured to be white; two cycles of one speed leave the split of the "
+            "coefficients to the slow part",
+            last_s,
+            own=True,
+        ),
     )
 
 
@@ -214,23 +224,25 @@ def leaves_by(course: Course) -> float:
     return float(np.abs(course.ends_j[SECOND + 1 :] / second - 1.0).max())
 
 
-def _band(claim: str, leaves: Float, note: str, last_s: float) -> Claim:
-    inside = leaves < BAND
+def _band(claim: str, leaves: Float, note: str, last_s: float, *, own: bool = False) -> Claim:
+    inside, near = leaves < BAND, leaves < NEAR
     return Claim(
         figure="10b",
         claim=claim,
-        paper="vicinity of E_cyclic^2, no number",
-        ours=f"within {BAND:.0%} over {last_s:.0f} s in {share(inside)}: {spread(leaves, 'of it')}",
+        paper="-" if own else "vicinity of E_cyclic^2, no number",
+        ours=f"over {last_s:.0f} s within {NEAR:.0%} in {share(near)}, within {BAND:.0%} in {share(inside)}: "
+        f"{spread(leaves, 'of it')}",
         value=float(leaves.max()),
         holds=bool(inside.mean() >= PERSONS),
         note=note,
+        own=own,
     )
 
 
 FIGURE_10 = Reproduction(
     figure="10",
     title="One joint moved by a person, combined friction compensated from two cycles",
-    scenarios=("fig10", "fig10-published"),
+    scenarios=("fig10", "fig10-published", "fig10-slow-noise"),
     most_seeds=MANY,
     check=check_10,
     draw=lambda simulations: paper.draw_compensated(make_course(simulations["fig10"][0])),
