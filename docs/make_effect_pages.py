@@ -34,9 +34,7 @@ def page_of(text: str, name: str) -> str:
 
 def parameter_section(hidden: type[HiddenEffect]) -> str:
     """Return the parameters of the simulator with their usual values and what is allowed."""
-    rows = [f"- `{one.name}`: {one.meaning}; {_number(one)} ({_allowed(one)})" for one in hidden.parameters()]
-    if hidden.forms:
-        rows.append(f"- `form`: {', '.join(f'`{word}`' for word in hidden.forms)}; the first is usual")
+    rows = (f"- `{one.name}`: {one.meaning}; {_number(one)} ({_allowed(one)})" for one in hidden.parameters())
     return "\n".join(rows)
 
 
