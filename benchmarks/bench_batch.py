@@ -124,8 +124,7 @@ def speed_rows(folder: Path, count: int, runs: int) -> Iterator[str]:
     goal = {"two cores": f" (goal {FASTER:g})", "again, nothing new": f" (goal: under {SECOND_RUN_S:g} s)"}
     for name, walls in taken.items():
         middle = statistics.median(walls)
-        speed = f"{middle:.1f} ({min(walls):.1f} to {max(walls):.1f}) | {single / middle:.2f}{goal.get(name, '')}"
-        yield f"| {count} | {name} | {speed} | |"
+        yield f"| {count} | {name} | {middle:.1f} | {single / middle:.2f}{goal.get(name, '')} | |"
     shutil.rmtree(folder / "logs")
 
 
@@ -133,9 +132,8 @@ def memory_rows(folder: Path, counts: Sequence[int]) -> Iterator[str]:
     """Run two cores on more and more logs, each number once."""
     for count in counts:
         write_logs(folder / f"logs{count}", count)
-        for name in ("two cores", "again, nothing new"):
-            peak = peak_mb(batch(folder / f"logs{count}", folder / f"many{count}", 2), 2)
-            yield f"| {count} | {name}, watched | | | {peak:.0f} |"
+        peak = peak_mb(batch(folder / f"logs{count}", folder / f"many{count}", 2), 2)
+        yield f"| {count} | two cores | | | {peak:.0f} |"
         shutil.rmtree(folder / f"logs{count}")
 
 
@@ -144,8 +142,7 @@ def table(arguments: argparse.Namespace) -> Iterator[str]:
     options = f"--logs {arguments.logs} --runs {arguments.runs} --memory {' '.join(map(str, arguments.memory))}".strip()
     yield f"Made by `python -m benchmarks.bench_batch {options}`."
     yield f"Machine: {machine()}"
-    yield "Walls are medians (and ranges) of runs in turns, without watching memory; peaks are of all processes"
-    yield "of the command together, in runs of their own."
+    yield "Peaks are of all processes of the command together, in runs of their own."
     yield ""
     yield "| logs | run | wall [s] | times one core | peak [MB] |"
     yield "|---:|---|---:|---:|---:|"

@@ -77,7 +77,7 @@ def check(output: Path, hidden: dict[int, str]) -> None:
 
 
 def rows(seconds: int, kind: str, runs: int, folder: Path) -> Iterator[str]:
-    """Run both commands in turns on one log; yield rows of the table."""
+    """Run both commands in turns on one log; yield a row of the table."""
     path, output = folder / f"{seconds}.parquet", folder / "output.json"
     effects = [part for joint, name in HIDDEN[kind].items() for part in ("--effect", f"{name}@{joint}")]
     simulated = [*PROGRAM, "simulate", "panda", "--duration", str(seconds), "--overwrite", "-q", "-o", str(path)]
@@ -88,15 +88,11 @@ def rows(seconds: int, kind: str, runs: int, folder: Path) -> Iterator[str]:
             some.append(run([*PROGRAM, name, str(path), "-q", "--json"], output))
     check(output, HIDDEN[kind])
     base = statistics.median(one.wall_s for one in taken["estimate"][1:])
-    for name, (_, *counted) in taken.items():
-        walls = sorted(one.wall_s for one in counted)
-        middle, cpu = statistics.median(walls), statistics.median(one.cpu_s for one in counted)
-        ask = name == "diagnose" and seconds in GOALS
-        goals = (f" (goal {GOALS[seconds]:g})", f" (goal {GOAL_MB})") if ask else ("", "")
-        yield (
-            f"| {seconds} | {kind} | `{name}` | {middle:.2f} ({walls[0]:.2f} to {walls[-1]:.2f}) | {cpu:.2f} "
-            f"| {middle / base:.2f}{goals[0]} | {max(one.peak_mb for one in counted):.0f}{goals[1]} |"
-        )
+    _, *counted = taken["diagnose"]
+    wall, cpu = statistics.median(one.wall_s for one in counted), statistics.median(one.cpu_s for one in counted)
+    goals = (f" (goal {GOALS[seconds]:g})", f" (goal {GOAL_MB})") if seconds in GOALS else ("", "")
+    peak = max(one.peak_mb for one in counted)
+    yield f"| {seconds} | {kind} | {wall:.2f} | {cpu:.2f} | {wall / base:.2f}{goals[0]} | {peak:.0f}{goals[1]} |"
 
 
 def table(lengths_s: Sequence[int], runs: int) -> Iterator[str]:
@@ -105,8 +101,8 @@ def table(lengths_s: Sequence[int], runs: int) -> Iterator[str]:
     yield f"Made by `python -m benchmarks.bench_diagnose --seconds {seconds} --runs {runs}`."
     yield f"Machine: {machine()}"
     yield ""
-    yield "| log [s] | hidden | command | wall [s], median (range) | CPU [s] | times `estimate` | peak [MB] |"
-    yield "| ---: | --- | --- | --- | ---: | ---: | ---: |"
+    yield "| log [s] | hidden | wall [s] | CPU [s] | times `estimate` | peak [MB] |"
+    yield "| ---: | --- | ---: | ---: | ---: | ---: |"
     with tempfile.TemporaryDirectory() as folder:
         for length in lengths_s:
             for kind in HIDDEN:

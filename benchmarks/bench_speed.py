@@ -49,27 +49,20 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     yield f"Made by `python benchmarks/bench_speed.py --hours {hours} --messages {messages} --runs {runs}`."
     yield f"Machine: {machine()}"
     yield (
-        "Every run is a process of its own, and what is compared takes turns in one run, so that a busy machine slows "
-        "both. The files are in the page cache. Peaks are of the resident memory of the whole process, interpreter and "
-        "libraries included."
+        "Every run is a process of its own; the programs compared take turns. Times are medians. Peaks are resident "
+        "memory, interpreter and libraries included."
     )
-    yield "## Parquet: the whole command and a bare read"
+    yield "## `estimate` and a bare read of Parquet"
     yield (
-        "`estimate` reads, hashes and vets the log, proves the sign, finds the cycles of seven joints, estimates "
-        "friction by two methods and prints the table. The estimates are checked against the friction written. Arrays "
-        "kept are those of the log: where gravity is removed, the torque that friction sees is kept too."
+        "The script checks the estimates against the friction written. *Peak / arrays*: peak memory over the size of "
+        "the columns read."
     )
     yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
     yield "## Replay and estimate"
-    yield (
-        "`replay` reads and estimates as `estimate` does, and runs the compensator tick by tick on all joints, along "
-        "the recorded motion; the file is that of the first rows above."
-    )
+    yield "The log of the first rows above."
     yield table("bench_replay.py", "--hours", hours, "--runs", runs)
     yield "## Bags: reading joint states"
     yield table("bench_bags.py", "--messages", messages, "--repeat", runs)
-    yield "## Help"
-    yield table("bench_help.py")
 
 
 def main() -> None:

@@ -194,31 +194,24 @@ def measured(tables: Tables) -> list[Figure]:
     ]  # fmt: skip
 
 
-def joints(tables: Tables) -> str:
-    """What is said of each joint of the measured logs, and how many of its names either half gives."""
+def joints(tables: Tables, *, halves: bool = True) -> str:
+    """What is said of each joint of the measured logs, and how many of its names either half of the log gives."""
     rows = {(r["log"], r["part"], r["joint"]): r for r in tables["real"] if r["seed"] == "0" and not r["truth"]}
     lines = []
     for (log, part, joint), row in sorted(rows.items()):
         if part != "whole" or row["verdict"] in UNANSWERED or log == NO_INERTIA:
             continue
-        halves = [rows.get((log, half, joint)) for half in ("first", "second")]
+        parts = [rows.get((log, half, joint)) for half in ("first", "second")] if halves else []
         shown = [
             f"{sum(in_the_other(row, h))} of {len(sets_of(row))}"
             if h and h["verdict"] not in UNANSWERED
             else "not testable"
-            for h in halves
+            for h in parts
         ]
         names = "; ".join(" or ".join(one.split("|")) for one in row["sets"].split(";"))
         lines.append((f"{log} {joint}", row["verdict"], names or "-", f"{100 * float(row['remainder']):.0f}", *shown))
-    head = (
-        "log, joint",
-        "verdict",
-        "names, the largest first",
-        "without a name [%]",
-        "in the first half",
-        "second half",
-    )
-    return table(head, lines)
+    head = ("log, joint", "verdict", "names, the largest first", "without a name [%]")
+    return table((*head, "in the first half", "second half") if halves else head, lines)
 
 
 def mistakes(tables: Tables) -> str:
@@ -262,12 +255,16 @@ HEAD = ("figure", "before", "goal", "measured (95 % interval)", "number")
 
 def simulated(tables: Tables) -> str:
     """All figures of logs with a known truth."""
-    return table(HEAD, [one for make in (clean, one_effect, pairs_and_outside, sizes) for one in make(tables)])
+    return _shown([one for make in (clean, one_effect, pairs_and_outside, sizes) for one in make(tables)])
 
 
 def real(tables: Tables) -> str:
     """All figures of measured logs, and what is said of each joint."""
-    return f"{table(HEAD, measured(tables))}\n\n{joints(tables)}"
+    return f"{_shown(measured(tables))}\n\n{joints(tables, halves=False)}"
+
+
+def _shown(figures: Iterable[Figure]) -> str:
+    return table((HEAD[0], *HEAD[2:]), [(one[0], *one[2:]) for one in figures if one[3] != "-"])
 
 
 def separated(tables: Tables) -> str:

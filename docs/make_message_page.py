@@ -17,7 +17,7 @@ MAKERS = ("Finding", "Caution", "Notice", "caution")
 COEFFICIENTS = ("coulomb", "viscous")
 PUT_IN = "..."
 BEGIN, END = "<!-- codes -->", "<!-- end of codes -->"
-LEAST_WORDS, MOST_WORDS = 3, 8
+LEAST_WORDS, MOST_WORDS = 3, 6
 
 Found = tuple[ast.expr, ast.expr | None, bool]
 """Expressions of a code and of its message, and whether the code means that input is lost."""
