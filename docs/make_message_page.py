@@ -17,7 +17,7 @@ MAKERS = ("Finding", "Caution", "Notice", "caution")
 COEFFICIENTS = ("coulomb", "viscous")
 PUT_IN = "..."
 BEGIN, END = "<!-- codes -->", "<!-- end of codes -->"
-LEAST_WORDS, MOST_WORDS = 3, 6
+LEAST_WORDS, MOST_WORDS = 3, 7
 
 Found = tuple[ast.expr, ast.expr | None, bool]
 """Expressions of a code and of its message, and whether the code means that input is lost."""
@@ -123,15 +123,18 @@ def table() -> str:
     groups = tomllib.loads((FOLDER / "messages.toml").read_text())
     written: list[str] = []
     for title, meanings in groups.items():
-        written += [f"## {title}", "", "| code | message | meaning, what to do |", "| --- | --- | --- |"]
+        written += [f"## {title}", "", "| code | message | what to do |", "| --- | --- | --- |"]
+        plain = []
         for codes, meaning in meanings.items():
             same = codes.split(", ")
             texts, damaged = found[same[0]]
             found = {code: one for code, one in found.items() if code not in same}
-            written.append(
-                f"| `{codes.replace(', ', '`, `')}`{' *' if damaged else ''} | {'<br>'.join(texts)} | {meaning} |"
-            )
-        written.append("")
+            shown = f"`{codes.replace(', ', '`, `')}`{' *' if damaged else ''}"
+            if meaning:
+                written.append(f"| {shown} | {'<br>'.join(texts)} | {meaning} |")
+            else:
+                plain.append(shown)
+        written += ["", f"Explained by the message: {', '.join(plain)}.", ""] if plain else [""]
     if found:
         raise SystemExit(f"messages.toml lacks {', '.join(found)}")
     return "\n".join(written)
