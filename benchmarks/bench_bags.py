@@ -217,7 +217,8 @@ def compare(container: Container, folder: Path, messages: int, repeat: int) -> I
     for name, run, ratio in results:
         if run["digest"] != expected:
             raise SystemExit(f"{container.name}, {name}: other numbers than were written")
-        yield f"| {container.name} | {name} | {messages / run['seconds'] / 1e3:.0f} k | {ratio} | {run['peak_mb']:.0f} |"
+        rate = f"{messages / run['seconds'] / 1e3:.0f} k"
+        yield f"| {container.name} | {name} | {rate} | {ratio} | {run['peak_mb']:.0f} |"
 
 
 def main() -> None:
