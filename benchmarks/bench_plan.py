@@ -18,20 +18,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from friction_audit.planning.question import AUTO, SERVO, question_of_log
 from statsmodels.stats.proportion import proportion_confint
 
 from benchmarks.hidden_effects.draw import draw_case, settings_of
 from friction_audit.diagnosis.diagnose import diagnose_subjects
-from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
 from friction_audit.planning.limits import Wanted, limits_of
 from friction_audit.planning.plan import plan_to_decide
-from friction_audit.planning.question import AUTO, SERVO, question_of_log
 from friction_audit.simulation import Operator
-from friction_audit.simulation.motion.prescribed import Prescribed
 from friction_audit.simulation.scenarios import simulate
 
 EFFECTS = (
@@ -57,16 +55,17 @@ def truth_of(settings: Any) -> str:  # noqa: ANN401 - of a bench
     return str(next(one.name for one in settings.hidden[0].each() if one.hidden))
 
 
-def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Any, JointDiagnosis]:
-    """Return estimate, prepared joint and diagnosis of a log of one joint."""
+def diagnosed(log: JointLog, settings: AuditSettings) -> tuple[Any, Diagnosis]:
+    """Return prepared joints and diagnosis of a log of one joint."""
     estimate = estimate_log(log, settings)
     subjects = diagnosis_subjects(estimate, DiagnosisSettings())
-    return estimate, subjects[0], diagnose_subjects(subjects, DiagnosisSettings()).joints[0]
+    found = diagnose_subjects(subjects, DiagnosisSettings())
+    return subjects, Diagnosis(estimate=estimate, discrepancy=found, settings=DiagnosisSettings())
 
 
-def sets_of(found: JointDiagnosis) -> str:
+def sets_of(found: Diagnosis) -> str:
     """Write the answer: names that may be each other by |, effects by ;."""
-    return ";".join("|".join((one.name, *one.alternatives)) for one in found.effects)
+    return ";".join("|".join((one.name, *one.alternatives)) for one in found.discrepancy.joints[0].effects)
 
 
 def same(name: str) -> set[str]:
@@ -95,21 +94,17 @@ def work(seed: int) -> dict[str, Any]:
         "seed": seed, "truth": truth, "scenario": scenario, "scale": scale
     }  # fmt: skip
     log = simulate(settings, seed).log
-    estimate, subject, found = diagnosed(log, AuditSettings())
+    subjects, found = diagnosed(log, AuditSettings())
     row["before"] = sets_of(found)
-    if found.verdict == "ambiguous" and open_names(truth, row["before"]):
-        hand = estimate.interaction.choice.drive == "hand"
-        question = question_of_log(found, subject, hand=hand, start_rad=0.0)
-        limits = limits_of(
-            "", 1, 0.0, urdf=None, panda=True, hand=hand, reach_rad=question.joint.reach_rad, wanted=Wanted()
-        )
-        plan = plan_to_decide(question, limits, "", check=False)
-        row["unknown"] = "|".join(plan.unknown)
-        strokes = tuple(one for run in plan.runs for one in run.strokes)
-        operator = Operator(motion=Prescribed(strokes=strokes), **({} if hand else SERVO))
+    if found.discrepancy.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
+        _, (task,) = tasks_of(diagnose_document(found), Path(log.source.path), [0.0], subjects=subjects)
+        limits = limits_of(task.joint, 0.0, urdf=None, panda=True)
+        plan = plan_task(task, limits, check=False)
+        row["unknown"] = "|".join(task.unknown)
+        operator = Operator(motion=plan.motion, **({} if task.joint.hand else SERVO))
         again = replace(settings, duration_s=plan.duration_s)
-        row["planned"] = sets_of(diagnosed(simulate(replace(again, operator=operator), seed + 10**6).log, AUTO)[2])
-        row["repeated"] = sets_of(diagnosed(simulate(again, seed + 10**6).log, AUTO)[2])
+        row["planned"] = sets_of(diagnosed(simulate(replace(again, operator=operator), seed + 10**6).log, AUTO)[1])
+        row["repeated"] = sets_of(diagnosed(simulate(again, seed + 10**6).log, AUTO)[1])
         row["seconds"] = round(plan.duration_s, 1)
     row["cpu_s"] = round(time.process_time() - began, 1)
     return row

@@ -1,6 +1,7 @@
 """``plan``: limits kept by every candidate, designs that separate, and the command end to end."""
 
 import json
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,9 +13,9 @@ from mcap_ros2.decoder import DecoderFactory
 from friction_audit import robot
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.planning.candidates import candidates_of
-from friction_audit.planning.limits import Limits, Wanted, limits_of
-from friction_audit.planning.plan import JointPlan, plan_to_decide, plan_to_estimate
-from friction_audit.planning.question import Joint, question_of
+from friction_audit.planning.limits import Limits, limits_of
+from friction_audit.planning.plan import JointPlan, plan_task
+from friction_audit.planning.task import Joint, Task, task_of
 from tests.cli.conftest import Run, run
 
 __all__ = ["run"]
@@ -42,7 +43,7 @@ def limits(**changes: float) -> Limits:
 )
 def test_every_candidate_keeps_the_limits_and_returns_to_the_start(asked: Limits) -> None:
     for one in candidates_of(asked):
-        plan = JointPlan(joint=Joint(), purpose="decide", why="", limits=asked, runs=(one,))
+        plan = JointPlan(task=Task(joint=Joint()), limits=asked, runs=(one,))
         t, q, dq, ddq = plan.trajectory(1000.0)
         assert asked.low_rad - 1e-9 <= q.min(), one.words
         assert q.max() <= asked.high_rad + 1e-9, one.words
@@ -56,19 +57,17 @@ def test_every_candidate_keeps_the_limits_and_returns_to_the_start(asked: Limits
 
 
 def test_limits_of_the_panda_are_those_published() -> None:
-    def of(**changes: object) -> Limits:
-        given: dict[str, object] = {"urdf": None, "panda": True, "hand": False, "reach_rad": (-9.0, 9.0)}
-        return limits_of("panda_joint4", 4, -2.0, **(given | {"wanted": Wanted()} | changes))  # type: ignore[arg-type]
-
-    found = of()
+    joint = Joint(number=4, name="panda_joint4", hand=False, reach_rad=(-9.0, 9.0))
+    found = limits_of(joint, -2.0, urdf=None, panda=True)
     assert (found.low_rad, found.high_rad) == pytest.approx((-3.0718 + 0.05, -0.0698 - 0.05))
     assert (found.speed_rad_s, found.acceleration_rad_s2, found.jerk_rad_s3) == (2.175, 3.125, 300.0)
-    by_hand = of(hand=True)
+    by_hand = limits_of(replace(joint, hand=True), -2.0, urdf=None, panda=True)
     assert by_hand.acceleration_rad_s2 == 3.125  # a trajectory for a hand is one for the arm too
     assert by_hand.speed_rad_s == 1.8
-    assert of(wanted=Wanted(range_rad=(-0.1, 0.2), speed_rad_s=0.5)).high_rad == pytest.approx(-1.8)
+    asked = limits_of(joint, -2.0, urdf=None, panda=True, range_rad=(-0.1, 0.2), speed_rad_s=0.5, jerk_rad_s3=None)
+    assert (asked.high_rad, asked.speed_rad_s, asked.jerk_rad_s3) == (pytest.approx(-1.8), 0.5, 300.0)
     with pytest.raises(UsageError, match="no joint elbow"):
-        limits_of("elbow", 1, 0.0, urdf=urdf(), panda=False, hand=False, reach_rad=(-1.0, 1.0), wanted=Wanted())
+        limits_of(replace(joint, name="elbow"), 0.0, urdf=urdf(), panda=False)
 
 
 def urdf() -> Path:
@@ -77,7 +76,8 @@ def urdf() -> Path:
 
 def test_stribeck_and_nonlinear_viscous_friction_are_separated_and_the_check_says_so() -> None:
     effects = [{"name": "stribeck", "alternatives": ("nonlinear_viscous",), "parameters": STRIBECK}]
-    plan = plan_to_decide(question_of(Joint(), effects, None, 0.0), limits(slowest_rad_s=0.05), "", 120.0)
+    found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}
+    plan = plan_task(task_of(found, hand=True, start_rad=0.0), limits(slowest_rad_s=0.05), 120.0)
     assert 100.0 < plan.duration_s <= 120.0
     expected = {(one.effect, one.other): one.two_ln_likelihood_ratio for one in plan.separated}
     assert min(expected.values()) > 20.0
@@ -90,12 +90,13 @@ def test_stribeck_and_nonlinear_viscous_friction_are_separated_and_the_check_say
 
 def test_a_recording_for_estimate_determines_both_coefficients() -> None:
     joint = Joint()
-    found = plan_to_estimate(joint, limits(), "", 60.0).coefficients
+    task = Task(joint=joint, purpose="estimate")
+    found = plan_task(task, limits(), 60.0).coefficients
     true = {"coulomb_nm": joint.parameters.coulomb_nm, "viscous_nms_per_rad": joint.parameters.viscous_nms_per_rad}
     for name, value in true.items():
         assert found[name].value == pytest.approx(value, rel=0.1), name
     with pytest.raises(AnalysisError, match="longer --duration"):
-        plan_to_estimate(joint, limits(), "", 5.0)
+        plan_task(task, limits(), 5.0)
 
 
 def result(path: Path, verdict: str, **changes: object) -> Path:

@@ -57,6 +57,17 @@ def read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
     return log
 
 
+def read_torque(path: Path, options: LogOptions, voice: Voice) -> "JointLog":
+    """Read a log for a result that is of no use where the torque is a motor current."""
+    log = read(path, read_options(options.reading, options.selection), voice)
+    if log.source.torque_unit != "N m":
+        raise UsageError(
+            f"{path}: its torque is a motor current [{log.source.torque_unit}]; expected newton metres; multiply the "
+            "column by torque constant and gear ratio"
+        )
+    return log
+
+
 def estimate(log: "JointLog", settings: "AuditSettings", voice: Voice) -> "Estimate":
     """Run the chain on a log."""
     from friction_audit.pipeline import estimate_log

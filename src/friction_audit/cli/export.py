@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain
-from friction_audit.cli.chain import audit_settings, read_options
+from friction_audit.cli.chain import audit_settings
 from friction_audit.cli.choices import option, parse_joints, parse_numbers
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import OUTPUT
@@ -101,12 +101,7 @@ def _estimate(source: Path, shared: LogOptions, friction: EstimateOptions, voice
     """Estimate the friction of a log, which must be a torque."""
     settings = audit_settings(shared, friction)
     with chain.loading("friction_audit.friction.estimate"):
-        log = chain.read(source, read_options(shared.reading, shared.selection), voice)
-    if log.source.torque_unit != "N m":
-        raise UsageError(
-            f"{source}: its torque is a motor current [{log.source.torque_unit}]; expected newton metres; multiply the "
-            "column by torque constant and gear ratio"
-        )
+        log = chain.read_torque(source, shared, voice)
     result = chain.estimate(log, settings, voice)
     chain.require_an_estimate(result)
     return result

@@ -29,6 +29,12 @@ class Candidate:
         """Its length with the rests. [s]"""
         return sum(one.moving_s + one.rest_s for one in self.strokes)
 
+    @property
+    def span_rad(self) -> tuple[float, float]:
+        """Lowest and highest position relative to the start. [rad]"""
+        places = np.cumsum([0.0, *(one.way_rad for one in self.strokes)])
+        return float(places.min()), float(places.max())
+
 
 def candidates_of(limits: Limits) -> tuple[Candidate, ...]:
     """Return the candidate excursions.

@@ -7,7 +7,7 @@ largest gain per second and then exchanging candidates as long as one gains (V. 
 Experiments, 1972). Sums of squares add up over candidates, for each starts and ends at rest.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,17 +18,15 @@ from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.registry import effect_of, effects
+from friction_audit.effects.registry import effect_of
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.planning.candidates import Candidate
-from friction_audit.planning.question import Joint, subject_of, torque_on
+from friction_audit.planning.task import Joint, subject_of
 from friction_audit.simulation.motion.prescribed import Prescribed, starts_of
 
 MOST_POINTS = 16  # of an effect's grid: neighbours differ little
-ENOUGH = (
-    20.0  # of 2 ln of a likelihood ratio: from 10 on evidence is very strong (Kass, Raftery), more is of little use
-)
+ENOUGH = 20.0  # of 2 ln of a likelihood ratio: from 10 on evidence is very strong (Kass, Raftery)
 OTHERS = 0.1  # weight of effects that the log has ruled out: the new log must rule them out again
 SWEEPS = 4  # of exchanges; two usually suffice
 RIDGE = 1e-9
@@ -36,25 +34,15 @@ RIDGE = 1e-9
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Information:
-    """Sums of squares and products of whitened columns, by candidate; c candidates, h true effects, k competitors.
+    """Sums of squares and products of whitened columns, by candidate; c candidates, h true effects, k competitors."""
 
-    Attributes:
-        rows: Of the nominal model, nuisances and a competing effect with themselves, shape (c, k, r, r).
-        cross: Of these with the torques of the true effects, shape (c, k, r, h).
-        own: Of each torque with itself, shape (c, h).
-        names: Name of the effect of each competitor, of which several are points of one grid, shape (k,).
-        truths: Names of the true effects.
-        prior: Precision of the rows, shape (r, r).
-        seconds: Length of each candidate. [s]
-    """
-
-    rows: Float
-    cross: Float
-    own: Float
-    names: NDArray[np.str_]
-    truths: tuple[str, ...]
-    prior: Float
-    seconds: Float
+    rows: Float  # of nominal model, nuisances and a competing effect with themselves, shape (c, k, r, r)
+    cross: Float  # of these with the torques of the true effects, shape (c, k, r, h)
+    own: Float  # of each torque with itself, shape (c, h)
+    names: NDArray[np.str_]  # effect of each competitor, of which several are points of one grid, shape (k,)
+    truths: tuple[str, ...]  # names of the true effects
+    prior: Float  # precision of the rows, shape (r, r)
+    seconds: Float  # length of each candidate [s]
 
     def separation(self, counts: Float) -> tuple[tuple[str, ...], Float]:
         """Return the competing names and the expected 2 ln of the likelihood ratio against each, shape (h, names)."""
@@ -73,34 +61,39 @@ def information_of(
     joint: Joint,
     candidates: Sequence[Candidate],
     truths: Mapping[str, FittedTerm],
-    certain: Sequence[FittedTerm] = (),
-    choice: Sequence[Effect] | None = None,
+    certain: Sequence[FittedTerm],
+    competing: Sequence[Effect],
 ) -> Information:
-    """Simulate the joint along all candidates once, and take apart what the columns of all effects say of each.
+    """Simulate the joint along all candidates once, and take apart what the columns of the effects say of each.
 
     Args:
         joint: The joint.
         candidates: What it may do.
         truths: Effects of which one is there, by name.
         certain: Effects that are there in any case.
-        choice: Effects that compete; None for all.
+        competing: Effects that compete.
     """
+
+    def torque_of(terms: Iterable[FittedTerm]) -> Float:
+        torques = [term.torque(data.motion(nominal.torque)) for term in terms]
+        return problem.samples.of(np.sum(torques, axis=0))
+
     motion = Prescribed(strokes=tuple(one for c in candidates for one in c.strokes))
     data = subject_of(joint, joint.settings(motion, float(starts_of(motion)[-1]) + 0.5), seed=1).data
     problem = RegressionProblem.build(data, None)
     nominal = joint.nominal(data)
     nuisances = problem.nuisances(nominal)
-    fixed = problem.samples.of(torque_on(certain, data, nominal))[None] if certain else np.zeros((0, len(problem.y)))
-    base = np.vstack([problem.X, *(one.column[None] for one in nuisances), fixed])
+    base = np.vstack([problem.X, *(one.column for one in nuisances), *([torque_of(certain)] if certain else [])])
     fit = np.linalg.lstsq(base.T, problem.y)[0]
     noise = NoiseModel.fit(problem, [problem.y - fit @ base], problem.model_error(nominal))
-    torques = np.array([problem.samples.of(torque_on([one], data, nominal)) for one in truths.values()])
-    torques = torques.reshape(len(truths), len(problem.y))
-    dictionary = Dictionary.build(problem, effects() if choice is None else choice, nominal)
-    ends = np.cumsum([sum(1 for _ in c.strokes) for c in candidates])
+    torques = np.array([torque_of([one]) for one in truths.values()]).reshape(len(truths), len(problem.y))
+    grids: dict[str, list[Block]] = {}
+    for block in Dictionary.build(problem, competing, nominal).blocks:
+        grids.setdefault(block.name, []).append(block)
+    blocks = [block for grid in grids.values() for block in grid[:: max(1, len(grid) // MOST_POINTS)]]
+    ends = np.cumsum([len(c.strokes) for c in candidates])
     place = np.searchsorted(starts_of(motion)[ends], problem.samples.t, side="right")
     slices = [np.flatnonzero(place == k) for k in range(len(candidates))]
-    blocks = [b for name in {b.name: 0 for b in dictionary.blocks} for b in _thinned(dictionary, name)]
     if not blocks or not len(problem.y):
         raise AnalysisError("no candidate motion shows any effect; widen the limits")
     width = max(b.p for b in blocks)
@@ -123,11 +116,6 @@ def information_of(
         prior=np.diag(prior) + RIDGE * np.eye(shape[2]),
         seconds=np.array([c.duration_s for c in candidates]),
     )
-
-
-def _thinned(dictionary: Dictionary, name: str) -> list[Block]:
-    own = [b for b in dictionary.blocks if b.name == name]
-    return own[:: max(1, len(own) // MOST_POINTS)]
 
 
 def value_of_separation(about: Information, counts: Float) -> float:
@@ -153,36 +141,32 @@ Criterion = Callable[[Information, Float], float]
 
 
 def exchange(about: Information, criterion: Criterion, duration_s: float) -> NDArray[np.int64]:
-    """Return how often each candidate is run in a time, shape (c,).
-
-    Args:
-        about: What each candidate shows.
-        criterion: Value of a design, of ``Information`` and counts.
-        duration_s: Time that there is. [s]
-    """
+    """Return how often each candidate is run in a time [s], shape (c,), with the value of a design by a criterion."""
     counts, units = np.zeros(len(about.seconds)), np.eye(len(about.seconds))
     best = criterion(about, counts)
-    while True:
+
+    def one_more(counts: Float) -> tuple[NDArray[np.intp], Float]:
         fits = np.flatnonzero(about.seconds <= duration_s - counts @ about.seconds)
+        return fits, np.array([criterion(about, counts + units[k]) for k in fits])
+
+    while True:
+        fits, values = one_more(counts)
         if not len(fits):
             break
-        values = np.array([criterion(about, counts + units[k]) for k in fits])
         chosen = int(np.argmax((values - best) / about.seconds[fits]))
         counts, best = counts + units[fits[chosen]], float(values[chosen])
     for _ in range(SWEEPS):
         before = best
         for out in np.flatnonzero(counts):
-            rest = counts - units[out]
-            fits = np.flatnonzero(about.seconds <= duration_s - rest @ about.seconds)
-            values = np.array([criterion(about, rest + units[k]) for k in fits])
+            fits, values = one_more(counts - units[out])
             if values.max() > best + 1e-9:
-                counts, best = rest + units[fits[int(np.argmax(values))]], float(values.max())
+                counts, best = counts - units[out] + units[fits[int(np.argmax(values))]], float(values.max())
         if best <= before + 1e-9:
             break
     return counts.astype(np.int64)
 
 
-def in_order(candidates: Sequence[Candidate], counts: NDArray[np.int64]) -> list[Candidate]:
+def in_order(candidates: Sequence[Candidate], counts: NDArray[np.int64]) -> tuple[Candidate, ...]:
     """Return the runs spread over the time, so that neither warming up nor drift goes with one of them."""
     moments = [((k + 0.5) / count, n) for n, count in enumerate(counts) for k in range(count)]
-    return [candidates[n] for _, n in sorted(moments)]
+    return tuple(candidates[n] for _, n in sorted(moments))

@@ -1,39 +1,43 @@
-"""The next recording of a joint: the motion, the answers that it leads to, and the trajectory."""
+"""The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
 from collections.abc import Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import NamedTuple
 
 import numpy as np
 
+from friction_audit.diagnosis.diagnose_joint import diagnose_joint
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import Index, RegressionProblem
+from friction_audit.diagnosis.result import Verdict
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of, effects
-from friction_audit.errors import AnalysisError
+from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import Coefficient
-from friction_audit.joint_log import Float
+from friction_audit.io.writers.joint_trajectory import Trajectory
 from friction_audit.pipeline import estimate_log
 from friction_audit.planning import design
 from friction_audit.planning.candidates import Candidate, candidates_of
-from friction_audit.planning.check import Answer, answer, duration_of, recording
 from friction_audit.planning.limits import Limits
-from friction_audit.planning.question import AUTO, Joint, Question, reference, term_of_block
-from friction_audit.simulation import simulate
-from friction_audit.simulation.from_model import EQUALS
+from friction_audit.planning.task import AUTO, Arm, Joint, Task, reference, subject_of, term_of_block
+from friction_audit.simulation import BenchSettings, Hidden, simulate
+from friction_audit.simulation.effects import HiddenEffect
+from friction_audit.simulation.effects.effect import NoEqualError, Setting
+from friction_audit.simulation.from_model import EQUALS, equal_of, near_of
 from friction_audit.simulation.motion import intend
 from friction_audit.simulation.motion.prescribed import Prescribed
 
-Purpose = Literal["decide", "diagnose", "estimate"]
 DURATION_S = 120.0
+END_S = 0.5  # rest after the last stroke
 SEED = 7  # of the noise of the check
 SIZE = 0.1  # of the friction torque: an effect of this size counts, where no log has one
 FEWEST_RUNS = 3  # with fewer there are too few cycles for a diagnosis
 RATE_HZ = 1000.0  # of a trajectory's samples before they are thinned out
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Separated:
+class Separated(NamedTuple):
     """Expected 2 ln of the likelihood ratio of an effect, if it is there, against another one."""
 
     effect: str
@@ -41,124 +45,112 @@ class Separated:
     two_ln_likelihood_ratio: float
 
 
+class Answer(NamedTuple):
+    """What `diagnose` answers where one of the competing effects is there."""
+
+    effect: str
+    numbers: Mapping[str, float | str]  # as simulated: values by name; empty where it does nothing in this motion
+    verdict: Verdict
+    sets: tuple[tuple[str, ...], ...]  # names of each effect that is named, with those that it may be instead
+    exact: bool  # whether the simulator has these very numbers, of all effects that are there, and not only near ones
+    decided: bool  # whether no wrong name is left but the effect and those that are there in any case
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class JointPlan:
-    """The motion of one joint for one purpose.
+    """The motion of one joint for one purpose."""
 
-    Attributes:
-        joint: The joint.
-        purpose: ``decide`` between names, ``diagnose`` or ``estimate``.
-        why: What the log leaves open, in words.
-        limits: Limits that it keeps.
-        runs: Candidates in the order in which they are run.
-        separated: What the design expects of each pair.
-        answers: What `diagnose` would answer with each effect in turn; empty if not simulated.
-        coefficients: What `estimate` would find, of one that is for it.
-        unknown: Competing names that are left out, and why.
-    """
+    task: Task
+    limits: Limits  # limits that it keeps
+    runs: tuple[Candidate, ...]  # in the order in which they are run
+    separated: tuple[Separated, ...] = ()  # what the design expects of each pair
+    answers: tuple[Answer, ...] = ()  # with each effect in turn; empty if not simulated
+    coefficients: Mapping[str, Coefficient] = field(default_factory=dict)  # what `estimate` would find
 
-    joint: Joint
-    purpose: Purpose
-    why: str
-    limits: Limits
-    runs: tuple[Candidate, ...]
-    separated: tuple[Separated, ...] = ()
-    answers: tuple[Answer, ...] = ()
-    coefficients: Mapping[str, Coefficient] = field(default_factory=dict)
-    unknown: Mapping[str, str] = field(default_factory=dict)
+    @property
+    def motion(self) -> Prescribed:
+        """All strokes, one after the other."""
+        return Prescribed(strokes=tuple(one for run in self.runs for one in run.strokes))
 
     @property
     def duration_s(self) -> float:
         """Length of the motion with a rest before and after. [s]"""
-        return duration_of([one for run in self.runs for one in run.strokes])
+        motion = self.motion
+        return float(sum(one.moving_s + one.rest_s for one in motion.strokes)) + motion.start_s + END_S
 
     @property
-    def undecided(self) -> tuple[str, ...]:
-        """Effects that `diagnose` would not name alone."""
-        return tuple(one.effect for one in self.answers if not one.decided)
+    def recording(self) -> BenchSettings:
+        """The simulation of the joint along the motion."""
+        return self.task.joint.settings(self.motion, self.duration_s)
 
-    def trajectory(self, rate_hz: float) -> tuple[Float, Float, Float, Float]:
-        """Return time, position, velocity and acceleration, shape (n,) each. [s], [rad], [rad/s], [rad/s^2]"""
+    def trajectory(self, rate_hz: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        """Return time, position, velocity and acceleration, shape (4, n). [s], [rad], [rad/s], [rad/s^2]"""
         ticks = round(self.duration_s * RATE_HZ)
-        motion = Prescribed(strokes=tuple(one for run in self.runs for one in run.strokes))
-        found = intend(motion, ticks, 1.0 / RATE_HZ, np.random.default_rng(0))
-        every = max(round(RATE_HZ / rate_hz), 1)
+        found = intend(self.motion, ticks, 1.0 / RATE_HZ, np.random.default_rng(0))
         t = np.arange(ticks + 1) / RATE_HZ
         rate = np.gradient(found.velocity, t)
-        return t[::every], (self.limits.start_rad + found.position)[::every], found.velocity[::every], rate[::every]
+        whole = np.array([t, self.limits.start_rad + found.position, found.velocity, rate])
+        return whole[:, :: max(round(RATE_HZ / rate_hz), 1)]
 
 
-def plan_to_decide(
-    question: Question, limits: Limits, why: str, duration_s: float = DURATION_S, *, check: bool = True
-) -> JointPlan:
-    """Plan the motion that decides between the effects that compete in a joint.
+def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Trajectory:
+    """Return the motions of the joints one after the other, all other joints held at the start."""
+    parts, begin = [], 0.0
+    for plan in plans:
+        t, *moved = plan.trajectory(rate_hz)
+        whole = np.zeros((3, len(t), len(arm.names)))
+        whole[0] = arm.start_rad
+        whole[:, :, plan.task.joint.number - 1] = moved
+        parts.append((begin + t, *whole))
+        begin = float(parts[-1][0][-1]) + 1.0 / rate_hz
+    return Trajectory(arm.names, *(np.concatenate(one) for one in zip(*parts, strict=True)))
+
+
+def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, check: bool = True) -> JointPlan:
+    """Plan the motion that a joint needs.
+
+    To decide between effects and to diagnose it is T-optimal, there for all effects that a joint alone can show at a
+    usual size; for Coulomb and viscous friction it is D-optimal.
+
+    Args:
+        task: What it needs; with a purpose.
+        limits: Limits of the joint.
+        duration_s: Longest duration. [s]
+        check: Whether to simulate the motion and what `diagnose` or `estimate` would answer.
 
     Raises:
-        AnalysisError: If no two names are left, or the time is too short.
+        AnalysisError: If the time is too short.
         UsageError: If no motion keeps the limits.
     """
-    truths = {name: one[name] for one in question.sets if len(one) > 1 for name in one}
-    if not truths:
-        raise AnalysisError(f"joint {question.joint.number}: no two names are left to decide between")
-    certain = [next(iter(one.values())) for one in question.sets if len(one) == 1]
-    plan = _of_effects(question.joint, limits, truths, certain, duration_s)
-    answers = [answer(question.joint, plan.runs, name, question.terms(name), SEED) for name in truths if check]
-    return replace(plan, why=why, answers=tuple(answers), unknown=dict(question.unknown))
-
-
-def plan_to_diagnose(
-    joint: Joint, limits: Limits, why: str, duration_s: float = DURATION_S, *, check: bool = True
-) -> JointPlan:
-    """Plan the motion that shows and separates all effects that a joint alone can show, at a usual size.
-
-    Raises as ``plan_to_decide`` does.
-    """
-    truths = usual_terms(joint)
-    plan = _of_effects(joint, limits, truths, (), duration_s)
-    answers = [answer(joint, plan.runs, name, [term], SEED) for name, term in truths.items() if check]
-    return replace(plan, purpose="diagnose", why=why, answers=tuple(answers))
-
-
-def plan_to_estimate(
-    joint: Joint, limits: Limits, why: str, duration_s: float = DURATION_S, *, check: bool = True
-) -> JointPlan:
-    """Plan the motion that determines Coulomb and viscous friction best (D-optimal design).
-
-    Raises as ``plan_to_decide`` does.
-    """
-    candidates = candidates_of(limits)
-    about = design.information_of(joint, candidates, {}, choice=[effect_of("nonlinear_viscous")])
-    counts = _filled(about, design.value_for_coefficients, duration_s)
-    runs = tuple(design.in_order(candidates, counts))
-    plan = JointPlan(joint=joint, purpose="estimate", why=why, limits=limits, runs=runs)
-    if not check:
-        return plan
-    log = simulate(recording(joint, runs), SEED, path="planned motion").log
-    found = estimate_log(log, AUTO).friction.joints[0]
-    return replace(plan, coefficients={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous})
-
-
-def _of_effects(
-    joint: Joint, limits: Limits, truths: Mapping[str, FittedTerm], certain: Sequence[FittedTerm], duration_s: float
-) -> JointPlan:
-    candidates = candidates_of(limits)
-    about = design.information_of(joint, candidates, truths, certain)
+    joint, candidates = task.joint, candidates_of(limits)
+    if task.purpose == "estimate":
+        about = design.information_of(joint, candidates, {}, (), [effect_of("nonlinear_viscous")])
+        counts = _filled(about, design.value_for_coefficients, duration_s)
+        plan = JointPlan(task=task, limits=limits, runs=design.in_order(candidates, counts))
+        if not check:
+            return plan
+        found = estimate_log(simulate(plan.recording, SEED, path="planned motion").log, AUTO).friction.joints[0]
+        return replace(plan, coefficients={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous})
+    sets = task.sets if task.purpose == "decide" else (usual_terms(joint),)
+    truths = {name: one[name] for one in sets if len(one) > 1 for name in one}
+    certain = [next(iter(one.values())) for one in sets if len(one) == 1]
+    about = design.information_of(joint, candidates, truths, certain, effects())
     counts = _filled(about, design.value_of_separation, duration_s)
-    names, found = about.separation(counts.astype(float))
-    expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, found, strict=True)}
+    names, values = about.separation(counts.astype(float))
+    expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
     pairs = [(one, other) for one in truths for other in truths if one != other and other in expected[one]]
-    return JointPlan(
-        joint=joint,
-        purpose="decide",
-        why="",
+    plan = JointPlan(
+        task=task,
         limits=limits,
-        runs=tuple(design.in_order(candidates, counts)),
-        separated=tuple(Separated(effect=a, other=b, two_ln_likelihood_ratio=expected[a][b]) for a, b in pairs),
+        runs=design.in_order(candidates, counts),
+        separated=tuple(Separated(one, other, expected[one][other]) for one, other in pairs),
     )
+    there = {name: [one.get(name, next(iter(one.values()))) for one in sets] for name in truths}
+    return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
 
 
 def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
-    counts = design.exchange(about, criterion, duration_s - duration_of(()))
+    counts = design.exchange(about, criterion, duration_s - Prescribed(strokes=()).start_s - END_S)
     if counts.sum() < FEWEST_RUNS:
         raise AnalysisError(
             f"{duration_s:g} s: room for {counts.sum()} candidate motions, the shortest of "
@@ -172,13 +164,13 @@ def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
     alone = [one for one in effects() if one.coefficients and not EQUALS[one.name].needs_neighbours]
     data = reference(joint)
     problem, nominal = RegressionProblem.build(data, None), joint.nominal(data)
-    dictionary, size = Dictionary.build(problem, alone, nominal), SIZE * joint.parameters.coulomb_nm
+    blocks, size = Dictionary.build(problem, alone, nominal).blocks, SIZE * joint.parameters.coulomb_nm
     terms = dict[str, FittedTerm]()
     for effect in alone:
-        own = [one for one in dictionary.blocks if one.name == effect.name]
-        found = [_of_size(one, problem, size) for one in own[len(own) // 2 :] + own[: len(own) // 2]]
-        term = next((one for one in found if one is not None), None)
-        terms |= {} if term is None else {effect.name: term}
+        own = [one for one in blocks if one.name == effect.name]
+        found = (_of_size(one, problem, size) for one in own[len(own) // 2 :] + own[: len(own) // 2])
+        if (term := next(filter(None, found), None)) is not None:
+            terms[effect.name] = term
     return terms
 
 
@@ -187,6 +179,37 @@ def _of_size(block: Block, problem: RegressionProblem, size_nm: float) -> Fitted
     columns, X = block.columns, problem.X
     free = columns - (np.linalg.lstsq(X.T, columns.T)[0].T @ X)
     own = np.ones(len(columns)) * size_nm / max(float(np.sqrt(np.mean(free.sum(axis=0) ** 2))), 1e-12)
-    if block.effect.follows:
-        own = np.array([block.effect.coefficient_of(block.shape)])
-    return term_of_block(block, block.whole(own)) if block.possible(own) else None
+    return term_of_block(block, np.array([block.effect.coefficient_of(block.shape)]) if block.effect.follows else own)
+
+
+def answer(plan: JointPlan, name: str, terms: Sequence[FittedTerm]) -> Answer:
+    """Simulate a joint along its plan with an effect and those that are there in any case, and diagnose the log."""
+    joint, settings = plan.task.joint, plan.recording
+    pairs = [one for one in (_hidden(term, joint, settings) for term in terms) if one is not None]
+    own = next((one for one, _ in pairs if one.name == EQUALS[name].name), None)
+    settings = replace(settings, hidden=(Hidden().holding(*(one for one, _ in pairs)),))
+    found = diagnose_joint(subject_of(joint, settings, SEED), effects(), DiagnosisSettings())
+    sets = tuple((one.name, *one.alternatives) for one in found.effects)
+    # What no motion separates from the effect counts as the same.
+    same, named = {name, *effect_of(name).indistinguishable}, {one for each in sets for one in each}
+    certain: AbstractSet[str] = {one.name for one in terms} - {name}
+    decided = named <= same | certain and (bool(named & same) or own is None)
+    exact = all(exactly for _, exactly in pairs)
+    return Answer(name, {} if own is None else own.values(), found.verdict, sets, exact, decided)
+
+
+def _hidden(term: FittedTerm, joint: Joint, settings: BenchSettings) -> tuple[HiddenEffect, bool] | None:
+    """Return the simulator's effect and whether it equals a term; None for one that a joint alone does not show."""
+    if EQUALS[term.name].needs_neighbours:
+        return None
+    setting = Setting(
+        joint=joint.parameters,
+        start_rad=0.0,
+        driven=not joint.hand,
+        duration_s=settings.duration_s,
+        outer_kg_m2=settings.operator.inertia_kg_m2,
+    )
+    try:
+        return equal_of(term, setting), True
+    except (NoEqualError, UsageError):
+        return near_of(term), False

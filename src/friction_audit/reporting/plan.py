@@ -1,52 +1,27 @@
 """The next recording: its document and its text."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from friction_audit.diagnosis.result import VERDICTS
 from friction_audit.friction.history import Coefficient
-from friction_audit.planning.candidates import Candidate
-from friction_audit.planning.check import Answer
-from friction_audit.planning.plan import JointPlan
-from friction_audit.planning.source import Task
+from friction_audit.planning.plan import Answer, JointPlan
+from friction_audit.planning.task import Task
 from friction_audit.reporting.documents import WARNINGS
 from friction_audit.reporting.notices import Notice
 from friction_audit.reporting.table import Column, Document, Record
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import joint_label
 
-PURPOSES = ("decide", "diagnose", "estimate")
-WORDS = {"decide": "to decide between", "diagnose": "to diagnose", "estimate": "to estimate friction"}
-RECORD = "friction-audit {} RECORDING --thresholds auto"
+PURPOSES = {"decide": "to decide between", "diagnose": "to diagnose", "estimate": "to estimate friction"}
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Recording:
-    """The motions of one recording, one joint after the other.
-
-    Attributes:
-        purpose: What it is for.
-        plans: Of the joints, in order.
-        files: Where its trajectory was written.
-    """
+class Recording(NamedTuple):
+    """The motions of one recording, one joint after the other, and where its trajectory was written."""
 
     purpose: str
     plans: tuple[JointPlan, ...]
-    files: tuple[str, ...] = ()
-
-    @property
-    def duration_s(self) -> float:
-        """Its length. [s]"""
-        return sum(plan.duration_s for plan in self.plans)
-
-
-def _span(run: Candidate) -> tuple[float, float]:
-    places, place = [0.0], 0.0
-    for one in run.strokes:
-        place += one.way_rad
-        places.append(place)
-    return min(places), max(places)
+    files: tuple[str, ...]
 
 
 def _numbers(answer: Answer) -> dict[str, float]:
@@ -70,8 +45,8 @@ STROKE = Record(
 RUN = Record(
     (
         Column("words", str, "what it is"),
-        Column("low", float, "lowest position relative to the start", lambda run: _span(run)[0], unit="rad"),
-        Column("high", float, "highest", lambda run: _span(run)[1], unit="rad"),
+        Column("low", float, "lowest position relative to the start", "span_rad.0", unit="rad"),
+        Column("high", float, "highest", "span_rad.1", unit="rad"),
         Column("duration", float, "its length", "duration_s", unit="s"),
         Column("strokes", [STROKE], "from rest to rest"),
     )
@@ -107,22 +82,22 @@ ANSWER = Record(
 )
 JOINT_PLAN = Record(
     (
-        Column("joint", int, "number, from 1", "joint.number"),
-        Column("name", str, "name in the log", "joint.name"),
-        Column("why", str, "what is open", null=True),
+        Column("joint", int, "number, from 1", "task.joint.number"),
+        Column("name", str, "name in the log", "task.joint.name"),
+        Column("why", str, "what is open", "task.why", null=True),
         Column("duration", float, "its length", "duration_s", unit="s"),
         Column("limits", LIMITS, "limits that it keeps"),
         Column("runs", [RUN], "in order"),
         Column("separated", [SEPARATED], "what the design expects of each pair of effects"),
         Column("answers", [ANSWER], "what `diagnose` would answer, simulated; empty if it was not"),
         Column("coefficients", {"*": Coefficient}, "what `estimate` would find, simulated"),
-        Column("left_out", {"*": str}, "competing names that were not planned for, and why", "unknown"),
+        Column("left_out", {"*": str}, "competing names that were not planned for, and why", "task.unknown"),
     )
 )
 RECORDING = Record(
     (
-        Column("purpose", PURPOSES, "what it is for"),
-        Column("duration", float, "its length", "duration_s", unit="s"),
+        Column("purpose", tuple(PURPOSES), "what it is for"),
+        Column("duration", float, "its length", lambda one: sum(plan.duration_s for plan in one.plans), unit="s"),
         Column("joints", [JOINT_PLAN], "one after the other", "plans"),
         Column("files", [str], "where the trajectory was written"),
     )
@@ -162,22 +137,19 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
     if plans and not known_start:
         yield Notice("start_unknown", None, "the result holds no pose; the motion starts at --start, here as printed")
     for plan in plans:
-        number = plan.joint.number
-        for name, why in plan.unknown.items():
+        number = plan.task.joint.number
+        for name, why in plan.task.unknown.items():
             yield Notice("name_left_out", number, f"joint {number}: {name} is not planned for: {why}")
-        near = [one.effect for one in plan.answers if not one.exact]
-        if plan.purpose == "decide" and near:
-            yield Notice(
-                "near_numbers",
-                number,
-                f"joint {number}: the check for {' and '.join(near)} uses the nearest numbers that the simulator has",
-            )
-        if plan.purpose == "decide" and plan.undecided:
-            names = " and ".join(plan.undecided)
+        if plan.task.purpose != "decide":
+            continue
+        if near := " and ".join(one.effect for one in plan.answers if not one.exact):
+            near = f"joint {number}: the check for {near} uses the nearest numbers that the simulator has"
+            yield Notice("near_numbers", number, near)
+        if undecided := " and ".join(one.effect for one in plan.answers if not one.decided):
             yield Notice(
                 "not_decided",
                 number,
-                f"joint {number}: if it has {names}, `diagnose` would not name it alone after this motion; record "
+                f"joint {number}: if it has {undecided}, `diagnose` would not name it alone after this motion; record "
                 "longer (--duration), or allow a wider --range or a higher --speed",
             )
 
@@ -185,41 +157,36 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
 def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
     """Return the motions as text for a person, and what `diagnose` would answer after them."""
     lines = [f"joint {joint_label(one.joint.number, one.joint.name)}: nothing to decide: {one.why}" for one in settled]
-    if settled and not any(plan.why for one in recordings for plan in one.plans):
+    if settled and not any(plan.task.why for one in recordings for plan in one.plans):
         lines.append("The best recording otherwise:")
     for one in recordings:
         for plan in one.plans:
             lines += [*([""] if lines else []), *_joint_lines(plan)]
         command = "estimate" if one.purpose == "estimate" else "diagnose"
-        lines += [*one.files, f"then: {RECORD.format(command)}"]
+        lines += [*one.files, f"then: friction-audit {command} RECORDING --thresholds auto"]
     return lines
 
 
 def _joint_lines(plan: JointPlan) -> Iterator[str]:
-    limits, joint = plan.limits, plan.joint
-    open_ = f" {plan.why}" if plan.purpose == "decide" else f" ({plan.why})" if plan.why else ""
-    yield f"joint {joint_label(joint.number, joint.name)}, {WORDS[plan.purpose]}{open_}: {plan.duration_s:.0f} s, " + (
-        "by hand or by the robot" if joint.hand else "by the robot"
-    )
+    limits, joint, why = plan.limits, plan.task.joint, plan.task.why
+    decided = f" {why}" if plan.task.purpose == "decide" else f" ({why})" if why else ""
+    by = "by hand or by the robot" if joint.hand else "by the robot"
+    purpose = f"{PURPOSES[plan.task.purpose or 'decide']}{decided}"
+    yield f"joint {joint_label(joint.number, joint.name)}, {purpose}: {plan.duration_s:.0f} s, {by}"
     yield (
         f"start at {limits.start_rad:.2f} rad; within {limits.low_rad:.2f} to {limits.high_rad:.2f} rad, "
         f"{limits.speed_rad_s:.3g} rad/s, {limits.acceleration_rad_s2:.3g} rad/s², {limits.jerk_rad_s3:.3g} rad/s³ "
         f"({limits.source})"
     )
-    counts: dict[str, list[Candidate]] = {}
-    for run in plan.runs:
-        counts.setdefault(run.words, []).append(run)
-    for words, runs in counts.items():
-        low, high = _span(runs[0])
-        yield f"  {len(runs)} x {words}; {low:+.2f} to {high:+.2f} rad from the start, {runs[0].duration_s:.0f} s"
+    words = [run.words for run in plan.runs]
+    for run in {one.words: one for one in plan.runs}.values():
+        low, high = run.span_rad
+        count = words.count(run.words)
+        yield f"  {count} x {run.words}; {low:+.2f} to {high:+.2f} rad from the start, {run.duration_s:.0f} s"
     if len(plan.runs) > 1:
         yield "  in mixed order, each from rest to rest; the other joints hold still"
     if plan.answers:
         yield from table_lines(ANSWER.people(plan.answers, "t"))
-    if plan.coefficients:
-        found = ", ".join(f"{key.partition('_')[0]} {_half_width(one)}" for key, one in plan.coefficients.items())
-        yield f"estimate would find, with 95 % intervals: {found}"
-
-
-def _half_width(one: Coefficient) -> str:
-    return f"{one.value:.3g} ± {(one.high - one.low) / 2.0:.2g}"
+    if found := [(key, one, 0.5 * (one.high - one.low)) for key, one in plan.coefficients.items()]:
+        numbers = ", ".join(f"{key.partition('_')[0]} {one.value:.3g} ± {half:.2g}" for key, one, half in found)
+        yield f"estimate would find, with 95 % intervals: {numbers}"

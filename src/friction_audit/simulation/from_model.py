@@ -4,13 +4,13 @@ The simulator has formulas of its own. Where one of them equals a term, it is us
 term without an equal is refused by name, for a log made by another formula would not be one of the model's.
 """
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import inf
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
-from friction_audit.simulation.effects.effect import NoEqualError, Setting
+from friction_audit.simulation.effects.effect import FORM, Given, NoEqualError, Setting
 from friction_audit.simulation.settings import JointParameters
 
 if TYPE_CHECKING:
@@ -85,16 +85,44 @@ def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, Hidd
     return groups
 
 
-def _equal(term: "FittedTerm", setting: Setting, where: str) -> HiddenEffect:
-    values = {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}
+def equal_of(term: "FittedTerm", setting: Setting) -> HiddenEffect:
+    """Return the hidden effect that equals a term.
+
+    Raises:
+        NoEqualError: If the simulator has none.
+        UsageError: If it does not take the numbers.
+    """
     effect = EQUALS[term.name]
+    return _made(effect, effect.from_parameters(_values_of(term), setting))
+
+
+def near_of(term: "FittedTerm") -> HiddenEffect:
+    """Return the hidden effect next to a term: numbers that mean the same are taken over, the others are as usual."""
+    effect, values = EQUALS[term.name], _values_of(term)
+    likes = {one.name: values.get(one.metadata["like"]) for one in fields(effect) if one.name != FORM}
+    near: Given = {
+        own.name: min(max(value, own.lower), own.upper)
+        for own in effect.parameters()
+        if (value := likes[own.name]) is not None and (value or own.name != effect.strength_name())
+    }
+    return _made(effect, near)
+
+
+def _values_of(term: "FittedTerm") -> dict[str, float]:
+    return {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}
+
+
+def _made(effect: type[HiddenEffect], given: Given) -> HiddenEffect:
+    return effect.make({key: v if isinstance(v, str) else repr(float(v)) for key, v in given.items()})
+
+
+def _equal(term: "FittedTerm", setting: Setting, where: str) -> HiddenEffect:
     try:
-        given = effect.from_parameters(values, setting)
-        return effect.make({key: v if isinstance(v, str) else repr(float(v)) for key, v in given.items()})
+        return equal_of(term, setting)
     except NoEqualError as reason:
         raise UsageError(
             f"{where}: the simulator has no equal of it: {reason}; take the term out of the file, or hide a like "
             "effect by --effect"
         ) from None
     except UsageError as error:
-        raise UsageError(f"{where}: {str(error).removeprefix(f'--effect {effect.name}: ')}") from error
+        raise UsageError(f"{where}: {str(error).removeprefix(f'--effect {EQUALS[term.name].name}: ')}") from error

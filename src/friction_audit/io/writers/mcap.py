@@ -23,6 +23,7 @@ from friction_audit.joint_log import JointLog
 
 if TYPE_CHECKING:
     from google.protobuf.descriptor_pb2 import FileDescriptorSet
+    from rosbags.typesys.store import Typestore
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,11 +65,10 @@ def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[t
         writer.finish()  # type: ignore[no-untyped-call]
 
 
-def _write_ros(message: MessageType, log: JointLog, path: Path) -> None:
-    """Write one topic of ROS 1 or ROS 2 messages with their definition."""
-    types = load_types(message)
+def ros_channel(message: MessageType, types: "Typestore") -> Channel:
+    """Return the channel of a topic of ROS 1 or ROS 2 messages, with their definition."""
     definition, _ = types.generate_msgdef(message.name, ros_version=1 if message.ros == 1 else 2)
-    channel = Channel(
+    return Channel(
         topic=message.topic,
         schema=message.name.replace("/msg/", "/") if message.ros == 1 else message.name,
         schema_encoding=f"ros{message.ros}msg",
@@ -76,7 +76,12 @@ def _write_ros(message: MessageType, log: JointLog, path: Path) -> None:
         encoding=message.encoding,
         profile=f"ros{message.ros}",
     )
-    write_channels(path, (channel,), ((time, 0, payload) for time, payload in encode(log, message, types)))
+
+
+def _write_ros(message: MessageType, log: JointLog, path: Path) -> None:
+    types = load_types(message)
+    messages = ((time, 0, payload) for time, payload in encode(log, message, types))
+    write_channels(path, (ros_channel(message, types),), messages)
 
 
 _SCHEMA = "foxglove.JointStates"

@@ -1,0 +1,289 @@
+"""What is to be recorded next: what a diagnosis or an estimate leaves open in each joint of an arm."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import atan2, hypot, sqrt
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from friction_audit.diagnosis.diagnose_joint import Subject
+from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.result import CONTACT_EVENT
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, reach
+from friction_audit.effects.joint_model import FittedTerm
+from friction_audit.effects.registry import effect_of, motion_to_decide
+from friction_audit.errors import AnalysisError, InputError, UsageError
+from friction_audit.joint_log import Float
+from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
+from friction_audit.preprocessing.settings import CycleSettings
+from friction_audit.robot.arm import BUILT_IN
+from friction_audit.simulation import PANDA_SENSORS, BenchSettings, JointParameters, Operator, simulate
+from friction_audit.simulation.motion import MotionSettings
+from friction_audit.simulation.motion.stop_and_go import StopAndGo
+from friction_audit.simulation.panda_joint import READY_RAD
+
+Purpose = Literal["decide", "diagnose", "estimate"]
+RATE_HZ = 500.0  # of simulated logs: ten times the diagnosis' samples
+LEAST_NOISE_NM = 1e-4
+REACH_RAD = 0.8  # to either side of the start: room for gravity, which takes 1.5 rad, within most arms' ranges
+SERVO = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}  # of a position controller, as in joint-driven
+AUTO = AuditSettings(cycles=CycleSettings(thresholds="auto"))  # slow strokes are no cycles at the usual thresholds
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Joint:
+    """A joint to plan for: its nominal model, noise, and who moves it."""
+
+    number: int = 1
+    name: str = "joint1"
+    parameters: JointParameters = field(default_factory=JointParameters)
+    noise_nm: float = 0.02  # RMS of the torque's noise below the corner [N m]
+    corner_hz: float = CORNER_HZ  # of the low-pass filter [Hz]
+    hand: bool = True  # a person moves it
+    reach_rad: tuple[float, float] = (-REACH_RAD, REACH_RAD)  # range of the motion, relative to its start [rad]
+    gravity: tuple[float, float] = (0.0, 0.0)  # amplitude [N m] and phase [rad] over the angle from the start
+
+    def settings(self, motion: MotionSettings, duration_s: float) -> BenchSettings:
+        """Return the simulation of this joint along a motion: sensors of a Panda with the noise of the log."""
+        usual = PANDA_SENSORS[0]
+        passes = sqrt((1.0 - usual.slow_noise_share) * 2.0 * self.corner_hz / 1000.0 + usual.slow_noise_share)
+        noise = max(self.noise_nm, LEAST_NOISE_NM) / passes
+        step = usual.torque_step_nm * min(1.0, noise / usual.torque_noise_nm)
+        return BenchSettings(
+            joints=(self.parameters,),
+            sensors=(replace(usual, torque_noise_nm=noise, torque_step_nm=step),),
+            operator=Operator(motion=motion, **({} if self.hand else SERVO)),
+            driven=not self.hand,
+            gravity_nm=self.gravity[0],
+            gravity_phase_rad=self.gravity[1],
+            logs_sensor=not self.hand or self.gravity[0] > 0.0,
+            duration_s=duration_s,
+            rate_hz=RATE_HZ,
+        )
+
+    def nominal(self, data: JointData) -> Nominal:
+        """Return the nominal model along a motion."""
+        own = self.parameters
+        return Nominal(
+            inertia_kg_m2=own.inertia_kg_m2,
+            coulomb_nm=own.coulomb_nm,
+            viscous_nms_per_rad=own.viscous_nms_per_rad,
+            torque=own.inertia_kg_m2 * data.ddq + own.coulomb_nm * data.way + own.viscous_nms_per_rad * data.dq,
+        )
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Task:
+    """What a joint needs."""
+
+    joint: Joint
+    purpose: Purpose | None = None  # None where nothing is left to decide
+    why: str = ""  # what is open, or the answer that there is
+    # To decide between, with their numbers: one effect of each set is there; a set of one is certain.
+    sets: tuple[Mapping[str, FittedTerm], ...] = ()
+    unknown: Mapping[str, str] = field(default_factory=dict)  # competing names that are not planned for, and why
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Arm:
+    """The arm that is recorded, and where its motion starts."""
+
+    names: tuple[str, ...]  # of its joints
+    start_rad: tuple[float, ...]
+    panda: bool
+    known_start: bool  # whether a log or the user gave the start
+
+    def __post_init__(self) -> None:
+        if len(self.start_rad) != len(self.names) or not np.isfinite(self.start_rad).all():
+            found, expected = len(self.start_rad), len(self.names)
+            raise UsageError(f"--start: {found} positions; expected {expected}, one per joint [rad]")
+
+
+def arm_of(robot: str, joints: int, start: Sequence[float] | None, names: Mapping[int, str]) -> Arm:
+    """Return an arm by the names of its joints that are known; it starts in the Panda's ready pose, or at zero."""
+    panda = robot == BUILT_IN
+    usual = READY_RAD if panda and joints == len(READY_RAD) else (0.0,) * joints
+    return Arm(
+        names=tuple(names.get(k, f"{'panda_' if panda else ''}joint{k}") for k in range(1, joints + 1)),
+        start_rad=usual if start is None else tuple(map(float, start)),
+        panda=panda,
+        known_start=start is not None,
+    )
+
+
+def tasks_of(
+    document: Mapping[str, Any],
+    path: Path,
+    start: Sequence[float] | None,
+    *,
+    wanted: Sequence[int] | None = None,
+    names: Sequence[str] = (),
+    subjects: Sequence[Subject] = (),
+) -> tuple[Arm, list[Task]]:
+    """Return the arm of a result and what each joint needs.
+
+    Args:
+        document: Of `diagnose` or `estimate`.
+        path: Its file, or that of the log, for messages.
+        start: Where the motion starts; None for the ready pose of a Panda and zero else. [rad]
+        wanted: Numbers of the joints, None for all.
+        names: Of all joints, where the log is there.
+        subjects: The joints as they were prepared, likewise.
+
+    Raises:
+        InputError: If keys are missing.
+        UsageError: If the start has another number of joints.
+    """
+    try:
+        source, hand = document["source"], document["settings"]["torque_chosen"]["drive"] == "hand"
+        own = {int(one["joint"]): str(one["name"]) for one in document["joints"]} | dict(enumerate(names, 1))
+        arm, prepared = arm_of(str(source["robot"]), int(source["joints"]), start, own), {s.number: s for s in subjects}
+        found = {int(one["joint"]): one for one in document["joints"]}
+        chosen = [k for k in found if wanted is None or k in wanted]
+        return arm, [
+            task_of(found[k], hand=hand, start_rad=arm.start_rad[k - 1], subject=prepared.get(k)) for k in chosen
+        ]
+    except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{path}: is no whole document of its schema ({error!r}); write it again") from error
+
+
+def task_of(found: Mapping[str, Any], *, hand: bool, start_rad: float, subject: Subject | None = None) -> Task:
+    """Return what a joint needs.
+
+    Args:
+        found: The joint in a document of `diagnose` or `estimate`.
+        hand: Whether a person moved it.
+        start_rad: Where the planned motion starts, from which positions are counted. [rad]
+        subject: The joint as it was prepared; None where there is only the document.
+    """
+    energy = found.get("from_energy", found)
+    coefficients = {key: _value(energy.get(key)) for key in ("coulomb_nm", "viscous_nms_per_rad")}
+    joint = replace(_joint(found, coefficients, start_rad, subject), hand=hand)
+    verdict, reason = found.get("verdict", "estimate"), str(found.get("reason") or "")
+    if verdict in ("not_testable", "data_fault"):
+        reason = reason or str(found.get("message", ""))
+    if verdict == "not_testable":
+        return Task(joint=joint, purpose="diagnose", why=reason)
+    if verdict == "ambiguous":
+        sets, unknown = _sets(joint, found["effects"], None if subject is None else subject.data, start_rad)
+        names = [name for one in sets if len(one) > 1 for name in one]
+        if names and set(names) <= {names[0], *effect_of(names[0]).indistinguishable}:
+            motion = motion_to_decide(names[0], names[1:])
+            return Task(joint=joint, why=f"no motion of the joint separates {' from '.join(names)}: {motion}")
+        if names:
+            return Task(joint=joint, purpose="decide", why=" or ".join(names), sets=sets, unknown=unknown)
+        reason = "no two of its names can be simulated apart from each other"
+    named = zip(("Coulomb", "viscous"), coefficients.values(), strict=True)
+    lacking = [name for name, value in named if not np.isfinite(value)]
+    if lacking and verdict != "data_fault":
+        return Task(joint=joint, purpose="estimate", why=f"{' and '.join(lacking)} friction is not determined")
+    return Task(joint=joint, why=reason or verdict.replace("_", " "))
+
+
+def _joint(
+    found: Mapping[str, Any], coefficients: Mapping[str, float], start_rad: float, subject: Subject | None
+) -> Joint:
+    fitted = found.get("augmented") or found.get("nominal") or coefficients
+    numbers = {key: _value(number) for key, number in fitted.items()}
+    about: dict[str, Any] = {} if found.get("gap") is None else {"noise_nm": float(found["gap"]["noise_floor_rms_nm"])}
+    if subject is not None:
+        numbers["inertia_kg_m2"] = numbers.get("inertia_kg_m2", 0.0) + subject.known_inertia_kg_m2
+        low, high = reach(subject.data)
+        about["reach_rad"] = (min(-REACH_RAD, low - start_rad), max(REACH_RAD, high - start_rad))
+        about["gravity"] = _gravity_of(subject.data, start_rad)
+        if found.get("gap") is not None:
+            about["corner_hz"] = RegressionProblem.build(subject.data, None).samples.corner_hz
+    usual = JointParameters()
+    known: dict[str, Any] = {
+        key: numbers[key] if numbers.get(key, 0.0) > 0.0 else getattr(usual, key)  # NaN is not above zero
+        for key in ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
+    }
+    return Joint(number=int(found["joint"]), name=str(found["name"]), parameters=JointParameters(**known), **about)
+
+
+def _value(number: Any) -> float:  # noqa: ANN401 - of a document: a number, an object with one, or null
+    value = number.get("value") if isinstance(number, dict) else number
+    return float("nan") if value is None else float(value)
+
+
+def _gravity_of(data: JointData, start_rad: float) -> tuple[float, float]:
+    if data.load is None or not data.used.any():
+        return 0.0, 0.0
+    angle = data.q[data.used] - start_rad
+    sine, cosine = np.linalg.lstsq(np.column_stack([np.sin(angle), np.cos(angle)]), data.load[data.used])[0]
+    return float(hypot(sine, cosine)), float(atan2(cosine, sine))
+
+
+def _sets(
+    joint: Joint, effects: Sequence[Mapping[str, Any]], data: JointData | None, start_rad: float
+) -> tuple[tuple[Mapping[str, FittedTerm], ...], dict[str, str]]:
+    """Fit every name that competes with a named effect to that effect's torque, or return why it cannot be."""
+    data, named = reference(joint) if data is None else data, {one["name"] for one in effects}
+    sets, unknown = [], dict[str, str]()
+    for one in effects:
+        names = [one["name"], *(name for name in one["alternatives"] if name not in named)]
+        if CONTACT_EVENT in names or not effect_of(one["name"]).coefficients:
+            unknown |= dict.fromkeys(names, "an event is in no motion")
+            continue
+        found = _fitted(joint, one["name"], one["parameters"], names, data, start_rad)
+        unknown |= {name: "cannot be fitted to this log" for name in names if name not in found}
+        sets += [found] if found else []
+    return tuple(sets), unknown
+
+
+def _fitted(
+    joint: Joint, name: str, numbers: Mapping[str, float | None], names: Sequence[str], data: JointData, start: float
+) -> dict[str, FittedTerm]:
+    nominal = joint.nominal(data)
+    term = _term_of(effect_of(name), [numbers.get(p.name) for p in effect_of(name).parameters])
+    if term is None:
+        return {}
+    torque = term.torque(data.motion(nominal.torque))
+    problem = RegressionProblem.build(replace(data, q=data.q - start, rigid=None), None)
+    target, found = problem.samples.of(torque), dict[str, tuple[float, FittedTerm]]()
+    for block in Dictionary.build(problem, [effect_of(one) for one in names], nominal).blocks:
+        rows = np.vstack([problem.X, block.columns])
+        fit: Float = np.asarray(np.linalg.lstsq(rows.T, target)[0], np.float64)
+        fitted = term_of_block(block, fit[len(problem.X) :])
+        left = float(np.sum((target - fit @ rows) ** 2))
+        if fitted is not None and (block.name not in found or left < found[block.name][0]):
+            found[block.name] = (left, fitted)
+    terms = {one: found[one][1] for one in names if one in found}
+    return {name: term} | terms if effect_of(name).axis != "position" else terms
+
+
+def _term_of(effect: Effect, values: Sequence[float | None]) -> FittedTerm | None:
+    """Return a term, None where its numbers are beyond their bounds; what is not known is as usual."""
+    pairs = zip(effect.parameters, values, strict=True)
+    known = [p.default if v is None or not np.isfinite(v) else float(np.clip(v, p.lower, p.upper)) for p, v in pairs]
+    try:
+        return FittedTerm(effect.name, tuple(known))
+    except AnalysisError:
+        return None
+
+
+def term_of_block(block: Block, coefficients: Float) -> FittedTerm | None:
+    """Return the term of a block with all its effect's coefficients, None where they are beyond their bounds."""
+    if not block.possible(coefficients):
+        return None
+    nonlinear = [block.shape.get(one.name, one.default) for one in block.effect.nonlinear]
+    whole = block.whole(coefficients)
+    missing = [0.0] * (len(block.effect.coefficients) - len(whole))
+    return _term_of(block.effect, [*whole, *missing, *nonlinear])
+
+
+def reference(joint: Joint) -> JointData:
+    """Return the motion of a person who stops and goes, for a result without its log."""
+    return subject_of(joint, joint.settings(StopAndGo(), 60.0), seed=0).data
+
+
+def subject_of(joint: Joint, settings: BenchSettings, seed: int) -> Subject:
+    """Simulate a joint and prepare it for the diagnosis."""
+    log = simulate(settings, seed, path="planned motion").log
+    audit = replace(AUTO, torque=replace(AUTO.torque, drive="hand" if joint.hand else "robot"))
+    return diagnosis_subjects(estimate_log(log, audit), DiagnosisSettings())[0]
