@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from friction_audit.planning.question import AUTO, SERVO, question_of_log
 from statsmodels.stats.proportion import proportion_confint
 
 from benchmarks.hidden_effects.draw import draw_case, settings_of
@@ -26,9 +25,11 @@ from friction_audit.diagnosis.diagnose import diagnose_subjects
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
-from friction_audit.planning.limits import Wanted, limits_of
-from friction_audit.planning.plan import plan_to_decide
+from friction_audit.pipeline import AuditSettings, Diagnosis, diagnosis_subjects, estimate_log
+from friction_audit.planning.limits import limits_of
+from friction_audit.planning.plan import plan_task
+from friction_audit.planning.task import AUTO, SERVO, tasks_of
+from friction_audit.reporting.diagnosis import diagnose_document
 from friction_audit.simulation import Operator
 from friction_audit.simulation.scenarios import simulate
 

@@ -65,7 +65,7 @@ def test_limits_of_the_panda_are_those_published() -> None:
     assert by_hand.acceleration_rad_s2 == 3.125  # a trajectory for a hand is one for the arm too
     assert by_hand.speed_rad_s == 1.8
     asked = limits_of(joint, -2.0, urdf=None, panda=True, range_rad=(-0.1, 0.2), speed_rad_s=0.5, jerk_rad_s3=None)
-    assert (asked.high_rad, asked.speed_rad_s, asked.jerk_rad_s3) == (pytest.approx(-1.8), 0.5, 300.0)
+    assert (asked.high_rad, asked.speed_rad_s, asked.jerk_rad_s3) == pytest.approx((-1.8, 0.5, 300.0))
     with pytest.raises(UsageError, match="no joint elbow"):
         limits_of(replace(joint, name="elbow"), 0.0, urdf=urdf(), panda=False)
 
