@@ -51,14 +51,33 @@ def test_nothing_readable(run: Run, logs: Path) -> None:
     assert len(answer.document()["failed"]) == 2
 
 
-def test_of_a_log_beyond_memory_the_beginning_is_shown(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_of_a_large_log_the_beginning_is_read(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = run("info", logs / "moved1.csv", "--json").document()["logs"][0]
-    monkeypatch.setattr("friction_audit.io.readers.reader.address_limit", lambda: whole["samples"] * 8)
-    monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
-    monkeypatch.setattr("friction_audit.cli.info._FIRST_S", 10.0)
-    answer = run("info", logs / "moved1.csv", "--json")
-    assert answer.code == 0, answer.err
-    log = answer.document()["logs"][0]
-    assert 9.0 < log["duration_s"] < 10.0 < whole["duration_s"]
-    assert any(warning["code"] == "first_part" for warning in log["warnings"])
-    assert run("estimate", logs / "moved1.csv").code == 3
+    monkeypatch.setattr("friction_audit.cli.info.LARGE_BYTES", 0)
+    monkeypatch.setattr("friction_audit.cli.info.FIRST_S", 10.0)
+    first = run("info", logs / "moved1.csv", "--json").document()["logs"][0]
+    assert 9.0 < first["duration_s"] < 10.0 < whole["duration_s"]
+    assert first["sha256"] is None
+    assert any(warning["code"] == "first_part" for warning in first["warnings"])
+    assert first["rate_hz"] == whole["rate_hz"]
+    answer = run("info", logs / "moved1.csv")
+    assert f"the first 10 s, {first['samples']} samples; the file has {whole['samples']} rows; --full" in answer.out
+    assert "first 10 s" not in answer.err
+    assert run("info", logs / "moved1.csv", "--json", "--full").document()["logs"][0] == whole
+
+
+def test_of_a_large_log_a_part_asked_for_is_read_alone(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    usual = run("info", logs / "moved1.csv", "--json", "--t-start", "5", "--t-end", "15").document()["logs"][0]
+    monkeypatch.setattr("friction_audit.cli.info.LARGE_BYTES", 0)
+    part = run("info", logs / "moved1.csv", "--json", "--t-start", "5", "--t-end", "15").document()["logs"][0]
+    assert part["sha256"] is None
+    assert (part["samples"], part["joints"], part["torque"]) == (usual["samples"], usual["joints"], usual["torque"])
+
+
+@pytest.mark.parametrize("suffix", ["parquet", "mcap", "bag", "npz"])
+def test_the_beginning_of_every_format(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch, suffix: str) -> None:
+    assert run("convert", logs / "moved1.csv", f"log.{suffix}").code == 0
+    monkeypatch.setattr("friction_audit.cli.info.LARGE_BYTES", 0)
+    monkeypatch.setattr("friction_audit.cli.info.FIRST_S", 10.0)
+    log = run("info", f"log.{suffix}", "--json").document()["logs"][0]
+    assert 9.0 < log["duration_s"] < 10.0

@@ -1,6 +1,6 @@
 """``friction-audit info``."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,8 +8,9 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli.chain import cycle_settings, read_options, torque_settings
-from friction_audit.cli.choices import parse_joints
+from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
+from friction_audit.cli.grouped_help import READING
 from friction_audit.cli.options import (
     CycleOptions,
     GeneralOptions,
@@ -25,11 +26,12 @@ if TYPE_CHECKING:
     from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
     from friction_audit.reporting.info import InfoEntry, LogSummary, TopicSummary
 
-_FIRST_S = 600.0
-"""What is looked at of a log that does not fit into memory. [s]"""
+LARGE_BYTES = 64 << 20  # of a larger file the beginning is read; a smaller one takes less than a second
+FIRST_S = 120.0  # of the beginning: the cycles and the clock of so many seconds say what the log is [s]
 EXAMPLES = """Examples:
   friction-audit info run.mcap
   friction-audit info logs/*.bag --json
+  friction-audit info hours.mcap --full
   friction-audit info export.csv --map dq=velocity_{i} --map tau_J=effort_{i}"""
 
 
@@ -40,11 +42,14 @@ def command(
     torque: TorqueOptions,
     cycles: CycleOptions,
     general: GeneralOptions,
+    full: Annotated[
+        bool, option(READING, f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", "--full")
+    ] = False,
 ) -> None:
     """Summarise logs: format, topics, mapping of channels, clock, joints, cycles."""
     voice = general.voice
     options = read_options(reading, selection)
-    view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles))
+    view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles), full=full)
     failures: list[FrictionAuditError] = []
     entries = [_entry(path, options, view, voice, failures) for path in logs]
     _print(entries, voice, json=general.json)
@@ -57,8 +62,10 @@ def command(
 class _View:
     """What of a log is looked at, and how."""
 
-    def __init__(self, selection: SelectionOptions, torque: "TorqueSettings", cycles: "CycleSettings") -> None:
-        self.joints = parse_joints(selection.joints)
+    def __init__(
+        self, selection: SelectionOptions, torque: "TorqueSettings", cycles: "CycleSettings", *, full: bool
+    ) -> None:
+        self.joints, self.full = parse_joints(selection.joints), full
         self.torque, self.cycles = torque, cycles
 
 
@@ -71,28 +78,30 @@ def _entry(
     topics: tuple[TopicSummary, ...] = ()
     try:
         topics = _topics(path)
-        log = _read(path, options, voice)
+        log = chain.read(path, options, voice) if view.full else _read(path, options, topics, voice)
         return InfoEntry(path=str(path), topics=topics, summary=_summary(log, view))
     except FrictionAuditError as error:
         failures.append(error)
         return InfoEntry(path=str(path), topics=topics, message=str(error))
 
 
-def _read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
-    """Read a log, or the beginning of one that does not fit into memory."""
-    from friction_audit.io.readers.reader import TooLargeError
+def _read(path: Path, options: "ReadOptions", topics: "tuple[TopicSummary, ...]", voice: Voice) -> "JointLog":
+    """Read a log, or the part asked for or the beginning of a large one."""
+    from friction_audit.io.files import stamp_of
+    from friction_audit.io.readers.reader import FirstLook
     from friction_audit.joint_log import Finding
 
-    try:
+    if stamp_of(path).size <= LARGE_BYTES:
         return chain.read(path, options, voice)
-    except TooLargeError:
-        if options.has_window:
-            raise
-    part = chain.read(path, replace(options, t_start_s=0.0, t_end_s=_FIRST_S), voice)
-    message = (
-        f"the log does not fit into memory; these are its first {_FIRST_S:g} s; choose another part with --t-start"
-    )
-    finding = Finding(code="first_part", message=message, amount=_FIRST_S)
+    given = {one.name: getattr(options, one.name) for one in fields(options)}
+    if options.has_window:
+        return chain.read(path, FirstLook(**given), voice)
+    part = chain.read(path, FirstLook(**given | {"t_end_s": FIRST_S}), voice)
+    counts = {topic.name: topic.messages for topic in topics}
+    rows = counts.get(part.source.topic or path.name)
+    held = "" if rows is None else f"; the file has {rows} {'messages' if part.source.topic else 'rows'}"
+    message = f"the first {FIRST_S:g} s, {len(part.t)} samples{held}; --full reads the whole log"
+    finding = Finding(code="first_part", message=message, amount=FIRST_S)
     return replace(part, source=replace(part.source, findings=(*part.source.findings, finding)))
 
 
@@ -128,6 +137,6 @@ def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
         if not json and (entry.summary is not None or entry.topics):
             say("\n".join(info_lines(entry)))
         if not json and entry.summary is not None:
-            voice.warn(str(notice) for notice in entry.summary.notices)
+            voice.warn(str(notice) for notice in entry.summary.notices if notice.code != "first_part")
         if entry.summary is None:
             remark(f"error: {entry.message}")

@@ -42,41 +42,42 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
     """
     if cutoff_hz >= HIGHEST_SHARE_OF_RATE * rate_hz or len(dq) < MINIMUM_LENGTH:
         return dq
-    # Point reflections at both ends. scipy.signal would do the same, but loading it takes longer than this.
-    head, tail = 2 * dq[0] - dq[PADDING:0:-1], 2 * dq[-1] - dq[-2 : -PADDING - 2 : -1]
     k = math.tan(math.pi * cutoff_hz / rate_hz)
     whole = 1.0 + math.sqrt(2.0) * k + k * k
-    a1, a2 = 2.0 * (k * k - 1.0) / whole, (1.0 - math.sqrt(2.0) * k + k * k) / whole
-    forwards = _low_pass(np.concatenate([head, dq, tail]), k * k / whole, a1, a2)
-    both_ways = _low_pass(forwards[::-1], k * k / whole, a1, a2)
-    return np.ascontiguousarray(both_ways[::-1][PADDING:-PADDING])
+    coefficients = k * k / whole, 2.0 * (k * k - 1.0) / whole, (1.0 - math.sqrt(2.0) * k + k * k) / whole
+    length = len(dq) + 2 * PADDING
+    blocks = np.empty((-(-length // FILTER_BLOCK), FILTER_BLOCK))
+    signal = blocks.ravel()
+    # Point reflections at both ends. scipy.signal would do the same, but loading it takes longer than this.
+    signal[:PADDING], signal[PADDING : length - PADDING] = 2 * dq[0] - dq[PADDING:0:-1], dq
+    signal[length - PADDING : length] = 2 * dq[-1] - dq[-2 : -PADDING - 2 : -1]
+    for ordered in (blocks, blocks[::-1, ::-1]):
+        signal[length:] = signal[length - 1]
+        _low_pass(ordered, *coefficients)
+    return signal[PADDING : length - PADDING]
 
 
-def _low_pass(signal: Float, gain: float, a1: float, a2: float) -> Float:
-    """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, as if the signal had always been as it begins.
+def _low_pass(blocks: Float, gain: float, a1: float, a2: float) -> None:
+    """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, in place; before, the signal was as it begins.
 
     Blocks of the state-space form: products of matrices, as fast as a compiled loop, without the compiler's 140 MB.
     """
     step, entry = np.array([[-a1, 1.0], [-a2, 0.0]]), gain * np.array([2.0 - a1, 1.0 - a2])
     powers = np.stack([np.linalg.matrix_power(step, i) for i in range(FILTER_BLOCK + 1)])
     free = powers[:-1, 0]  # the output that follows from the state, without input
-    response = np.append(gain, free[:-1] @ entry)
-    order = np.arange(FILTER_BLOCK)
+    response, order = np.append(gain, free[:-1] @ entry), np.arange(FILTER_BLOCK)
     forced = np.where(order >= order[:, None], response[order - order[:, None]], 0.0)
-    blocks = np.full((-(-len(signal) // FILTER_BLOCK), FILTER_BLOCK), signal[-1])
-    blocks.ravel()[: len(signal)] = signal
-    state = np.empty((len(blocks), 2))
-    state[0] = signal[0] * np.array([1.0 - gain, gain - a2])
-    np.matmul(blocks[:-1], powers[-2::-1] @ entry, out=state[1:])
+    pieces = [slice(first, first + ROWS_AT_ONCE) for first in range(0, len(blocks), ROWS_AT_ONCE)]
+    inputs = powers[-2::-1] @ entry
+    last = np.concatenate([np.ascontiguousarray(blocks[rows]) @ inputs for rows in pieces])
+    state = np.concatenate([blocks[:1, 0] * np.array([[1.0 - gain, gain - a2]]), last[:-1]])
     # Each state holds the inputs of the block before; of the blocks before that by doubling, until those have died out.
     reach, power = 1, powers[-1]
     while reach < len(blocks) and np.abs(power).max() > SETTLED:
         state[reach:] += state[:-reach] @ power.T
         reach, power = 2 * reach, power @ power
-    for first in range(0, len(blocks), ROWS_AT_ONCE):
-        rows = slice(first, first + ROWS_AT_ONCE)
-        blocks[rows] = blocks[rows] @ forced + state[rows] @ free.T
-    return blocks.ravel()[: len(signal)]
+    for rows in pieces:
+        blocks[rows] = np.ascontiguousarray(blocks[rows]) @ forced + state[rows] @ free.T
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:

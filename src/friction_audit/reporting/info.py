@@ -183,14 +183,19 @@ PATH, TOPICS = Column("path", str, "path as given"), Column("topics", [TOPIC], "
 
 
 def _of_log(column: Column, entry: InfoEntry) -> object:
-    return None if entry.summary is None else column.value(entry.summary.log)
+    if entry.summary is None or (column.name == "sha256" and not entry.summary.log.source.sha256):
+        return None
+    return column.value(entry.summary.log)
 
 
 LOG = Record(
     (
         PATH,
         TOPICS,
-        *(replace(one, get=partial(_of_log, one)) for one in log_columns("joint_count")[1:]),
+        *(
+            replace(one, get=partial(_of_log, one), null=one.null or one.name == "sha256")  # not of a part
+            for one in log_columns("joint_count")[1:]
+        ),
         Column("jitter", float, "standard deviation of the time steps", "summary.jitter_s", unit="s"),
         Column("gaps", int, "steps longer than five median ones", "summary.gaps"),
         Column("longest_gap", float, "the longest of them", "summary.longest_gap_s", unit="s"),
@@ -240,6 +245,7 @@ def _lines(summary: LogSummary) -> Iterator[str]:
     log, source, torque = summary.log, summary.log.source, summary.torque
     topic = f", topic {source.topic}" if source.topic else ""
     yield f"format   {source.format}{topic}, robot {source.robot}, {count_of(len(log.joint_names), 'joint')}"
+    yield from (f"read     {found.message}" for found in source.findings if found.code == "first_part")
     samples = f"{log.duration_s:.6g} s, {count_of(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
     yield f"clock    {source.clock}, {samples}, {summary.clock_text}"
     yield f"steps    {summary.steps_text}, {count_of(summary.stale_samples, 'repeated sample')} left out"

@@ -31,6 +31,7 @@ _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
 _NA = ("-nan(ind)", "nan(ind)")
 _NANOSECONDS = 1_000_000_000
+_COUNTED_BYTES = 256 << 20  # lines of a larger file are not counted where it is only listed: that takes seconds
 
 
 def recognises(path: Path) -> bool:
@@ -316,5 +317,5 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the one table of a text file."""
     dialect = sniff_csv(path)
-    rows = count_lines(path, dialect)
+    rows = count_lines(path, dialect) if dialect.size <= _COUNTED_BYTES else None
     return (Topic(name=path.name, type=f"table of {dialect.width} columns", messages=rows, readable=True),)

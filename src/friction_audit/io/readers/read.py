@@ -47,14 +47,15 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
     before = _stamp(file)
     reader = choose_reader(file)
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
-        digest = pool.submit(sha256_of, file)  # hashlib gives the lock away: this costs no time on a second core
+        # hashlib gives the lock away: this costs no time on a second core.
+        digest = pool.submit(sha256_of, file) if options.hashed else None
         damage: tuple[Finding, ...] = ()
         try:
             recording = reader.read(file, options)
             damage = recording.findings
             recording = recording.with_findings(*_suffix_mismatch(file, reader))
             recording = examine(recording, path=str(path), robot=options.robot, time_scale=options.time_scale)
-            sha256 = digest.result()
+            sha256 = digest.result() if digest else ""
         except OSError as error:
             raise _unreadable(file, error) from error
         except MemoryError as error:

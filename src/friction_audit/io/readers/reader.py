@@ -138,6 +138,11 @@ class ReadOptions:
             raise UsageError(f"--t-start {self.t_start_s:g} --t-end {self.t_end_s:g}: expected an end after the start")
 
     @property
+    def hashed(self) -> bool:
+        """True if the content of the file is hashed."""
+        return True
+
+    @property
     def has_window(self) -> bool:
         """True if a part of the log is asked for."""
         return self.t_start_s is not None or self.t_end_s is not None
@@ -151,6 +156,19 @@ class ReadOptions:
         start = -inf if self.t_start_s is None else self.t_start_s / self.time_scale - MARGIN_S
         stop = inf if self.t_end_s is None else self.t_end_s / self.time_scale + MARGIN_S
         return start, stop
+
+
+class FirstLook(ReadOptions):
+    """Options with which the part asked for is read alone, of a log of any size, without the hash of the file."""
+
+    @property
+    def hashed(self) -> bool:
+        """False: the hash takes the whole file."""
+        return False
+
+    def reads_part(self, whole_bytes: float) -> bool:  # noqa: ARG002
+        """Return True if a part is asked for."""
+        return self.has_window
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
