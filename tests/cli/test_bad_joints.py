@@ -114,7 +114,7 @@ def test_without_an_estimate_the_page_says_what_was_read_and_what_to_record(
     assert "no joint has an estimate:\n  joint 1: did not move" in answer.err
     assert len(list((tmp_path / "out").iterdir())) == 4
     page = (tmp_path / "out" / "still.report.md").read_text(encoding="utf-8")
-    for said in ("Friction is estimated on no joint", "move it back and forth", "SHA-256", "samples"):
+    for said in ("Friction is estimated on no joint", "move back and forth", "SHA-256", "samples"):
         assert said in page.replace("Samples", "samples")
 
 

@@ -128,10 +128,10 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
         (
             [0.05, -0.05],
             [1.0, 1.0],
-            r"moved too slowly: its speed peaks at 0\.09\d* rad/s, the initiation threshold is 0\.2 rad/s",
+            r"moved too slowly: the speed peaks at 0\.09\d* rad/s, the initiation threshold is 0\.2 rad/s",
         ),
-        ([0.001, -0.001], [1.0, 1.0], "did not move: its speed stays far below"),
-        ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "moved in one direction only"),
+        ([0.001, -0.001], [1.0, 1.0], "did not move: the speed stays far below"),
+        ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "all motion has one direction"),
         ([0.8, -0.8], [1.0, 1.0], "fewer than 4 usable cycles; .*--thresholds auto"),
     ],
 )
@@ -151,7 +151,7 @@ def test_a_position_that_stands_still_while_the_velocity_does_not(model: str) ->
     log = interaction(t, v, friction(v, a), q=np.zeros_like(v))
     joint = estimated(log, compare=False, model=model).joints[0]
     assert np.isnan(joint.coulomb.value)
-    assert "its position never changes while its velocity does" in joint.reason
+    assert "the position never changes while the velocity does" in joint.reason
 
 
 def test_one_speed_gives_their_sum_and_not_the_two_coefficients() -> None:

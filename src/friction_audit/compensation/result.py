@@ -227,7 +227,7 @@ class Replay:
 
 ADVICE = {
     GAP: "gaps in the log; record without dropping samples",
-    NOT_MOVED: "the joint hardly moved; move it farther",
+    NOT_MOVED: "hardly any motion; move farther",
 }
 
 

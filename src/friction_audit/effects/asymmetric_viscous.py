@@ -27,9 +27,7 @@ EFFECT = AsymmetricViscous(
     family="velocity",
     axis="speed",
     coefficients=(
-        Parameter(
-            "viscous_half_difference_nms_per_rad", "N m s/rad", "half of the viscous coefficient forward less backward"
-        ),
+        Parameter("viscous_half_difference_nms_per_rad", "N m s/rad", "half of the difference, forward minus backward"),
     ),
     traits=Trait.SPEED_ONLY,
     record="pass the same places slowly and fast in both directions",

@@ -118,11 +118,11 @@ EFFECT = Backlash(
     ),
     nonlinear=(
         Parameter("gap_rad", "rad", "full width of the gap", lower=1e-7, upper=1.0),
-        Parameter("contact_hz", "Hz", "ringing in contact", lower=1.0, upper=1e3),
+        Parameter("contact_hz", "Hz", "frequency in contact", lower=1.0, upper=1e3),
         Parameter(
             "flank_damping_ratio",
             "1",
-            "damping ratio of that ringing",
+            "damping ratio in contact",
             lower=0.0,
             upper=2.0,
             optional=True,

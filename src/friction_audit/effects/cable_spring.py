@@ -67,13 +67,13 @@ EFFECT = CableSpring(
     family="load and place",
     axis="position",
     coefficients=(
-        Parameter("cable_stiffness_nm_per_rad", "N m/rad", "stiffness where it begins to pull", lower=0.0),
-        Parameter("cable_hardening_nm_per_rad3", "N m/rad^3", "growth of the stiffness"),
-        Parameter("cable_preload_nm", "N m", "pull at the centre"),
+        Parameter("cable_stiffness_nm_per_rad", "N m/rad", "stiffness", lower=0.0),
+        Parameter("cable_hardening_nm_per_rad3", "N m/rad^3", "cubic stiffness"),
+        Parameter("cable_preload_nm", "N m", "preload"),
     ),
     nonlinear=(
-        Parameter("cable_centre_rad", "rad", "position where it does not pull"),
-        Parameter("cable_free_rad", "rad", "way to either side without pull", lower=0.0),
+        Parameter("cable_centre_rad", "rad", "neutral position"),
+        Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
     ),
     traits=Trait.EVEN,
     record="move through all of the range",

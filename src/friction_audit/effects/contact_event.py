@@ -51,7 +51,7 @@ def contacts_of(at: Nonlinear) -> tuple[Contact, ...]:
 
 EFFECT = ContactEvent(
     name="contact_event",
-    label="something touches the arm for a moment",
+    label="short contact with the arm",
     family="slow and events",
     axis="time",
     record="record again with no person and no object near the arm",

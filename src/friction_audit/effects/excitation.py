@@ -13,7 +13,7 @@ CHANGE_PER_COULOMB = 0.5
 def moves(data: JointData, _nominal: Nominal) -> str | None:
     """Some motion at all."""
     if int(data.used.sum()) < FEWEST_SAMPLES:
-        return "the joint hardly moves: move it back and forth for several cycles"
+        return "hardly any motion: move back and forth for several cycles"
     return None
 
 
@@ -21,7 +21,7 @@ def both_directions(data: JointData, nominal: Nominal) -> str | None:
     """At least a tenth of the moving time in either direction."""
     share = float(np.mean(data.dq[data.used] > 0)) if data.used.any() else 0.0
     if not 0.1 <= share <= 0.9:  # noqa: PLR2004 - a tenth either way
-        return moves(data, nominal) or "the joint moves in one direction only: move it over the same range both ways"
+        return moves(data, nominal) or "motion in one direction only: move over the same range both ways"
     return moves(data, nominal)
 
 

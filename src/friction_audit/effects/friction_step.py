@@ -49,12 +49,12 @@ EFFECT = FrictionStep(
     family="slow and events",
     axis="time",
     coefficients=(
-        Parameter("step_coulomb_nm", "N m", "Coulomb friction after less before"),
-        Parameter("step_viscous_nms_per_rad", "N m s/rad", "viscous friction after less before"),
+        Parameter("step_coulomb_nm", "N m", "change of Coulomb friction"),
+        Parameter("step_viscous_nms_per_rad", "N m s/rad", "change of viscous friction"),
     ),
     nonlinear=(
-        Parameter("step_time_s", "s", "when half of the change is over"),
-        Parameter("step_length_s", "s", "how long it takes", lower=0.0),
+        Parameter("step_time_s", "s", "time of the change"),
+        Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     ),
     traits=Trait.FRICTION | Trait.ODD,
     record="record at least 4 cycles before and after the change",

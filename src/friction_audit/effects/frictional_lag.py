@@ -80,9 +80,9 @@ EFFECT = FrictionalLag(
     axis="acceleration",
     coefficients=(Parameter("lagging_share", "1", "share of friction that lags", lower=0.0, upper=2.0),),
     nonlinear=(
-        Parameter("friction_lag_s", "s", "time by which friction lags", lower=1e-4, upper=10.0),
+        Parameter("friction_lag_s", "s", "lag of friction", lower=1e-4, upper=10.0),
         Parameter("lagging_excess", "1", "Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0),
-        Parameter("lag_speed_rad_s", "rad/s", "its Stribeck velocity", lower=1e-4, upper=1e2),
+        Parameter("lag_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-4, upper=1e2),
     ),
     traits=Trait.NEEDS_NOMINAL,
     record="repeat motions of equal speed with different accelerations",

@@ -101,11 +101,11 @@ def _of_another(link: str) -> Iterator[Parameter]:
         yield Parameter(
             name=f"{link}_link_moment_{axis}_kg_m",
             unit="kg m",
-            meaning=f"mass times centre of mass of the {link} link, {axis} in its joint's frame",
+            meaning=f"error of the first mass moment of the {link} link, {axis} in its joint's frame",
             optional=True,
         )
     yield Parameter(
-        name=f"{link}_link_mass_kg", unit="kg", meaning=f"mass of the {link} link more than in the model", optional=True
+        name=f"{link}_link_mass_kg", unit="kg", meaning=f"error of the mass of the {link} link", optional=True
     )
 
 
@@ -115,14 +115,14 @@ EFFECT = GravityError(
     family="load and place",
     axis="position",
     coefficients=(
-        Parameter("gravity_cos_nm", "N m", "of the cosine of the joint's angle"),
-        Parameter("gravity_sin_nm", "N m", "of the sine of the joint's angle"),
-        Parameter("link_moment_x_kg_m", "kg m", "mass times centre of mass, x in the joint's frame"),
-        Parameter("link_moment_y_kg_m", "kg m", "the same, y"),
-        Parameter("link_moment_z_kg_m", "kg m", "the same, z"),
-        Parameter("link_mass_kg", "kg", "mass of the link more than in the model"),
-        Parameter("gravity_across_1_m_s2", "m/s^2", "gravity across the vertical: a tilted base"),
-        Parameter("gravity_across_2_m_s2", "m/s^2", "the same, at right angles"),
+        Parameter("gravity_cos_nm", "N m", "cosine amplitude"),
+        Parameter("gravity_sin_nm", "N m", "sine amplitude"),
+        Parameter("link_moment_x_kg_m", "kg m", "error of the first mass moment, x in the joint's frame"),
+        Parameter("link_moment_y_kg_m", "kg m", "error of the first mass moment, y"),
+        Parameter("link_moment_z_kg_m", "kg m", "error of the first mass moment, z"),
+        Parameter("link_mass_kg", "kg", "error of the link's mass"),
+        Parameter("gravity_across_1_m_s2", "m/s^2", "horizontal gravity of a tilted base"),
+        Parameter("gravity_across_2_m_s2", "m/s^2", "horizontal gravity, at right angles"),
         *_of_another("next"),
         *_of_another("last"),
     ),

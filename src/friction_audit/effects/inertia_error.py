@@ -30,10 +30,10 @@ class InertiaError(Effect):
 
 EFFECT = InertiaError(
     name="inertia_error",
-    label="the declared inertia is wrong",
+    label="the stated inertia is wrong",
     family="structure",
     axis="acceleration",
-    coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true inertia less the one stated"),),
+    coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),),
     record="repeat the motions at two or more clearly different speeds",
     separate={"inertial_coupling": "move one joint at a time"},
 )

@@ -78,7 +78,7 @@ def _meant(source: int, others: Others) -> range | tuple[int, ...]:
 
 EFFECT = InertialCoupling(
     name="inertial_coupling",
-    label="other joints shake this one",
+    label="acceleration of other joints",
     family="structure",
     axis="neighbour",
     coefficients=(
@@ -100,7 +100,7 @@ EFFECT = InertialCoupling(
         Parameter(
             "coupling_source",
             "1",
-            "0 joint before, 1 after, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
+            "0 previous joint, 1 next joint, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
             lower=BEFORE,
             upper=TIP,
             whole=True,

@@ -117,11 +117,11 @@ EFFECT = JointElasticity(
     axis="acceleration",
     coefficients=(Parameter("compliance_rad_per_nm", "rad/(N m)", "twist per torque", lower=0.0, upper=1.0),),
     nonlinear=(
-        Parameter("spring_nm_per_rad", "N m/rad", "stiffness that the ringing is built for", lower=1.0, upper=1e6),
+        Parameter("spring_nm_per_rad", "N m/rad", "stiffness of the assumed resonance", lower=1.0, upper=1e6),
         Parameter(
             "soft_nm",
             "N m",
-            "torque up to which it stiffens, half as stiff without any",
+            "torque up to which the gear stiffens, from half the stiffness at zero",
             lower=0.0,
             upper=1e3,
             optional=True,

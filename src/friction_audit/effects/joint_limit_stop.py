@@ -74,12 +74,12 @@ EFFECT = JointLimitStop(
     coefficients=(
         Parameter("stop_upper_nm", "N m", "torque 0.1 rad into the upper stop", lower=0.0),
         Parameter("stop_lower_nm", "N m", "torque 0.1 rad into the lower stop", lower=0.0),
-        Parameter("stop_damping_nms_per_rad", "N m s/rad", "damping while one is touched"),
+        Parameter("stop_damping_nms_per_rad", "N m s/rad", "damping in contact"),
         Parameter("stop_deep_damping_nms_per_rad", "N m s/rad", "damping 0.1 rad into a stop"),
     ),
     nonlinear=(
-        Parameter("stop_upper_rad", "rad", "where the upper stop begins"),
-        Parameter("stop_lower_rad", "rad", "where the lower stop begins"),
+        Parameter("stop_upper_rad", "rad", "position of the upper stop"),
+        Parameter("stop_lower_rad", "rad", "position of the lower stop"),
         Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
     ),
     traits=Trait.EVEN,

@@ -67,16 +67,18 @@ EFFECT = LoadDependentFriction(
     family="load and place",
     axis="load",
     coefficients=(
-        Parameter("load_friction_nm", "N m", "friction at a load of 1 N m, mean of both", lower=0.0),
-        Parameter("load_friction_by_power_nm", "N m", "that against less that with the load, halved"),
+        Parameter("load_friction_nm", "N m", "friction at a load of 1 N m, mean of both directions", lower=0.0),
+        Parameter("load_friction_by_power_nm", "N m", "half of the difference, against minus with the load"),
     ),
     nonlinear=(
         Parameter("load_exponent", "1", "exponent of the load", lower=0.5, upper=3.0),
-        Parameter("load_directed", "1", "1 if the power's direction counts", lower=0.0, upper=1.0, whole=True),
+        Parameter(
+            "load_directed", "1", "1 if friction depends on the direction of power", lower=0.0, upper=1.0, whole=True
+        ),
         Parameter(
             "load_static",
             "1",
-            "1 if the load is what the link weighs, and not what the motion takes",
+            "1 if the load is the weight alone, without inertial torque",
             lower=0.0,
             upper=1.0,
             whole=True,

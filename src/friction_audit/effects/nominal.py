@@ -68,7 +68,7 @@ NOMINAL = (
         label="constant torque",
         family="nominal",
         axis="time",
-        coefficients=(Parameter("offset_nm", "N m", "torque that the joint takes without moving"),),
+        coefficients=(Parameter("offset_nm", "N m", "torque offset"),),
         traits=Trait.SPEED_ONLY,
     ),
 )

@@ -113,11 +113,11 @@ EFFECT = NonlinearViscous(
     coefficients=(Parameter("curved_viscous_nm", "N m", "curved friction at 1 rad/s"),),
     nonlinear=(
         Parameter("curved_viscous_exponent", "1", "exponent at high speed", lower=-1.0, upper=5.0),
-        Parameter("curved_viscous_speed_rad_s", "rad/s", "speed of the bend", lower=1e-6, upper=1e3),
+        Parameter("curved_viscous_speed_rad_s", "rad/s", "velocity of the bend", lower=1e-6, upper=1e3),
         Parameter(
             "curved_viscous_sharpness",
             "1",
-            "how sharply it bends: -0.7 as the arc tangent, 0 as a root, 1.5 as tanh",
+            "sharpness of the bend: -0.7 as arctan, 0 as a root, 1.5 as tanh",
             lower=-0.7,
             upper=4.0,
             optional=True,

@@ -54,8 +54,8 @@ EFFECT = PositionDependentFriction(
     family="load and place",
     axis="position",
     coefficients=(
-        Parameter("position_friction_cos_nm", "N m", "change at the centre"),
-        Parameter("position_friction_sin_nm", "N m", "change a quarter of a wave further"),
+        Parameter("position_friction_cos_nm", "N m", "cosine amplitude"),
+        Parameter("position_friction_sin_nm", "N m", "sine amplitude"),
     ),
     nonlinear=(
         Parameter(ORDER, "1", "waves per revolution", lower=0.0, upper=1e4, optional=True),

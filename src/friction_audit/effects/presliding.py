@@ -140,7 +140,7 @@ EFFECT = Presliding(
     coefficients=(Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),),
     nonlinear=(
         Parameter("reach_rad", "rad", "Coulomb friction over stiffness at rest", lower=1e-6, upper=1.0),
-        Parameter("yielding_exponent", "1", "how long before they give way", lower=0.0, upper=3.0),
+        Parameter("yielding_exponent", "1", "exponent of yielding", lower=0.0, upper=3.0),
         Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
     ),
     traits=Trait.ODD,

@@ -117,10 +117,10 @@ EFFECT = Stiction(
     label="higher torque at breakaway",
     family="velocity",
     axis="displacement",
-    coefficients=(Parameter("breakaway_excess_nm", "N m", "friction above sliding after a rest", lower=0.0),),
+    coefficients=(Parameter("breakaway_excess_nm", "N m", "break-away minus sliding friction", lower=0.0),),
     nonlinear=(
-        Parameter("ageing_s", "s", "rest over which it grows", lower=1e-4, upper=1e3),
-        Parameter("renewal_rad", "rad", "path over which it goes", lower=1e-7, upper=1.0),
+        Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
+        Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
     ),
     record="start slowly at least 15 times after rests from 0.1 to 10 s",
     separate={

@@ -65,7 +65,7 @@ EFFECT = TimeDelay(
     label="torque and velocity are not simultaneous",
     family="sensors",
     axis="acceleration",
-    coefficients=(Parameter("delay_s", "s", "by how much the torque is late", lower=-1.0, upper=1.0),),
+    coefficients=(Parameter("delay_s", "s", "delay of the torque", lower=-1.0, upper=1.0),),
     nonlinear=(
         Parameter("delay_step_s", "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
         Parameter("delayed_load", "1", "1 if the load is late too", lower=0.0, upper=1.0, whole=True),

@@ -48,11 +48,11 @@ EFFECT = TorqueCrosstalk(
     family="sensors",
     axis="neighbour",
     coefficients=(
-        Parameter("crosstalk_before", "1", "share of the reading of the joint before"),
-        Parameter("crosstalk_after", "1", "share of the reading of the joint after"),
+        Parameter("crosstalk_before", "1", "share of the previous joint's torque"),
+        Parameter("crosstalk_after", "1", "share of the next joint's torque"),
     ),
     nonlinear=(
-        Parameter("crosstalk_side", "1", "-1 the joint before, 1 the one after, 0 both", lower=-1, upper=1, whole=True),
+        Parameter("crosstalk_side", "1", "-1 previous joint, 1 next joint, 0 both", lower=-1, upper=1, whole=True),
     ),
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},

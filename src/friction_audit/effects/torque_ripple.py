@@ -79,8 +79,8 @@ EFFECT = TorqueRipple(
     family="load and place",
     axis="position",
     coefficients=(
-        Parameter("ripple_cos_nm", "N m", "ripple at q = 0"),
-        Parameter("ripple_sin_nm", "N m", "ripple a quarter of a wave further"),
+        Parameter("ripple_cos_nm", "N m", "cosine amplitude"),
+        Parameter("ripple_sin_nm", "N m", "sine amplitude"),
     ),
     nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
     record="pass slowly and steadily over five periods of the ripple",

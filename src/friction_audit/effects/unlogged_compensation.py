@@ -55,12 +55,12 @@ class UnloggedCompensation(Effect):
 
 EFFECT = UnloggedCompensation(
     name="unlogged_compensation",
-    label="less friction than stated, as a compensator that the log does not name leaves",
+    label="less friction than stated: an unlogged compensator",
     family="slow and events",
     axis="speed",
-    coefficients=(Parameter("unlogged_nm", "N m", "torque that it gives at high speed", lower=0.0),),
+    coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),
     nonlinear=(
-        Parameter("unlogged_width_rad_s", "rad/s", "speed up to which it holds back", lower=1e-4, upper=10.0),
+        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=1e-4, upper=10.0),
         Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
         Parameter("unlogged_form", "1", "0 smooth, 1 dead band", lower=0.0, upper=1.0, whole=True),
     ),

@@ -61,8 +61,8 @@ EFFECT = WarmUp(
     family="slow and events",
     axis="time",
     coefficients=(
-        Parameter("cold_coulomb_nm", "N m", "Coulomb friction that a cold joint has more"),
-        Parameter("cold_viscous_nms_per_rad", "N m s/rad", "viscous friction that it has more"),
+        Parameter("cold_coulomb_nm", "N m", "extra Coulomb friction when cold"),
+        Parameter("cold_viscous_nms_per_rad", "N m s/rad", "extra viscous friction when cold"),
     ),
     nonlinear=(
         Parameter("warm_up_time_s", "s", "time constant", lower=1e-2, upper=1e9),

@@ -88,8 +88,8 @@ ADVICE = {
     OPEN: "gravity is in the torque and they do not return to their start; remove gravity (--robot, --urdf, "
     "--gravity removed), or move back and forth between the same postures",
     SMALL: "a selected joint moved too little; move all joints, select fewer (--joints), or lower --min-path",
-    ONE_WAY: "the joint moved in one direction only, so friction cannot be separated from gravity or a torque offset; "
-    "move it back and forth, several times and at different speeds",
+    ONE_WAY: "all motion has one direction, so friction cannot be separated from gravity or a torque offset; "
+    "move back and forth, several times and at different speeds",
 }
 
 
@@ -104,11 +104,11 @@ def dead_channel(interaction: Interaction, column: int, *, dead_torque: bool) ->
     torque, q, dq = (channel[:, column] for channel in (interaction.torque, interaction.q, interaction.dq))
     travel, duration_s = float(np.ptp(q)), float(interaction.t[-1] - interaction.t[0])
     if dead_torque or (np.ptp(torque) == 0.0 and travel > LEAST_TRAVEL_RAD):
-        level = f"is {torque[0]:.4g} N m in every sample" if np.ptp(torque) == 0.0 else "hardly changes while it moves"
-        return f"its torque {level}: a dead channel, or of another joint; check the sensor, or --map its column"
+        level = f"is {torque[0]:.4g} N m in every sample" if np.ptp(torque) == 0.0 else "hardly changes in motion"
+        return f"the torque {level}: a dead channel, or of another joint; check the sensor, or --map its column"
     if travel > LEAST_TRAVEL_RAD and np.abs(dq).max() * duration_s < 0.5 * travel:
         return (
-            f"its velocity is at most {np.abs(dq).max():.2g} rad/s while its position changes by {travel:.3g} rad: dq "
+            f"the velocity is at most {np.abs(dq).max():.2g} rad/s while the position changes by {travel:.3g} rad: dq "
             "is dead, or of another joint; --map its column (--map dq=NAME)"
         )
     return ""
@@ -126,7 +126,7 @@ def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings
     if not len(cycles.joint):
         return _no_cycle(cycles, column, duration_s)
     if not cycles.sums.path_rad.any():
-        return "its position never changes while its velocity does; check that q and dq are of this joint (--map q=...)"
+        return "the position never changes while the velocity does; check that q and dq are of this joint (--map q=...)"
     kept = int((cycles.reason == KEPT).sum())
     fewest = FEWEST_CYCLES if settings.estimator == "weighted" else settings.cycles_per_point
     if kept >= fewest:
@@ -167,16 +167,14 @@ def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
         float(values[column]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
     )
     unit = cycles.speed_unit
-    speed = "its speed" if unit == "rad/s" else "the hand's speed"
+    speed = "the speed" if unit == "rad/s" else "the hand's speed"
     if fastest < STANDSTILL * initiation:
-        return (
-            f"did not move: {speed} stays far below the initiation threshold {initiation:.2g} {unit}; move it back and "
-            "forth"
-        )
+        threshold = f"the initiation threshold {initiation:.2g} {unit}"
+        return f"did not move: {speed} stays far below {threshold}; move back and forth"
     if fastest <= initiation:
         return (
             f"moved too slowly: {speed} peaks at {fastest:.3g} {unit}, the initiation threshold is {initiation:.3g} "
-            f"{unit}; move it back and forth faster, or lower the thresholds (--thresholds auto)"
+            f"{unit}; move back and forth faster, or lower the thresholds (--thresholds auto)"
         )
     if duration_s < SHORT_S:
         return f"no complete energy cycle: the log lasts {duration_s:.2g} s; record several motions back and forth"

@@ -91,7 +91,7 @@ def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
     """Say why direction and velocity do not stand for friction; empty if they do."""
     speed, forwards = np.abs(rows.columns[:, 1]), float(np.mean(rows.columns[:, 0] > 0))
     if min(forwards, 1.0 - forwards) < LEAST_ONE_WAY:
-        return f"{100 * max(forwards, 1.0 - forwards):.0f} % of the motion has one direction; move it back and forth"
+        return f"{100 * max(forwards, 1.0 - forwards):.0f} % of the motion has one direction; move back and forth"
     if speed.std() < SMALLEST_SPREAD * speed.mean():
         return f"all motion has one speed ({speed.mean():.2g} rad/s); move at two or more speeds"
     if not condition < HIGHEST_CONDITION:

@@ -9,7 +9,6 @@ from friction_audit.reporting.documents import WARNINGS
 from friction_audit.reporting.notices import Notice, estimate_notices
 from friction_audit.reporting.table import Column, Document, Record, joint_column
 from friction_audit.reporting.terminal_table import table_lines
-from friction_audit.reporting.words import joints_label
 
 ROUNDED = 1e-3  # share of the friction below which an error of the fit is nothing to a simulator
 INNER_LOOP = ("panda", "fr3")  # arms whose joints have an inner torque loop
@@ -80,9 +79,8 @@ def export_notices(export: Export) -> Iterable[Notice]:
     """Yield what the user must know of the numbers in the file."""
     yield from estimate_notices(export.estimate) if export.estimate else ()
     name = export.target.name
-    for why in dict.fromkeys(why for _, why in export.lacking):
-        alike = [number for number, other in export.lacking if other == why]
-        yield Notice("no_friction", alike[0], f"{joints_label(alike)} not exported: {why}")
+    for number, why in export.lacking:
+        yield Notice("no_friction", number, f"not exported: {why}")
     for joint in export.joints:
         number = joint.law.joint
         if joint.law.left_out:

@@ -25,7 +25,7 @@ def check_sampling(recording: Recording) -> Recording:
     findings = []
     if len(long):
         dropped = float(np.maximum(np.round(long / median) - 1.0, 1.0).sum())
-        text = f"{dropped:.0f} samples dropped in {len(long)} gaps (median step {median * 1e3:.3g} ms)"
+        text = f"{dropped:.0f} samples dropped at {len(long)} places (median step {median * 1e3:.3g} ms)"
         findings.append(Finding(code="dropped_samples", message=text, amount=dropped))
     threshold_s = gap_threshold_s(median)
     gaps = long[long > threshold_s]

@@ -68,7 +68,7 @@ def _draw_steps(axes: "Axes", joint: JointDiagnosis) -> None:
     axes.barh(places, values, height=0.66, color=colours, edgecolor=MUTED, lw=0.4)
     axes.axvline(values[last], color=MUTED, lw=0.7, ls=":")
     for place, value in zip(places, values, strict=True):
-        axes.annotate(f"{value:.4f}", (value, place), (2, 0), textcoords="offset points", va="center", fontsize=6.5)
+        axes.annotate(f"{value:.3g}", (value, place), (2, 0), textcoords="offset points", va="center", fontsize=6.5)
     label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {explained_words(joint)}", across=4)
     _name_rows(axes, ["nominal model", *steps, "noise floor"])
     axes.set_xlim(0.0, ROOM * max(values))
