@@ -39,16 +39,9 @@ def parameter_section(hidden: type[HiddenEffect]) -> str:
 
 
 def separation(effect: Effect) -> str:
-    """Return the axis, and what separates an effect from those that it names."""
-    lines = [f"Axis: {effect.axis}."]
-    own = [name for name in NAMES if name in effect.separate]
-    others = [one.name for one in effects() if effect.name in one.separate and one.name not in own]
-    if own:
-        lines += ["", "Separated from", ""]
-        lines += [f"- [{name}]({name}.md): {effect.separate[name]}" for name in own]
-    if others:
-        lines += ["", f"See also {', '.join(f'[{name}]({name}.md)' for name in others)}."]
-    return "\n".join(lines)
+    """Return what separates an effect from those that it names."""
+    rows = [f"- [{name}]({name}.md): {effect.separate[name]}" for name in NAMES if name in effect.separate]
+    return "\n".join(["Separated from", "", *rows] if rows else [])
 
 
 def index(text: str) -> str:

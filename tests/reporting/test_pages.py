@@ -55,7 +55,7 @@ def test_everything_that_must_be_on_a_page_is() -> None:
     log, choice = report().estimate.log, report().estimate.interaction.choice
     for words in (
         log.source.sha256, choice.formula, log_report_by_hand.LOST, diagnosis_by_hand.LIMIT, diagnosis_by_hand.FAULT,
-        "adequate", "named", "data fault", "move it back and forth", "what stribeck does", "same-motion",
+        "adequate", "named", "data fault", "move back and forth", "what stribeck does", "same-motion",
         "cycles.initiation_rad_s", "diagnosis.min_effect_nm", "replay.assume", "10.1109/TMECH.2024.3410330",
         "friction-audit report &#39;run 1.csv&#39; -o out",
     ):  # fmt: skip
