@@ -109,7 +109,13 @@ def save_figure(figure: "Figure", path: Path) -> None:
 
 def figure_bytes(figure: "Figure", kind: str) -> bytes:
     """Return the content of a figure's file in one of FORMATS."""
+    from matplotlib.ticker import ScalarFormatter
+
     content = io.BytesIO()
     with figure_style(mathematics=True):  # axes draw their numbers only now
+        for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
+            if isinstance(axis.get_major_formatter(), ScalarFormatter):
+                for tick in axis.get_major_ticks():  # those made while mathematics was off
+                    tick.label1.set_parse_math(True)
         figure.savefig(content, format=kind, metadata=UNDATED[kind])
     return content.getvalue()
