@@ -6,7 +6,6 @@ does the table of all effects in ``effects/index.md``. The rest of a page is wri
 
 import re
 import sys
-from math import inf
 from pathlib import Path
 
 from friction_audit.effects.effect import Effect
@@ -33,8 +32,8 @@ def page_of(text: str, name: str) -> str:
 
 
 def parameter_section(hidden: type[HiddenEffect]) -> str:
-    """Return the parameters of the simulator with their usual values and what is allowed."""
-    rows = (f"- `{one.name}`: {one.meaning}; {_number(one)} ({_allowed(one)})" for one in hidden.parameters())
+    """Return the parameters of the simulator with their usual values."""
+    rows = (f"- `{one.name}`: {one.meaning}; {_number(one)}" for one in hidden.parameters())
     return "\n".join(rows)
 
 
@@ -57,13 +56,6 @@ def _section(text: str, title: str, body: str) -> str:
 
 def _number(parameter: Parameter) -> str:
     return f"{parameter.default:g}" + ("" if parameter.unit == "1" else f" {parameter.unit}")
-
-
-def _allowed(parameter: Parameter) -> str:
-    low, high = parameter.lower, parameter.upper
-    if low == -inf:
-        return "any" if high == inf else f"up to {high:g}"
-    return f"from {low:g}" if high == inf else f"{low:g} to {high:g}"
 
 
 def main() -> None:

@@ -77,7 +77,7 @@ def test_options_are_the_settings() -> None:
 
 
 def test_options_reach_the_steps(log: JointLog) -> None:
-    found = friction_audit.estimate_log(log, joints=[1], t_stop_s=20.0, estimator="paper", cutoff_hz=15.0, drive="hand")
+    found = friction_audit.estimate_log(log, joints=1, t_stop_s=20.0, estimator="paper", cutoff_hz=15.0, drive="hand")
     assert found.log.duration_s < 20.0
     settings = found.settings
     assert (settings.joints, settings.friction.estimator, settings.cycles.cutoff_hz) == ((1,), "paper", 15.0)

@@ -52,7 +52,7 @@ class ReadingOptions(TypedDict, total=False):
 class EstimateOptions(TypedDict, total=False):
     """How friction is estimated: the fields of the settings of torque, cycles and estimate, and the part of the log."""
 
-    joints: Sequence[int] | None
+    joints: Sequence[int] | int | None
     t_start_s: float | None
     t_stop_s: float | None
     torque: str
@@ -113,7 +113,7 @@ def audit_settings(options: EstimateOptions) -> AuditSettings:
     """
     given: dict[str, Any] = dict(options)
     check_names("estimate_log", given, EstimateOptions)
-    joints = given.get("joints")
+    joints = (one,) if isinstance(one := given.get("joints"), int) else one
     chosen = {name: given[name] for name in SELECTION if name in given}
     return AuditSettings(
         **chosen | {"joints": None if joints is None else tuple(joints)},

@@ -69,8 +69,19 @@ def test_names_that_say_degrees(name: str) -> None:
 @pytest.mark.parametrize(
     ("unit", "names"),
     [
-        ("A", ["actual_current_{i}", "target_current", "joint1.curr", "i_{i}", "motorCurrent{i}", "effort_{i} [A]"]),
-        ("mA", ["effort_{i} [mA]"]),
+        (
+            "A",
+            [
+                "actual_current_{i}",
+                "target_current",
+                "joint1.curr",
+                "i_{i}",
+                "motorCurrent{i}",
+                "effort_{i} [A]",
+                "#14-#19:A",
+            ],
+        ),
+        ("mA", ["effort_{i} [mA]", "load_{i}:mA"]),
         ("N m", ["current_torque_{i}", "tau_J_{i}", "amplitude_{i}"]),
     ],
 )

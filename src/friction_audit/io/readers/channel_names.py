@@ -47,7 +47,7 @@ _PATTERNS = tuple(
 _COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|goal|reference|action)(?:[^a-z]|$)")
 _MOTOR_SIDE = re.compile(r"motor_state")
 _EXTERNAL = re.compile(r"tau_ext|external")
-_SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|_(?P<suffix>m?A)(?![a-zA-Z])")
+_SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z])")
 _SAYS_CURRENT = re.compile(
     r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])"
 )

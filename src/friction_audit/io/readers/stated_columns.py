@@ -59,10 +59,10 @@ def stated_group(
 ) -> Group:
     """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column.
 
-    ``:deg`` or ``:rad`` after it says the unit. KeyError if there is no such column.
+    ``:deg``, ``:rad``, ``:A`` or ``:mA`` after it says the unit. KeyError if there is no such column.
     """
     bare, _, unit = value.rpartition(":")
-    if unit in ("deg", "rad") and value not in names:
+    if unit in ("deg", "rad", "A", "mA") and value not in names:
         group = stated_group(bare, names, labels, outside)
         return replace(group, template=value, degrees=unit == "deg")
     template = value.strip() if "{i}" in value else value + "[{i}]"
