@@ -255,7 +255,7 @@ def test_drift_in_detail_of_many_and_of_nothing() -> None:
     assert "not compared: sessions 9 of them: no start" in lines
     assert any(line.startswith("[red]arm[/red]: 24 sessions") for line in lines)
     lines = batch_lines(batch_by_hand.empty())
-    assert lines[0] == "0 sessions of 0 arms: 0 computed, 0 known from the ledger, 1 failed"
+    assert lines[0] == "0 sessions of 0 arms: 0 computed, 0 known from the ledger, 1 of these failed"
 
 
 def test_near_a_level_of_zero_drift_is_absolute() -> None:

@@ -140,7 +140,7 @@ def command(
     ] = Path("friction-drift"),
     formats: FigureFormats = PNG,
 ) -> None:
-    """Friction drift across sessions: what changed, when, with confidence intervals."""
+    """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.remote import as_text
 
     voice = shared.general.voice

@@ -90,7 +90,7 @@ def command(
     folder: FigureFolder = Path("compared"),
     overwrite: Overwrite = False,
 ) -> None:
-    """Compare compensation methods in simulation: same person, same arm, same noise."""
+    """Compare compensation methods in simulation (two logs: diff)."""
     voice = general.voice
     paths = {
         name: [folder / f"{name}.{suffix}" for suffix in formats] for name in choices.some_figures(figures, FIGURES)

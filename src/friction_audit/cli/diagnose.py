@@ -78,7 +78,7 @@ def command(
     formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
-    """Find what the model of each joint misses, name it, and show how much of the residual it explains."""
+    """Name the effects that the model of each joint misses."""
     voice = shared.general.voice
     audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)
     settings = _settings(options)

@@ -64,7 +64,7 @@ def command(
     figures: Annotated[list[str], figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
     formats: FigureFormats = PNG,
 ) -> None:
-    """Compare the friction before and after: change per joint with confidence interval."""
+    """Compare the friction of logs before and after, per joint."""
     from friction_audit.drift.fail_on import parse_limit
     from friction_audit.drift.two_sides import compare_sides
 

@@ -37,7 +37,7 @@ def command(
     formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
-    """Estimate friction coefficients per joint over time, with their uncertainty."""
+    """Estimate friction per joint over time, with 95 % intervals."""
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     kinds, again = choices.some_figures(figures, choices.FIGURES), shared.overwrite

@@ -71,7 +71,7 @@ def command(
     friction: EstimateOptions,
     shared: LogOptions,
 ) -> None:
-    """Write the friction of the joints in the file of a simulator or a controller."""
+    """Export friction to a file of a simulator or a controller."""
     from friction_audit.export.export import ExportSettings, export_friction
     from friction_audit.export.registry import choose_target, read_into
     from friction_audit.export.source import of_estimate, read_result, result_file

@@ -46,7 +46,7 @@ def command(
         bool, option(READING, f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", "--full")
     ] = False,
 ) -> None:
-    """Summarise logs: format, topics, mapping of channels, clock, joints, cycles."""
+    """Summarise logs: format, channels, clock, joints, cycles."""
     voice = general.voice
     options = read_options(reading, selection)
     view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles), full=full)

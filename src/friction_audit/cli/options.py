@@ -100,7 +100,7 @@ class ReadingOptions:
         option(
             READING,
             "Column of a channel; {i} is the joint's index, or give one name per joint, separated by commas: "
-            "dq=velocity_{i}. Repeatable.",
+            "dq=velocity_{i}; with a unit: q=angle_{i}:deg, tau_J=i_{i}:A. Repeatable.",
             "--map",
             metavar="CHANNEL=NAME",
         ),
@@ -215,7 +215,11 @@ class EstimateOptions:
     model: Annotated[str, option(ESTIMATE, "Friction model.", one_of=MODELS)] = "combined"
     window: Annotated[
         int | None,
-        option(ESTIMATE, "Cycles per point of the history. Default: 20; with --estimator paper 2 (or 1).", metavar="K"),
+        option(
+            ESTIMATE,
+            "Cycles per point of the history. Default: a third, at most 20; paper: 2.",
+            metavar="K",
+        ),
     ] = None
 
 

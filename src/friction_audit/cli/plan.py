@@ -65,7 +65,7 @@ def command(
         Path | None, folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR.")
     ] = None,
 ) -> None:
-    """Plan the recording that decides what the last one left open."""
+    """Plan the motion that separates ambiguous effects."""
     from friction_audit.io.writers.joint_trajectory import write_csv, write_mcap
     from friction_audit.planning.limits import limits_of
     from friction_audit.planning.plan import plan_task, trajectory_of

@@ -48,7 +48,7 @@ def command(
         ),
     ] = "sans",
 ) -> None:
-    """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
+    """Draw figures for a paper: all joints, and each joint alone."""
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     kinds = choices.some_figures(figures, choices.PLOTTED)

@@ -44,7 +44,7 @@ def command(
     formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
-    """Show what a friction compensator with a passivity controller would have done."""
+    """Replay a friction compensator with passivity controller."""
     voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
     audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)

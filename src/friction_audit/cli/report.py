@@ -82,7 +82,7 @@ def command(
     min_effect: MinEffect = 0.0,
     export: Exports = NO_EXPORT,
 ) -> None:
-    """HTML report of one log: friction, compensator, what the model misses, with confidence intervals."""
+    """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     json, again = shared.general.json, shared.overwrite

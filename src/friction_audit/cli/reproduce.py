@@ -49,7 +49,7 @@ def command(
     folder: FigureFolder = Path("reproduced"),
     overwrite: Overwrite = False,
 ) -> None:
-    """Simulate the figures of the paper and compare each of its claims with a number."""
+    """Simulate the paper's figures and measure its claims."""
     voice = general.voice
     paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)

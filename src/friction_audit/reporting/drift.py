@@ -514,7 +514,7 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
         verbose: If True, also the message of joints without drift, and why each session was left out.
     """
     sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
-    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} failed"
+    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
     lines = [f"{sessions} of {arms}: {done}"]
     for arm in summary.arms:
         lines += ["", *_arm_lines(arm, verbose=verbose)]
