@@ -194,24 +194,31 @@ def measured(tables: Tables) -> list[Figure]:
     ]  # fmt: skip
 
 
-def joints(tables: Tables, *, halves: bool = True) -> str:
-    """What is said of each joint of the measured logs, and how many of its names either half of the log gives."""
+def joints(tables: Tables) -> str:
+    """What is said of each joint of the measured logs, and how many of its names either half gives."""
     rows = {(r["log"], r["part"], r["joint"]): r for r in tables["real"] if r["seed"] == "0" and not r["truth"]}
     lines = []
     for (log, part, joint), row in sorted(rows.items()):
         if part != "whole" or row["verdict"] in UNANSWERED or log == NO_INERTIA:
             continue
-        parts = [rows.get((log, half, joint)) for half in ("first", "second")] if halves else []
+        halves = [rows.get((log, half, joint)) for half in ("first", "second")]
         shown = [
             f"{sum(in_the_other(row, h))} of {len(sets_of(row))}"
             if h and h["verdict"] not in UNANSWERED
             else "not testable"
-            for h in parts
+            for h in halves
         ]
         names = "; ".join(" or ".join(one.split("|")) for one in row["sets"].split(";"))
         lines.append((f"{log} {joint}", row["verdict"], names or "-", f"{100 * float(row['remainder']):.0f}", *shown))
-    head = ("log, joint", "verdict", "names, the largest first", "without a name [%]")
-    return table((*head, "in the first half", "second half") if halves else head, lines)
+    head = (
+        "log, joint",
+        "verdict",
+        "names, the largest first",
+        "without a name [%]",
+        "in the first half",
+        "second half",
+    )
+    return table(head, lines)
 
 
 def mistakes(tables: Tables) -> str:
@@ -259,8 +266,8 @@ def simulated(tables: Tables) -> str:
 
 
 def real(tables: Tables) -> str:
-    """All figures of measured logs, and what is said of each joint."""
-    return f"{_shown(measured(tables))}\n\n{joints(tables, halves=False)}"
+    """All figures of measured logs."""
+    return _shown(measured(tables))
 
 
 def _shown(figures: Iterable[Figure]) -> str:
