@@ -26,7 +26,7 @@ from friction_audit.reporting import diagnosis, estimate, replay
 from tests.reporting.conftest import build_estimate
 from tests.test_docs import DOCS
 
-MOST_NAMES = 10
+MOST_NAMES = 11  # the eleventh is plot
 
 
 def names_of(*settings: Any) -> set[str]:
@@ -170,3 +170,45 @@ def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
     alone = friction_audit.simulate_log("joint", seed=1, duration_s=5.0, effects=effect)
     assert (alone.truth.motion.friction_nm == made.truth.motion.friction_nm).all()
     assert alone.truth.settings == made.truth.settings
+
+
+def test_a_result_shows_its_numbers_in_a_line_a_joint(log: JointLog) -> None:
+    estimate = friction_audit.estimate_log(log)
+    joint = estimate.friction.joints[0]
+    head, *lines = repr(estimate).splitlines()
+    assert log.source.path in head
+    assert "N m" in head
+    assert len(lines) == len(estimate.friction.joints)
+    for number in (joint.coulomb.value, joint.coulomb.low, joint.viscous.value, joint.viscous.high):
+        assert f"{number:.4g}" in lines[0]
+    diagnosis = friction_audit.diagnose_log(estimate)
+    assert diagnosis.discrepancy.joints[0].verdict in repr(diagnosis).splitlines()[1]
+    assert "dissipation removed" in repr(friction_audit.replay_log(estimate)).splitlines()[1]
+    assert f"{len(log.joint_names)} joints" in repr(log)
+    assert "tau_" in repr(log)
+
+
+def test_a_result_is_drawn_into_axes_in_the_style_of_the_user(log: JointLog) -> None:
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    estimate = friction_audit.estimate_log(log)
+    diagnosis, replay = friction_audit.diagnose_log(estimate), friction_audit.replay_log(estimate)
+    with rc_context({"axes.titlesize": 19.0}):
+        for result, label in ((estimate, "Velocity"), (replay, "Velocity"), (diagnosis, "Residual")):
+            axes = Figure().subplots()
+            assert friction_audit.plot(result, joint=1, ax=axes) is axes
+            assert axes.get_xlabel().startswith(label)
+            assert axes.has_data()
+            assert axes.title.get_fontsize() == 19.0 or axes.get_title(loc="left")
+    assert isinstance(friction_audit.plot(estimate, "energy"), Figure)
+    for wrong, message in (
+        ({"kind": "ladder"}, "plot: ladder: expected one of coefficients, velocity-torque"),
+        ({"kind": "energy", "ax": Figure().subplots()}, "plot: energy: into axes goes velocity-torque alone"),
+        ({"joint": 9, "ax": Figure().subplots()}, "joint 9: not in this result"),
+    ):
+        with pytest.raises(UsageError, match=message):
+            friction_audit.plot(estimate, **wrong)
+    no_result: Any = log
+    with pytest.raises(UsageError, match="plot: JointLog: expected the result of estimate_log"):
+        friction_audit.plot(no_result)

@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 
 _PLACES = {
     "read_log": "api",
+    "log_from_frame": "api",
     "write_log": "api",
     "simulate_log": "api",
     "estimate_log": "api",
@@ -20,6 +21,7 @@ _PLACES = {
     "diagnose_log": "api",
     "report_log": "api",
     "to_frames": "api",
+    "plot": "api",
     "FrictionAuditError": "errors",
 }
 

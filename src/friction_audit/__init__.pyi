@@ -1,5 +1,7 @@
 from friction_audit.api import diagnose_log as diagnose_log
 from friction_audit.api import estimate_log as estimate_log
+from friction_audit.api import log_from_frame as log_from_frame
+from friction_audit.api import plot as plot
 from friction_audit.api import read_log as read_log
 from friction_audit.api import replay_log as replay_log
 from friction_audit.api import report_log as report_log
@@ -13,6 +15,8 @@ __all__ = [
     "FrictionAuditError",
     "diagnose_log",
     "estimate_log",
+    "log_from_frame",
+    "plot",
     "read_log",
     "replay_log",
     "report_log",

@@ -28,6 +28,7 @@ from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, LogRepla
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.diagnosis import diagnose_tables
 from friction_audit.reporting.estimate import estimate_tables
+from friction_audit.reporting.figures.registry import draw_result
 from friction_audit.reporting.replay import replay_tables
 from friction_audit.reporting.report import LogReport, report_estimate, report_tables
 from friction_audit.simulation import SCENARIOS, Simulation, simulate
@@ -35,6 +36,8 @@ from friction_audit.simulation.hide import hide
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 class ReadingOptions(TypedDict, total=False):
@@ -161,6 +164,22 @@ def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
     """
     check_names("read_log", options, ReadingOptions)
     return ingest.read_log(path, ingest.ReadOptions(**options))
+
+
+def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[ReadingOptions]) -> JointLog:  # noqa: ANN401
+    """Read a log from memory, with the names, units and checks of ``read_log``.
+
+    Args:
+        frame: A pandas or polars DataFrame, or a dict of arrays by name, of shape (n,) or (n, joints).
+        name: What messages and results call it.
+        options: Those of ``read_log``.
+
+    Raises:
+        UsageError: If it is no frame.
+        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+    """
+    check_names("log_from_frame", options, ReadingOptions)
+    return ingest.log_from_frame(frame, ingest.ReadOptions(**options), name=name)
 
 
 def write_log(log: JointLog, path: str | Path, *, dialect: str | None = None, overwrite: bool = False) -> None:
@@ -318,6 +337,41 @@ def to_frames(result: Estimate | LogReplay | Diagnosis | LogReport) -> "dict[str
         UsageError: If it is none of these.
     """
     return {table.name: to_frame(table) for table in _tables(result)}
+
+
+def plot(
+    result: Estimate | LogReplay | Diagnosis,
+    kind: str | None = None,
+    *,
+    joint: int | None = None,
+    ax: "Axes | None" = None,
+) -> "Figure | Axes":
+    """Draw a result, as ``friction-audit plot`` does, or one joint of it into axes of yours.
+
+    Args:
+        result: What ``estimate_log``, ``replay_log`` or ``diagnose_log`` returned.
+        kind: ``"velocity-torque"``, ``"replay-velocity-torque"`` or ``"ladder"``; without ``ax`` any of
+            ``friction-audit plot --list``. None takes the one of these three that fits the result.
+        joint: Number of the joint (1..n), or None for all; with ``ax`` one joint.
+        ax: Axes to draw into, in the style in force; None for a figure in the style of the pages.
+
+    Returns:
+        The axes, or a figure that is unknown to pyplot.
+
+    Raises:
+        UsageError: If the result has no such figure or joint, or the kind needs more than one panel.
+    """
+    return draw_result(result, _result_name(result, "plot"), kind, joint, ax)
+
+
+def _result_name(result: object, call: str) -> str:
+    for kind, name in ((Estimate, "estimate"), (LogReplay, "replay"), (Diagnosis, "diagnosis")):
+        if isinstance(result, kind):
+            return name
+    raise UsageError(
+        f"{call}: {type(result).__name__}: expected the result of estimate_log, replay_log or diagnose_log; call one of "
+        "them first"
+    )
 
 
 def _tables(result: Estimate | LogReplay | Diagnosis | LogReport) -> tuple[TidyTable, ...]:

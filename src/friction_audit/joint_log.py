@@ -166,6 +166,10 @@ class JointLog(Recording):
         for array in (self.t, *self.channels().values()):
             array.setflags(write=False)
 
+    def __repr__(self) -> str:
+        joints, seconds = len(self.joint_names), f"{self.duration_s:.4g} s at {self.rate_hz:.4g} Hz"
+        return f"JointLog({self.source.path}: {joints} joints, {seconds}; {', '.join(self.channels())})"
+
     def channels(self) -> dict[str, Float]:
         """Return the per-joint channels that were recorded, by name, in the order of JOINT_CHANNELS."""
         found = ((name, getattr(self, name)) for name in JOINT_CHANNELS)

@@ -15,7 +15,7 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
 
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
@@ -55,6 +55,14 @@ class Estimate:
     friction: FrictionHistory
     settings: AuditSettings
 
+    def __repr__(self) -> str:
+        unit = f"torque in {self.log.source.torque_unit}, velocity in rad/s, 95 % intervals"
+        return _repr("Estimate", self.log.source.path, unit, self.friction.joints)
+
+
+def _repr(name: str, path: str, unit: str, joints: "Iterable[object]") -> str:
+    return "\n  ".join((f"{name}({path}: {unit})", *map(repr, joints)))
+
 
 def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     """Estimate the friction of the joints of a log.
@@ -81,6 +89,9 @@ class LogReplay:
     estimate: Estimate
     replay: "Replay"
     settings: "ReplaySettings"
+
+    def __repr__(self) -> str:
+        return _repr("LogReplay", self.estimate.log.source.path, self.replay.counterfactual.title, self.replay.joints)
 
 
 def replay_log(log: JointLog, settings: AuditSettings, replay_settings: "ReplaySettings") -> LogReplay:
@@ -117,6 +128,10 @@ class Diagnosis:
     estimate: Estimate
     discrepancy: "Discrepancy"
     settings: "DiagnosisSettings"
+
+    def __repr__(self) -> str:
+        unit = f"residual RMS on held-out cycles in {self.estimate.log.source.torque_unit}"
+        return _repr("Diagnosis", self.estimate.log.source.path, unit, self.discrepancy.joints)
 
 
 def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:

@@ -304,6 +304,12 @@ class JointDiagnosis:
     contacts: ContactTrace | None = None
     traceback: str = ""
 
+    def __repr__(self) -> str:
+        names = " and ".join(" or ".join((effect.name, *effect.alternatives)) for effect in self.effects)
+        gap = f", residual {self.gap.before:.4g}, augmented {self.gap.after:.4g}" if self.gap else ""
+        why = f" ({self.reason})" if self.reason else ""
+        return f"joint {self.joint} {self.name}: {self.verdict}{why}{f': {names}' if names else ''}{gap}"
+
     @property
     def added(self) -> tuple[NamedEffect, ...]:
         """The effects of the augmented model: contact events are in no model, their samples are left out."""

@@ -18,6 +18,9 @@ class Coefficient:
     low: float
     high: float
 
+    def __str__(self) -> str:
+        return f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
+
 
 NAN = float("nan")
 UNDETERMINED = Coefficient(value=NAN, low=NAN, high=NAN)
@@ -148,6 +151,13 @@ class JointFriction:
     history: CoefficientHistory = NO_HISTORY
     reason: str = ""
     method: str = "energy"
+
+    def __repr__(self) -> str:
+        if self.reason:
+            return f"joint {self.joint} {self.name}: no estimate: {self.reason}"
+        return (
+            f"joint {self.joint} {self.name}: Coulomb {self.coulomb!s}, viscous {self.viscous!s}, {self.cycles} cycles"
+        )
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
 from friction_audit.io.readers.table import ColumnTable, Part
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 
 _NANOSECONDS = 1_000_000_000
+_INDEX = "__index_level_0__"  # what Arrow calls an index without a name
 
 
 class ArrayTable(ColumnTable):
@@ -45,8 +46,8 @@ class ArrayTable(ColumnTable):
     def read_clock(self, time: TimeColumn) -> Clock:
         """Read all stamps."""
         stamps, unit = self._cells[time.cells[0]], time.unit
-        if stamps.dtype.kind == "M":
-            stamps, unit = stamps.astype("datetime64[ns]").astype(np.int64), "ns"
+        if stamps.dtype.kind in "mM":
+            stamps, unit = stamps.astype(f"{stamps.dtype.kind}8[ns]").astype(np.int64), "ns"
         elif len(time.cells) > 1:
             stamps = stamps.astype(np.int64) * _NANOSECONDS + self._cells[time.cells[1]].astype(np.int64)
         raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
@@ -66,3 +67,53 @@ class ArrayTable(ColumnTable):
                     ) from error
         labels = None if columns.joint is None else self._cells[columns.joint][kept].astype(object)
         return Part(clock=clock, channels=channels, joint=labels)
+
+
+def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa: ANN401 - a frame of any library
+    """Return the columns of a pandas, polars or Arrow table, or of a mapping of names to arrays.
+
+    An index of times without a name becomes the column ``time``.
+
+    Raises:
+        UsageError: If it is none of these.
+        InputError: If it holds no rows, or lists of several lengths.
+    """
+    import pyarrow as pa
+
+    if isinstance(frame, Mapping):
+        arrays = {str(name): np.atleast_1d(np.asarray(values)) for name, values in frame.items()}
+    else:
+        try:
+            table = pa.table(frame)
+            arrays = {name: column_of(table, name) for name in table.column_names}
+        except (TypeError, ValueError) as error:  # those of Arrow are ValueErrors
+            if not hasattr(frame, "columns"):
+                raise UsageError(
+                    f"{where}: {type(frame).__name__}: expected a pandas or polars DataFrame, or a dict of arrays by name"
+                ) from error
+            raise InputError(f"{where}: {error}; expected columns of numbers, or of lists of one length") from error
+        if arrays.get(_INDEX, np.zeros(0)).dtype.kind in "mM":
+            arrays = {"time": arrays.pop(_INDEX), **arrays}
+    if not any(array.size for array in arrays.values()):
+        raise InputError(f"{where}: 0 samples in {len(arrays)} columns; expected one row per sample")
+    return {name: array for name, array in arrays.items() if array.size}
+
+
+def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table of Arrow
+    """Return a column, shape (n,), or (n, k) of lists of k elements.
+
+    Raises:
+        ValueError: If the lists differ in length.
+    """
+    import pyarrow as pa
+    from pyarrow import compute
+
+    column = table[name].combine_chunks()
+    kinds = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
+    if not any(is_kind(column.type) for is_kind in kinds):
+        array: NDArray[Any] = column.to_numpy(zero_copy_only=False)
+        return array
+    if len(lengths := compute.unique(compute.list_value_length(column))) > 1:
+        raise ValueError(f"{name} holds lists of {len(lengths)} lengths")
+    values: NDArray[Any] = column.flatten().to_numpy(zero_copy_only=False)
+    return values.reshape(len(column), -1)

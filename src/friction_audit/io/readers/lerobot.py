@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import DATA_SET
-from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.arrays import ArrayTable, column_of
 from friction_audit.io.readers.channel_names import parse_name
 from friction_audit.io.readers.reader import ReadOptions, SeveralLogsError, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
@@ -127,7 +127,7 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
             if match:
                 found[int(match[1])] = (file, parquet.metadata.num_rows)
             elif "episode_index" in parquet.schema_arrow.names:
-                index = _column(parquet.read(["episode_index"]), "episode_index")
+                index = column_of(parquet.read(["episode_index"]), "episode_index")
                 counted = zip(*np.unique(index, return_counts=True), strict=True)
                 found |= {int(number): (file, int(count)) for number, count in counted}
     if not any(frames for _, frames in found.values()):
@@ -150,7 +150,7 @@ def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
     if "episode_index" in wanted:
         table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))
     try:
-        return {name: _column(table, name) for name in wanted}
+        return {name: column_of(table, name) for name in wanted}
     except (ValueError, pa.ArrowException) as error:
         raise InputError(f"{file}: {error}; expected lists of one length in every frame; copy the data set") from error
 
@@ -170,14 +170,3 @@ def _is_numeric(kind: Any) -> bool:  # noqa: ANN401 - a type of Arrow
 
     inner = kind.value_type if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) else kind
     return bool(pa.types.is_floating(inner) or pa.types.is_integer(inner))
-
-
-def _column(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table of Arrow
-    import pyarrow as pa
-
-    column = table[name].combine_chunks()
-    if not (pa.types.is_list(column.type) or pa.types.is_fixed_size_list(column.type)):
-        array: NDArray[Any] = column.to_numpy(zero_copy_only=False)
-        return array
-    values: NDArray[Any] = column.flatten().to_numpy(zero_copy_only=False)
-    return values.reshape(len(column), -1)

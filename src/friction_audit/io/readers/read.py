@@ -6,14 +6,18 @@ A format is added by writing one file with ``recognises``, ``read`` and ``topics
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks import examine
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
+from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.joint_names import arm_name, arms_in
 from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
+from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
 
@@ -55,7 +59,7 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
             damage = recording.findings
             recording = recording.with_findings(*_suffix_mismatch(file, reader))
             recording = examine(recording, path=str(path), robot=options.robot, time_scale=options.time_scale)
-            sha256 = digest.result() if digest else ""
+            content = digest.result() if digest else ""
         except OSError as error:
             raise _unreadable(file, error) from error
         except MemoryError as error:
@@ -71,10 +75,35 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
     recording = recording.with_findings(*_growth(before, _stamp(file)))
+    return _log_of_part(recording, options, path=str(path), sha256=content, format=reader.name)
+
+
+def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "frame") -> JointLog:  # noqa: ANN401
+    """Read a data frame, or a mapping of names to arrays, as a joint log, and check it.
+
+    Args:
+        frame: A pandas, polars or Arrow table with named columns, or arrays of shape (n,) or (n, joints) by name.
+        options: What the user says about how to read it.
+        name: What messages and results call it.
+
+    Raises:
+        UsageError: If it is no frame.
+        InputError: If it cannot be read as a joint log.
+    """
+    arrays = arrays_of_frame(frame, name)
+    recording = read_table(ArrayTable(Path(name), arrays), options)
+    recording = examine(recording, path=name, robot=options.robot, time_scale=options.time_scale)
+    digest = sha256()
+    for column, array in arrays.items():
+        digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
+    return _log_of_part(recording, options, path=name, sha256=digest.hexdigest(), format="frame")
+
+
+def _log_of_part(recording: Recording, options: ReadOptions, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
     if not options.has_window:
-        return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
-    recording = _part(recording, options, str(path))
-    log = to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+        return to_joint_log(recording, path=path, sha256=sha256, format=format)
+    recording = _part(recording, options, path)
+    log = to_joint_log(recording, path=path, sha256=sha256, format=format)
     window = (options.t_start_s, options.t_end_s)
     return replace(log, source=replace(log.source, window=window, skipped_s=float(recording.t[0])))
 

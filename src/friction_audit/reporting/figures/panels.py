@@ -29,6 +29,7 @@ class Numbered(Protocol):
 
 
 T = TypeVar("T", bound=Numbered)
+Drawn = TypeVar("Drawn", bound="Figure | Axes")
 Numbers = int | tuple[int, ...] | None  # of one joint at column width, of the joints of a sheet, or None for all
 
 
@@ -294,8 +295,8 @@ def draw_arrow(axes: "Axes", tail: tuple[float, float], head: tuple[float, float
     axes.annotate("", head, tail, arrowprops=style, zorder=5)
 
 
-def label_in_unit(figure: "Figure", unit: str) -> "Figure":
-    """Write the unit of the torque on the axes of a figure."""
+def label_in_unit(figure: Drawn, unit: str) -> Drawn:
+    """Write the unit of the torque on the axes of a figure, or on axes."""
     from matplotlib.text import Text
 
     if unit != NEWTON_METRES:

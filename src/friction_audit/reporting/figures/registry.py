@@ -4,7 +4,13 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from friction_audit.errors import UsageError
+from friction_audit.reporting.figures.panels import label_in_unit
+
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure as MatplotlibFigure
 
 
@@ -18,6 +24,7 @@ class Figure:
         draws: Module and function, with a dot between them.
         title: What it shows, in a line.
         caption: How to read it; empty if it stands on no page.
+        panel: Module and function that draw one joint into given axes; empty if it takes more than one panel.
     """
 
     name: str
@@ -25,6 +32,7 @@ class Figure:
     draws: str
     title: str
     caption: str = ""
+    panel: str = ""
 
     def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "MatplotlibFigure":
         """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet.
@@ -32,9 +40,14 @@ class Figure:
         Raises:
             UsageError: If the result does not hold that joint.
         """
-        module, _, function = self.draws.rpartition(".")
-        drawing: MatplotlibFigure = getattr(import_module(f"{__package__}.{module}"), function)(result, joint)
+        drawing: MatplotlibFigure = _function(self.draws)(result, joint)
         return drawing
+
+
+def _function(place: str) -> "Callable[..., Any]":
+    module, _, function = place.rpartition(".")
+    found: Callable[..., Any] = getattr(import_module(f"{__package__}.{module}"), function)
+    return found
 
 
 FIGURES = (
@@ -53,6 +66,7 @@ FIGURES = (
         title="Velocity-torque curves",
         caption="Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest; "
         "the fitted line is friction.",
+        panel="velocity_torque.draw_panel",
     ),
     Figure(
         name="energy",
@@ -81,12 +95,14 @@ FIGURES = (
         result="replay",
         draws="replay.draw_replay_velocity_torque",
         title="Velocity-torque curves with the compensator",
+        panel="replay.draw_panel",
     ),
     Figure(
         name="ladder",
         result="diagnosis",
         draws="verdicts.draw_ladder",
         title="Residual torque after each effect",
+        panel="verdicts.draw_panel",
     ),
     Figure(
         name="residual",
@@ -165,3 +181,36 @@ def figures_of(*results: str) -> tuple[Figure, ...]:
 def figure_names(*results: str) -> tuple[str, ...]:
     """Return the names of the kinds of figures of some results."""
     return tuple(figure.name for figure in figures_of(*results))
+
+
+def draw_result(
+    result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None"
+) -> "MatplotlibFigure | Axes":
+    """Draw a kind of figure of a result, or one joint of it into axes.
+
+    Args:
+        result: What it draws.
+        of: What that is called in FIGURES.
+        kind: Name of the figure, or None for the first one that fits into one panel.
+        joint: Number of the joint (1..n), or None.
+        axes: Axes to draw into, or None for a figure.
+
+    Raises:
+        UsageError: If there is no such figure or joint, or the axes do not suffice.
+    """
+    own = {figure.name: figure for figure in figures_of(of)}
+    panels = [name for name, figure in own.items() if figure.panel]
+    figure = own.get(kind or panels[0])
+    if figure is None or (axes is not None and not figure.panel):
+        reason = f"expected one of {', '.join(own)}" if figure is None else f"into axes goes {', '.join(panels)} alone"
+        raise UsageError(f"plot: {kind}: {reason}")
+    estimate = result if of == "estimate" else result.estimate
+    if axes is None:
+        drawn: MatplotlibFigure | Axes = figure.draw(result, joint)
+    else:
+        held = [one.joint for one in estimate.friction.joints]
+        if joint is None and len(held) > 1:
+            raise UsageError(f"plot: {len(held)} joints and one panel; choose one with joint={held[0]} ... {held[-1]}")
+        _function(figure.panel)(axes, result, held[0] if joint is None else joint)
+        drawn = axes
+    return label_in_unit(drawn, estimate.log.source.torque_unit)

@@ -11,6 +11,7 @@ from friction_audit.reporting.figures.panels import (
     Numbers,
     add_legend,
     choose,
+    chosen_joints,
     cutoff_hz,
     draw_curve,
     draw_dots,
@@ -202,6 +203,13 @@ def draw_replay_velocity_torque(found: "LogReplay", joint: Numbers) -> "Figure":
     figure.supxlabel(f"Velocity [rad/s], {found.replay.counterfactual.title}{note}")
     figure.supylabel("Interaction torque [N m]")
     return figure
+
+
+def draw_panel(axes: "Axes", found: "LogReplay", joint: int) -> None:
+    """Draw torque over velocity of one joint into axes, and name them."""
+    (one,) = chosen_joints(found.replay.joints, joint)
+    _draw_loops(axes, one)
+    axes.set(xlabel="Velocity [rad/s]", ylabel="Interaction torque [N m]")
 
 
 def _draw_loops(axes: "Axes", joint: "JointReplay") -> None:

@@ -61,6 +61,13 @@ def draw_velocity_torque(estimate: "Estimate", joint: Numbers) -> "Figure":
     return figure
 
 
+def draw_panel(axes: "Axes", estimate: "Estimate", joint: int) -> None:
+    """Draw one joint into axes, and name them."""
+    (series,), _, _ = choose_series(estimate, joint)
+    _draw_panel(axes, series, sheet=False)
+    axes.set(xlabel="Velocity [rad/s]", ylabel="Interaction torque [N m]")
+
+
 def _draw_panel(axes: "Axes", series: JointSeries, *, sheet: bool) -> str | None:
     """Draw one joint; return the fitted curve's formula if there is one."""
     thinned = every_nth(len(series.t))

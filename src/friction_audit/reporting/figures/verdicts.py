@@ -10,6 +10,7 @@ from friction_audit.reporting.diagnosis_words import joint_message, plain_names
 from friction_audit.reporting.figures.panels import (
     Numbers,
     choose,
+    chosen_joints,
     grid,
     is_narrow,
     joint_title,
@@ -54,6 +55,13 @@ def draw_ladder(found: "Diagnosis", joint: Numbers) -> "Figure":
         _draw_steps(axes, one)
     figure.supxlabel(f"Residual torque on held-out cycles, rms [N m]{note}")
     return figure
+
+
+def draw_panel(axes: "Axes", found: "Diagnosis", joint: int) -> None:
+    """Draw the residual after each effect of one joint into axes, and name them."""
+    (one,) = chosen_joints(found.discrepancy.joints, joint)
+    _draw_steps(axes, one)
+    axes.set_xlabel("Residual torque on held-out cycles, rms [N m]")
 
 
 def _draw_steps(axes: "Axes", joint: JointDiagnosis) -> None:

@@ -1,0 +1,98 @@
+"""A log from memory: the names, units and checks of a file."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pytest
+
+import friction_audit
+from friction_audit.errors import InputError, UsageError
+from friction_audit.joint_log import JointLog
+
+SAMPLES = Path(__file__).parents[2] / "sample_logs"
+RIG = SAMPLES / "bench_rig.csv"
+
+
+@pytest.fixture(scope="module")
+def frame() -> pd.DataFrame:
+    return pd.read_csv(RIG, comment="#")
+
+
+def assert_same(found: JointLog, expected: JointLog) -> None:
+    assert found.channels().keys() == expected.channels().keys()
+    np.testing.assert_array_equal(found.t, expected.t)
+    for name, array in expected.channels().items():
+        np.testing.assert_array_equal(found.channels()[name], array)
+
+
+def test_a_frame_is_read_as_its_file_is(frame: pd.DataFrame) -> None:
+    expected = friction_audit.read_log(RIG)
+    before = frame.copy()
+    found = friction_audit.log_from_frame(frame)
+    assert_same(found, expected)
+    pd.testing.assert_frame_equal(frame, before)
+    assert (found.source.path, found.source.format) == ("frame", "frame")
+    assert [one.code for one in found.source.findings] == [one.code for one in expected.source.findings]
+    assert_same(friction_audit.log_from_frame(pa.table(frame)), expected)
+    assert_same(friction_audit.log_from_frame({str(name): frame[name].to_numpy() for name in frame}), expected)
+    numbers = friction_audit.estimate_log(found).friction.joints[0].coulomb
+    assert numbers == friction_audit.estimate_log(expected).friction.joints[0].coulomb
+
+
+def test_channels_may_be_arrays_or_lists_of_all_joints() -> None:
+    expected = friction_audit.read_log(SAMPLES / "hand_guided.parquet")
+    arrays: dict[str, Any] = {"t": expected.t, **expected.channels()}
+    assert_same(friction_audit.log_from_frame(arrays), expected)
+    lists = pd.DataFrame({name: list(array) for name, array in arrays.items()})
+    assert_same(friction_audit.log_from_frame(lists), expected)
+    ragged = lists.assign(q=[row[: 6 + number % 2] for number, row in enumerate(lists["q"])])
+    with pytest.raises(InputError, match=r"run 7: q holds lists of 2 lengths; expected .* lists of one length"):
+        friction_audit.log_from_frame(ragged, name="run 7")
+
+
+@pytest.mark.parametrize("zone", [None, "Asia/Tokyo"])
+def test_an_index_of_times_is_the_clock(frame: pd.DataFrame, zone: str | None) -> None:
+    expected = friction_audit.read_log(RIG)
+    begin = pd.Timestamp("2026-03-01T12:00:00", tz=zone)
+    seconds, rest = expected.t, frame.iloc[:, 1:]
+    found = friction_audit.log_from_frame(rest.set_index(pd.DatetimeIndex(begin + pd.to_timedelta(seconds, unit="s"))))
+    np.testing.assert_allclose(found.t, seconds, atol=1e-8)
+    assert found.source.start_s == pytest.approx(begin.timestamp())
+    found = friction_audit.log_from_frame(rest.set_index(pd.to_timedelta(seconds, unit="s").rename("time")))
+    np.testing.assert_allclose(found.t, seconds, atol=1e-8)
+
+
+def test_options_are_those_of_a_file(frame: pd.DataFrame) -> None:
+    renamed = frame.rename(columns={frame.columns[1]: "winkel"})
+    with pytest.raises(InputError, match=r"frame: no column for q; found"):
+        friction_audit.log_from_frame(renamed)
+    part = friction_audit.log_from_frame(renamed, mapping={"q": "winkel"}, t_start_s=1.0, t_end_s=3.0)
+    assert part.duration_s == pytest.approx(2.0, abs=0.02)
+    assert part.source.window == (1.0, 3.0)
+    with pytest.raises(UsageError, match="log_from_frame: no option maping"):
+        friction_audit.log_from_frame(frame, maping={})  # type: ignore[call-arg]
+
+
+def test_missing_numbers_and_units_are_found(frame: pd.DataFrame) -> None:
+    gap = frame.astype("Float64").mask(frame.index.to_series().between(100, 103).to_numpy()[:, None])
+    gap.iloc[:, 0] = frame.iloc[:, 0]
+    found = friction_audit.log_from_frame(gap)
+    assert "missing_samples" in {one.code for one in found.source.findings}
+
+
+@pytest.mark.parametrize("wrong", [3.0, "run.csv", np.zeros((3, 4)), [1, 2]])
+def test_what_is_no_frame_is_refused(wrong: object) -> None:
+    with pytest.raises(UsageError, match="expected a pandas or polars DataFrame, or a dict of arrays by name"):
+        friction_audit.log_from_frame(wrong)
+
+
+def test_an_empty_frame_is_refused(frame: pd.DataFrame) -> None:
+    for empty in (frame.iloc[:0], {}, pd.DataFrame()):
+        with pytest.raises(InputError, match="0 samples in .* expected one row per sample"):
+            friction_audit.log_from_frame(empty)
+    short = {str(name): frame[name].to_numpy()[: 500 if name == frame.columns[1] else 800] for name in frame}
+    with pytest.raises(InputError, match="has 500 samples, .* has 800; expected one row per sample"):
+        friction_audit.log_from_frame(short)
