@@ -369,8 +369,8 @@ def _result_name(result: object, call: str) -> str:
         if isinstance(result, kind):
             return name
     raise UsageError(
-        f"{call}: {type(result).__name__}: expected the result of estimate_log, replay_log or diagnose_log; call one of "
-        "them first"
+        f"{call}: {type(result).__name__}: expected the result of estimate_log, replay_log or diagnose_log; call one "
+        "of them first"
     )
 
 

@@ -1,6 +1,7 @@
 """FrictionHistory: friction coefficients per joint over time, with their uncertainty."""
 
 from dataclasses import dataclass, fields, replace
+from math import isnan
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ class Coefficient:
     high: float
 
     def __str__(self) -> str:
-        return f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
+        return "unknown" if isnan(self.value) else f"{self.value:.4g} [{self.low:.4g}, {self.high:.4g}]"
 
 
 NAN = float("nan")
@@ -154,7 +155,7 @@ class JointFriction:
 
     def __repr__(self) -> str:
         if self.reason:
-            return f"joint {self.joint} {self.name}: no estimate: {self.reason}"
+            return f"joint {self.joint} {self.name}: no estimate: {self.reason.partition(';')[0]}"
         return (
             f"joint {self.joint} {self.name}: Coulomb {self.coulomb!s}, viscous {self.viscous!s}, {self.cycles} cycles"
         )

@@ -89,7 +89,8 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
         except (TypeError, ValueError) as error:  # those of Arrow are ValueErrors
             if not hasattr(frame, "columns"):
                 raise UsageError(
-                    f"{where}: {type(frame).__name__}: expected a pandas or polars DataFrame, or a dict of arrays by name"
+                    f"{where}: {type(frame).__name__}: expected a pandas or polars DataFrame, or a dict of arrays "
+                    "by name"
                 ) from error
             raise InputError(f"{where}: {error}; expected columns of numbers, or of lists of one length") from error
         if arrays.get(_INDEX, np.zeros(0)).dtype.kind in "mM":
