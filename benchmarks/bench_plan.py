@@ -98,7 +98,8 @@ def work(seed: int) -> dict[str, Any]:
     subjects, found = diagnosed(log, AuditSettings())
     row["before"] = sets_of(found)
     if found.discrepancy.joints[0].verdict == "ambiguous" and open_names(truth, row["before"]):
-        _, (task,) = tasks_of(diagnose_document(found), Path(log.source.path), [0.0], subjects=subjects)
+        pairs = [(subjects[0], found.discrepancy.joints[0])]
+        _, (task,) = tasks_of(diagnose_document(found), Path(log.source.path), [0.0], subjects=pairs)
         limits = limits_of(task.joint, 0.0, urdf=None, panda=True)
         plan = plan_task(task, limits, check=False)
         row["unknown"] = "|".join(task.unknown)

@@ -88,6 +88,13 @@ def test_stribeck_and_nonlinear_viscous_friction_are_separated_and_the_check_say
     assert slow, "a Stribeck curve takes slow steady motion"
 
 
+def test_a_number_that_a_document_leaves_out_takes_no_name_away() -> None:
+    numbers = {"curved_viscous_nm": 0.06, "curved_viscous_exponent": 2.4, "curved_viscous_speed_rad_s": None}
+    effects = [{"name": "nonlinear_viscous", "alternatives": ["stribeck"], "parameters": numbers}]
+    found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}
+    assert task_of(found, hand=True, start_rad=0.0).why == "nonlinear_viscous or stribeck"
+
+
 def test_a_recording_for_estimate_determines_both_coefficients() -> None:
     joint = Joint()
     task = Task(joint=joint, purpose="estimate")

@@ -157,4 +157,5 @@ def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: LogOp
         subjects = diagnosis_subjects(estimate, settings)
         found = Diagnosis(estimate=estimate, discrepancy=diagnose_subjects(subjects, settings), settings=settings)
     pose = np.median(log.q, axis=0).tolist() if start is None else start
-    return tasks_of(diagnose_document(found), source, pose, names=log.joint_names, subjects=subjects)
+    pairs = list(zip(subjects, found.discrepancy.joints, strict=True))
+    return tasks_of(diagnose_document(found), source, pose, names=log.joint_names, subjects=pairs)

@@ -11,7 +11,7 @@ import numpy as np
 from friction_audit.diagnosis.diagnose_joint import Subject
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.result import CONTACT_EVENT
+from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, reach
@@ -123,7 +123,7 @@ def tasks_of(
     *,
     wanted: Sequence[int] | None = None,
     names: Sequence[str] = (),
-    subjects: Sequence[Subject] = (),
+    subjects: Sequence[tuple[Subject, JointDiagnosis]] = (),
 ) -> tuple[Arm, list[Task]]:
     """Return the arm of a result and what each joint needs.
 
@@ -133,7 +133,7 @@ def tasks_of(
         start: Where the motion starts; None for the ready pose of a Panda and zero else. [rad]
         wanted: Numbers of the joints, None for all.
         names: Of all joints, where the log is there.
-        subjects: The joints as they were prepared, likewise.
+        subjects: The joints as they were prepared and diagnosed, likewise.
 
     Raises:
         InputError: If keys are missing.
@@ -142,7 +142,10 @@ def tasks_of(
     try:
         source, hand = document["source"], document["settings"]["torque_chosen"]["drive"] == "hand"
         own = {int(one["joint"]): str(one["name"]) for one in document["joints"]} | dict(enumerate(names, 1))
-        arm, prepared = arm_of(str(source["robot"]), int(source["joints"]), start, own), {s.number: s for s in subjects}
+        arm, prepared = (
+            arm_of(str(source["robot"]), int(source["joints"]), start, own),
+            {one[0].number: one for one in subjects},
+        )
         found = {int(one["joint"]): one for one in document["joints"]}
         chosen = [k for k in found if wanted is None or k in wanted]
         return arm, [
@@ -152,25 +155,31 @@ def tasks_of(
         raise InputError(f"{path}: is no whole document of its schema ({error!r}); write it again") from error
 
 
-def task_of(found: Mapping[str, Any], *, hand: bool, start_rad: float, subject: Subject | None = None) -> Task:
+def task_of(
+    found: Mapping[str, Any], *, hand: bool, start_rad: float, subject: tuple[Subject, JointDiagnosis] | None = None
+) -> Task:
     """Return what a joint needs.
 
     Args:
         found: The joint in a document of `diagnose` or `estimate`.
         hand: Whether a person moved it.
         start_rad: Where the planned motion starts, from which positions are counted. [rad]
-        subject: The joint as it was prepared; None where there is only the document.
+        subject: The joint as it was prepared and diagnosed; None where there is only the document.
     """
     energy = found.get("from_energy", found)
     coefficients = {key: _value(energy.get(key)) for key in ("coulomb_nm", "viscous_nms_per_rad")}
-    joint = replace(_joint(found, coefficients, start_rad, subject), hand=hand)
+    joint = replace(_joint(found, coefficients, start_rad, subject and subject[0]), hand=hand)
     verdict, reason = found.get("verdict", "estimate"), str(found.get("reason") or "")
     if verdict in ("not_testable", "data_fault"):
         reason = reason or str(found.get("message", ""))
     if verdict == "not_testable":
         return Task(joint=joint, purpose="diagnose", why=reason)
     if verdict == "ambiguous":
-        sets, unknown = _sets(joint, found["effects"], None if subject is None else subject.data, start_rad)
+        effects = [(one["name"], one["alternatives"], one["parameters"]) for one in found["effects"]]
+        if subject is not None:  # which knows the values that the document leaves out, as not identified, too
+            values = ({key: n.value for key, n in one.parameters.items()} for one in subject[1].effects)
+            effects = [(*one[:2], numbers) for one, numbers in zip(effects, values, strict=True)]
+        sets, unknown = _sets(joint, effects, None if subject is None else subject[0].data, start_rad)
         names = [name for one in sets if len(one) > 1 for name in one]
         if names and set(names) <= {names[0], *effect_of(names[0]).indistinguishable}:
             motion = motion_to_decide(names[0], names[1:])
@@ -220,33 +229,41 @@ def _gravity_of(data: JointData, start_rad: float) -> tuple[float, float]:
 
 
 def _sets(
-    joint: Joint, effects: Sequence[Mapping[str, Any]], data: JointData | None, start_rad: float
+    joint: Joint,
+    effects: Sequence[tuple[str, Sequence[str], Mapping[str, float | None]]],
+    data: JointData | None,
+    start_rad: float,
 ) -> tuple[tuple[Mapping[str, FittedTerm], ...], dict[str, str]]:
     """Fit every name that competes with a named effect to that effect's torque, or return why it cannot be."""
-    data, named = reference(joint) if data is None else data, {one["name"] for one in effects}
+    data, named = reference(joint) if data is None else data, {name for name, *_ in effects}
     sets, unknown = [], dict[str, str]()
-    for one in effects:
-        names = [one["name"], *(name for name in one["alternatives"] if name not in named)]
-        if CONTACT_EVENT in names or not effect_of(one["name"]).coefficients:
+    for name, alternatives, numbers in effects:
+        names = [name, *(other for other in alternatives if other not in named)]
+        if CONTACT_EVENT in names or not effect_of(name).coefficients:
             unknown |= dict.fromkeys(names, "an event is in no motion")
             continue
-        found = _fitted(joint, one["name"], one["parameters"], names, data, start_rad)
-        unknown |= {name: "cannot be fitted to this log" for name in names if name not in found}
+        found = _fitted(joint, numbers, names, data, start_rad)
+        unknown |= {other: "cannot be fitted to this log" for other in names if other not in found}
         sets += [found] if found else []
     return tuple(sets), unknown
 
 
 def _fitted(
-    joint: Joint, name: str, numbers: Mapping[str, float | None], names: Sequence[str], data: JointData, start: float
+    joint: Joint, numbers: Mapping[str, float | None], names: Sequence[str], data: JointData, start_rad: float
 ) -> dict[str, FittedTerm]:
-    nominal = joint.nominal(data)
-    term = _term_of(effect_of(name), [numbers.get(p.name) for p in effect_of(name).parameters])
+    nominal, effect = joint.nominal(data), effect_of(names[0])
+    problem = RegressionProblem.build(replace(data, q=data.q - start_rad, rigid=None), None)
+    blocks = Dictionary.build(problem, [effect_of(one) for one in names], nominal).blocks
+    grid = [block.shape for block in blocks if block.name == effect.name] or [{}]
+    usual = grid[len(grid) // 2]  # of a number that is not identified and has no default
+    lacking = {p.name: usual.get(p.name) for p in effect.parameters if not p.allows(p.default)}
+    given = {key: value for key, value in numbers.items() if value is not None}
+    term = _term_of(effect, [(lacking | given).get(p.name) for p in effect.parameters])
     if term is None:
         return {}
-    torque = term.torque(data.motion(nominal.torque))
-    problem = RegressionProblem.build(replace(data, q=data.q - start, rigid=None), None)
-    target, found = problem.samples.of(torque), dict[str, tuple[float, FittedTerm]]()
-    for block in Dictionary.build(problem, [effect_of(one) for one in names], nominal).blocks:
+    target = problem.samples.of(term.torque(data.motion(nominal.torque)))
+    found = dict[str, tuple[float, FittedTerm]]()
+    for block in blocks:
         rows = np.vstack([problem.X, block.columns])
         fit: Float = np.asarray(np.linalg.lstsq(rows.T, target)[0], np.float64)
         fitted = term_of_block(block, fit[len(problem.X) :])
@@ -254,7 +271,7 @@ def _fitted(
         if fitted is not None and (block.name not in found or left < found[block.name][0]):
             found[block.name] = (left, fitted)
     terms = {one: found[one][1] for one in names if one in found}
-    return {name: term} | terms if effect_of(name).axis != "position" else terms
+    return {effect.name: term} | terms if effect.axis != "position" else terms
 
 
 def _term_of(effect: Effect, values: Sequence[float | None]) -> FittedTerm | None:
