@@ -1,11 +1,12 @@
 """Loops compiled by numba, kept in its cache where there is one."""
 
 from collections.abc import Callable
-from typing import Any, TypeVar, cast
+from typing import Any, TypeAlias, TypeVar, cast
 
 from numba import njit
 
 Loop = TypeVar("Loop", bound=Callable[..., Any])
+Record: TypeAlias = Any  # a group of numbers as compiled code sees it: the fields of a dataclass
 
 
 ANY_ORDER = {"reassoc", "nsz", "contract"}

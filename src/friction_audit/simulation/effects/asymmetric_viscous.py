@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import HiddenEffect, Record, strength
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import HiddenEffect, strength
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -3,18 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import (
-    ALIKE,
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -32,8 +22,8 @@ class Backlash(HiddenEffect):
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         share, gap, contact_hz, damping_ratio, far_share = values.values()
-        require(abs(share - 1.0) <= 2 * ALIKE, "all inertia and friction are on the link side of its backlash")
-        require(far_share >= 1.0 - ALIKE, "all inertia is on the link side of its backlash")
+        must(abs(share - 1.0) <= 2 * ALIKE, "all inertia and friction are on the link side of its backlash")
+        must(far_share >= 1.0 - ALIKE, "all inertia is on the link side of its backlash")
         return {
             "gap_rad": gap,
             "contact_compliance_rad_per_nm": 1.0 / (setting.joint.inertia_kg_m2 * (2.0 * math.pi * contact_hz) ** 2),

@@ -2,18 +2,8 @@
 
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import (
-    ALIKE,
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
 
 LINEAR, HARDENING, SLACK, TETHER = range(4)
 
@@ -36,8 +26,8 @@ class CableSpring(HiddenEffect):
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         stiffness, hardening, preload, centre, free = values.values()
-        require(abs(hardening) <= ALIKE * stiffness, "its cable that gets stiffer does so by a number of its own")
-        require(preload == 0.0 or (free == 0.0 and stiffness > 0.0), "its cable hangs loose where it does not pull")
+        must(abs(hardening) <= ALIKE * stiffness, "its cable that gets stiffer does so by a number of its own")
+        must(preload == 0.0 or (free == 0.0 and stiffness > 0.0), "its cable hangs loose where it does not pull")
         if free > 0.0:
             place: Given = {"centre_rad": centre - setting.start_rad, "free_rad": free}
             return {"stiffness_nm_per_rad": stiffness, **place, "form": "slack"}

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import HiddenEffect, Record, number, strength
+from friction_audit.simulation.effects.effect import HiddenEffect, number, strength
 
 KNOCK, DRAG, STEP = range(3)
 

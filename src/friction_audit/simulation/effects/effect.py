@@ -14,8 +14,6 @@ from friction_audit.errors import UsageError
 FORM = "form"
 LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
 
-# A group of numbers as compiled code sees it: a record with the fields of the dataclass.
-Record = Any
 Values = Mapping[str, float]  # parameters of a term of a joint model, by name
 Given = dict[str, float | str]  # parameters of a hidden effect, the form as its word
 
@@ -225,7 +223,7 @@ def within_half_turn(angle: float) -> float:
     return (angle + pi) % (2.0 * pi) - pi
 
 
-def require(holds: bool, reason: str) -> None:
+def must(holds: bool, reason: str) -> None:
     """Raise the reason as ``NoEqualError`` unless something holds."""
     if not holds:
         raise NoEqualError(reason)

@@ -3,17 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import (
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, must, number, strength
 
 ABRUPT, RAMP, SETTLING = range(3)
 
@@ -35,7 +26,7 @@ class FrictionStep(HiddenEffect):
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         coulomb, viscous, moment, length = values.values()
         joint = setting.joint
-        require(coulomb != 0.0 and joint.coulomb_nm > 0.0, "its step is a share of the Coulomb friction")
+        must(coulomb != 0.0 and joint.coulomb_nm > 0.0, "its step is a share of the Coulomb friction")
         change = coulomb / joint.coulomb_nm
         by_viscous = viscous / joint.viscous_nms_per_rad if joint.viscous_nms_per_rad > 0.0 else 0.0
         given: Given = {"change": change, "viscous_ratio": by_viscous / change}

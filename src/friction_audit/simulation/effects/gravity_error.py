@@ -12,8 +12,8 @@ from friction_audit.simulation.effects.effect import (
     HiddenEffect,
     Setting,
     Values,
+    must,
     number,
-    require,
     strength,
     within_half_turn,
 )
@@ -35,7 +35,7 @@ class GravityError(HiddenEffect):
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         cosine, sine = values["gravity_cos_nm"], values["gravity_sin_nm"]
-        require(round(values["gravity_error_source"]) == 0, "it errs in the joint's own angle")
+        must(round(values["gravity_error_source"]) == 0, "it errs in the joint's own angle")
         size = math.hypot(cosine, sine)
         return {"torque_nm": -size if setting.driven else size, "phase_rad": within_half_turn(math.atan2(cosine, sine))}
 

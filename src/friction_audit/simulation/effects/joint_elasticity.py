@@ -3,19 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.errors import UsageError
-from friction_audit.simulation.effects.effect import (
-    ALIKE,
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
 
 LINEAR, HARDENING = range(2)
 
@@ -51,8 +41,8 @@ class JointElasticity(HiddenEffect):
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
-        require(values["soft_nm"] <= SMALL_NM, "its spring stiffens as a hyperbolic tangent, not evenly up to a torque")
-        require(values["far_share"] >= 1.0 - ALIKE, "all inertia is on the link side of its spring")
+        must(values["soft_nm"] <= SMALL_NM, "its spring stiffens as a hyperbolic tangent, not evenly up to a torque")
+        must(values["far_share"] >= 1.0 - ALIKE, "all inertia is on the link side of its spring")
         damping_ratio = setting.with_both_sides_free(values["damping_ratio"])
         compliance = values["compliance_rad_per_nm"]
         return {"compliance_rad_per_nm": compliance, "damping_ratio": damping_ratio, "form": "linear"}

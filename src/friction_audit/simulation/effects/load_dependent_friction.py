@@ -2,17 +2,8 @@
 
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import (
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    alike,
-    require,
-    strength,
-)
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, alike, must, strength
 
 LINEAR, QUADRATIC, BACKDRIVE = range(3)
 
@@ -35,9 +26,9 @@ class LoadDependentFriction(HiddenEffect):
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         share, by_power, exponent, directed, static = values.values()
-        require(round(static) == 0, "its load is all that goes through the gear, and not the weight alone")
-        require(by_power == 0.0 or round(directed) == 0, "its loss by the direction of the power is half of the mean")
-        require(alike(exponent, 1.0) or alike(exponent, 2.0), f"its exponents are 1 and 2, not {exponent:g}")
+        must(round(static) == 0, "its load is all that goes through the gear, and not the weight alone")
+        must(by_power == 0.0 or round(directed) == 0, "its loss by the direction of the power is half of the mean")
+        must(alike(exponent, 1.0) or alike(exponent, 2.0), f"its exponents are 1 and 2, not {exponent:g}")
         if alike(exponent, 1.0):
             return {"share": share, "form": "linear"}
         return {"share": share * REFERENCE_NM, "form": "quadratic"}

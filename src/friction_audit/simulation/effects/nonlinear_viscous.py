@@ -3,17 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import (
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, must, number, strength
 
 POWER, EYRING, ARCTAN, CUBIC = range(4)
 
@@ -36,7 +27,7 @@ class NonlinearViscous(HiddenEffect):
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         torque, exponent, bend = list(values.values())[:3]
-        require(bend <= SMALL_SPEED_RAD_S, f"its friction that bends at {bend:g} rad/s is no power of the speed")
+        must(bend <= SMALL_SPEED_RAD_S, f"its friction that bends at {bend:g} rad/s is no power of the speed")
         return {"torque_nm": torque, "exponent": exponent, "speed_rad_s": 1.0, "form": "power"}
 
 

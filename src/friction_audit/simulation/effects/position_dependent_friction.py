@@ -4,15 +4,14 @@ import math
 from dataclasses import dataclass
 from math import inf
 
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.simulation.effects.effect import (
     Given,
     HiddenEffect,
-    Record,
     Setting,
     Values,
+    must,
     number,
-    require,
     strength,
     within_half_turn,
 )
@@ -44,8 +43,8 @@ class PositionDependentFriction(HiddenEffect):
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         cosine, sine, order, centre, width = values.values()
-        require(width >= WIDE_RAD, "its wave fills the whole range")
-        require(setting.joint.coulomb_nm > 0.0, "its wave is a share of the Coulomb friction, which is none")
+        must(width >= WIDE_RAD, "its wave fills the whole range")
+        must(setting.joint.coulomb_nm > 0.0, "its wave is a share of the Coulomb friction, which is none")
         share = math.hypot(cosine, sine) / setting.joint.coulomb_nm
         phase = within_half_turn(math.atan2(cosine, sine) - order * centre)
         return {"share": share, "cycles_per_rev": order, "phase_rad": phase, "form": "sinusoid"}

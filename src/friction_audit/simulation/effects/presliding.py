@@ -3,19 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import (
-    ALIKE,
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
 
 LUGRE, DAHL, MAXWELL_SLIP = range(3)
 
@@ -41,10 +31,10 @@ class Presliding(HiddenEffect):
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         bristles, reach, exponent, damping = values.values()
         all_of_it = abs(bristles - setting.joint.coulomb_nm) <= 2 * ALIKE * bristles
-        require(all_of_it, "its bristles bear all of the Coulomb friction, no other share of it")
+        must(all_of_it, "its bristles bear all of the Coulomb friction, no other share of it")
         if exponent == 1.0:
             return {"displacement_rad": reach, "damping_s": damping, "form": "lugre"}
-        require(damping == 0.0, "its bristles with damping have the exponent 1")
+        must(damping == 0.0, "its bristles with damping have the exponent 1")
         return {"displacement_rad": reach, "exponent": exponent, "form": "dahl"}
 
 

@@ -3,8 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import HiddenEffect, Record, number, strength
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import HiddenEffect, number, strength
 
 SATURATING, LOGARITHMIC, IMMEDIATE = range(3)
 

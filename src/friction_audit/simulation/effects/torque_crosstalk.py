@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, alike, require, strength
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, alike, must, strength
 
 NEXT, PREVIOUS, BOTH = range(3)
 
@@ -30,7 +30,7 @@ class TorqueCrosstalk(HiddenEffect):
         before, after = before * (side <= 0), after * (side >= 0)
         if before == 0.0 or after == 0.0:
             return {"share": before + after, "form": "next" if before == 0.0 else "previous"}
-        require(alike(before, after), "its sensors feel both neighbours alike")
+        must(alike(before, after), "its sensors feel both neighbours alike")
         return {"share": 0.5 * (before + after), "form": "both"}
 
 

@@ -6,19 +6,9 @@ from math import inf
 
 import numpy as np
 
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import (
-    ALIKE,
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
 
 COGGING, READING = range(2)
 
@@ -40,9 +30,9 @@ class TorqueRipple(HiddenEffect):
         cosine, sine, order = values.values()
         size = math.hypot(cosine, sine)
         if abs(cosine) <= ALIKE * size:
-            require(not setting.driven, "a motor that cogs beyond the sensor is not seen by it")
+            must(not setting.driven, "a motor that cogs beyond the sensor is not seen by it")
             return {"torque_nm": -sine, "cycles_per_rev": order, "second_share": 0.0, "form": "cogging"}
-        require(abs(sine) <= ALIKE * size, "its ripple has the phase of a sine or of a cosine")
+        must(abs(sine) <= ALIKE * size, "its ripple has the phase of a sine or of a cosine")
         return {"torque_nm": cosine, "cycles_per_rev": order, "second_share": 0.0, "form": "reading"}
 
 

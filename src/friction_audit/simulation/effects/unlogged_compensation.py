@@ -3,17 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import (
-    Given,
-    HiddenEffect,
-    Record,
-    Setting,
-    Values,
-    number,
-    require,
-    strength,
-)
+from friction_audit.compiled import Record, compiled
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, must, number, strength
 
 SMOOTH, DEAD_BAND, SIGMOID = range(3)
 
@@ -36,7 +27,7 @@ class UnloggedCompensation(HiddenEffect):
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
         torque, width, skew, form = values.values()
-        require(skew == 0.0, "its sigmoid has one shift")
+        must(skew == 0.0, "its sigmoid has one shift")
         friction: Given = {"share": 1.0, "coulomb_nm": torque, "viscous_nms_per_rad": 0.0, "width_rad_s": width}
         return {**friction, "form": "dead_band" if round(form) else "smooth"}
 

@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import HiddenEffect, Record, number, strength
+from friction_audit.simulation.effects.effect import HiddenEffect, number, strength
 
 AMBIENT, SELF_HEATING = range(2)
 

@@ -1,7 +1,6 @@
 """Torques in a joint at one instant, friction and all others, put on the coordinates."""
 
-from friction_audit.compensation.records import Record
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import (
     asymmetric_coulomb,

@@ -2,8 +2,7 @@
 
 import math
 
-from friction_audit.compensation.records import Record
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import frictional_lag, presliding
 from friction_audit.simulation.mechanics.friction import (

@@ -7,27 +7,11 @@ import numpy as np
 from friction_audit.compensation.controller import FIND, trace
 from friction_audit.compensation.controller import step as compensate
 from friction_audit.compensation.hand_cycles import INITIATION_M_S, TERMINATION_M_S, UNDER_WAY, hand_rests
-from friction_audit.compensation.records import Record
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import backlash, joint_elasticity, unlogged_compensation, warm_up
+from friction_audit.simulation.mechanics import records as row
 from friction_audit.simulation.mechanics.friction import load_drive, load_joint
-from friction_audit.simulation.mechanics.records import (
-    ACCELERATION,
-    COMPENSATION,
-    DISSIPATED,
-    FREE,
-    FRICTION,
-    INNER,
-    OUTER,
-    OUTER_SPEED,
-    PASSIVITY,
-    PORT,
-    SPEED,
-    SUPPORT,
-    UNLOGGED,
-    WARMTH,
-)
 from friction_audit.simulation.mechanics.step import accelerate, slide
 from friction_audit.simulation.sensors import BINARY_NOISE_DIGITS
 
@@ -95,7 +79,7 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, clock:
         if body.mode[c] == 0.0:
             body.friction[j] = body.reaction[c]
         else:
-            sign = 1.0 if body.mode[c] == FREE else body.mode[c]
+            sign = 1.0 if body.mode[c] == row.FREE else body.mode[c]
             body.friction[j] = sign * body.level[c] + body.viscous[j] * body.v[c]
         torque = body.friction[j] - body.inner_torque[j]
         for k in range(len(joints)):
@@ -108,12 +92,20 @@ def keep(states: Record, body: Record, out: Float) -> None:
     """Write the truth of an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
         c = body.inner[j]
-        out[OUTER, j], out[OUTER_SPEED, j], out[INNER, j], out[SPEED, j] = body.y[j], body.v[j], body.y[c], body.v[c]
-        out[ACCELERATION, j], out[PORT, j], out[SUPPORT, j] = body.a[c], body.port[j], body.support[j]
-        out[FRICTION, j], out[COMPENSATION, j] = body.friction[j], states[j].compensation_nm - states[j].passivity_nm
-        out[PASSIVITY, j] = states[j].passivity_nm
-        out[UNLOGGED, j], out[DISSIPATED, j] = states[j].unlogged_nm, states[j].dissipated_j
-        out[WARMTH, j] = states[j].warmth
+        out[row.OUTER, j], out[row.OUTER_SPEED, j], out[row.INNER, j], out[row.SPEED, j] = (
+            body.y[j],
+            body.v[j],
+            body.y[c],
+            body.v[c],
+        )
+        out[row.ACCELERATION, j], out[row.PORT, j], out[row.SUPPORT, j] = body.a[c], body.port[j], body.support[j]
+        out[row.FRICTION, j], out[row.COMPENSATION, j] = (
+            body.friction[j],
+            states[j].compensation_nm - states[j].passivity_nm,
+        )
+        out[row.PASSIVITY, j] = states[j].passivity_nm
+        out[row.UNLOGGED, j], out[row.DISSIPATED, j] = states[j].unlogged_nm, states[j].dissipated_j
+        out[row.WARMTH, j] = states[j].warmth
 
 
 @compiled()

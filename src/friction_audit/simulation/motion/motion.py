@@ -55,3 +55,15 @@ def rising(x: Float) -> Float:
 def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
     """Return for every time the last of the strokes that has begun, the first before any has; shape of t."""
     return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)
+
+
+def at_constant_speed(t: Float, start_s: Float, way: Float, speed: Float, ease_s: Float) -> Intention:
+    """Return strokes of a constant speed, each with a smooth rise of the velocity and a fall; arrays one per stroke."""
+    if not len(start_s):
+        return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
+    stroke = latest(start_s, t)
+    rise = (t - start_s[stroke]) / ease_s[stroke]
+    fall = rise - (np.abs(way) / speed / ease_s)[stroke]
+    signed, origin = np.copysign(speed, way)[stroke], (np.cumsum(way) - way)[stroke]
+    position = origin + signed * ease_s[stroke] * (area(rise) - area(fall))
+    return Intention(position=position, velocity=signed * (rising(rise) - rising(fall)))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.motion import Intention, area, latest, rising, tick_times
+from friction_audit.simulation.motion.motion import Intention, at_constant_speed, tick_times
 from friction_audit.simulation.settings import require_positive, require_within
 
 WHERE = "prescribed"
@@ -59,13 +59,5 @@ def starts_of(settings: Prescribed) -> Float:
 
 def intend(settings: Prescribed, ticks: int, dt: float, _: np.random.Generator) -> Intention:
     """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
-    t = tick_times(ticks, dt)
-    if not settings.strokes:
-        return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
-    stroke = latest(starts_of(settings)[:-1], t)
-    way, speed, ease, _rest = np.array(settings.strokes).T
-    rise = (t - starts_of(settings)[stroke]) / ease[stroke]
-    fall = rise - (np.abs(way) / speed / ease)[stroke]
-    signed, origin = np.copysign(speed, way)[stroke], (np.cumsum(way) - way)[stroke]
-    position = origin + signed * ease[stroke] * (area(rise) - area(fall))
-    return Intention(position=position, velocity=signed * (rising(rise) - rising(fall)))
+    way, speed, ease, _rest = np.array(settings.strokes).reshape(-1, 4).T
+    return at_constant_speed(tick_times(ticks, dt), starts_of(settings)[:-1], way, speed, ease)

@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.motion import REST_S, Intention, area, latest, rising, tick_times
+from friction_audit.simulation.motion.motion import REST_S, Intention, at_constant_speed, tick_times
 from friction_audit.simulation.settings import require_order, require_positive, require_within
 
 WHERE = "slow-sweep"
@@ -76,16 +76,7 @@ class SlowSweep:
 def intend(settings: SlowSweep, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
     """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
     start, way, speed = _plan(settings, ticks * dt, rng)
-    t, ease = tick_times(ticks, dt), settings.ease_s
-    if not len(start):
-        return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
-    stroke = latest(start, t)
-    signed = np.copysign(speed, way)[stroke]
-    rise = (t - start[stroke]) / ease
-    fall = rise - (np.abs(way) / speed)[stroke] / ease
-    origin = (np.cumsum(way) - way)[stroke]
-    position = origin + signed * ease * (area(rise) - area(fall))
-    return Intention(position=position, velocity=signed * (rising(rise) - rising(fall)))
+    return at_constant_speed(tick_times(ticks, dt), start, way, speed, np.full(len(start), settings.ease_s))
 
 
 def _plan(settings: SlowSweep, duration_s: float, rng: np.random.Generator) -> tuple[Float, Float, Float]:
