@@ -66,10 +66,7 @@ class SessionOptions:
             dir_okay=False,
         ),
     ] = None
-    diagnose: Annotated[
-        bool,
-        option(SESSIONS, "Also diagnose each session (slow).", "--diagnose"),
-    ] = False
+    diagnose: Annotated[bool, option(SESSIONS, "Also diagnose each session (slow).", "--diagnose")] = False
     min_effect: MinEffect = 0.0
 
 
@@ -79,11 +76,7 @@ class DriftOptions:
 
     baseline: Annotated[
         str,
-        option(
-            DRIFT,
-            "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.",
-            metavar="K|LIST",
-        ),
+        option(DRIFT, "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.", metavar="K|LIST"),
     ] = "5"
     fail_on: Annotated[
         list[str] | None,
@@ -101,8 +94,7 @@ class RunningOptions:
     """Where the work is done."""
 
     workers: Annotated[
-        int | None,
-        option(RUNNING, "Processes on this machine. Default: one per core.", metavar="N", min=1),
+        int | None, option(RUNNING, "Processes on this machine. Default: one per core.", metavar="N", min=1)
     ] = None
     scheduler: Annotated[
         str | None,
@@ -111,8 +103,7 @@ class RunningOptions:
         ),
     ] = None
     rebuild: Annotated[
-        bool,
-        option(RUNNING, "Compute everything again; the existing ledger is kept under another name.", "--rebuild"),
+        bool, option(RUNNING, "Compute everything again; the existing ledger is kept under another name.", "--rebuild")
     ] = False
 
     def __post_init__(self) -> None:
@@ -131,13 +122,11 @@ def command(
     friction: EstimateOptions,
     shared: LogOptions,
     logs: Annotated[
-        list[str] | None,
-        typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs."),
+        list[str] | None, typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs.")
     ] = None,
-    folder: Annotated[
-        Path,
-        folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures."),
-    ] = Path("friction-drift"),
+    folder: Annotated[Path, folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures.")] = Path(
+        "friction-drift"
+    ),
     formats: FigureFormats = PNG,
 ) -> None:
     """Report friction drift across sessions: what changed, when."""

@@ -44,9 +44,7 @@ class ComparisonOptions:
     arm: Annotated[
         str,
         option(
-            COMPARISON,
-            "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.",
-            one_of=ARMS,
+            COMPARISON, "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.", one_of=ARMS
         ),
     ] = "joint"
     methods: Annotated[

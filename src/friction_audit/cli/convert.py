@@ -53,8 +53,7 @@ def command(
         ),
     ] = None,
     list_dialects: Annotated[  # noqa: ARG001 - its callback acts on it
-        bool,
-        option(OUTPUT, "List the dialects and stop.", "--list-dialects", callback=_list_dialects, is_eager=True),
+        bool, option(OUTPUT, "List the dialects and stop.", "--list-dialects", callback=_list_dialects, is_eager=True)
     ] = False,
     overwrite: Overwrite = False,
 ) -> None:

@@ -43,13 +43,7 @@ class DiagnosisOptions:
     """What is asked of a diagnosis."""
 
     candidates: Annotated[
-        list[str],
-        option(
-            DIAGNOSIS,
-            "Effects to consider. Default: all.",
-            some_of=choices.EFFECTS,
-            metavar="NAME,...",
-        ),
+        list[str], option(DIAGNOSIS, "Effects to consider. Default: all.", some_of=choices.EFFECTS, metavar="NAME,...")
     ] = ()  # type: ignore[assignment] # a dataclass takes no list
     min_effect: MinEffect = 0.0
     seed: Annotated[
@@ -71,8 +65,7 @@ def command(
     options: DiagnosisOptions,
     shared: LogOptions,
     folder: Annotated[
-        Path | None,
-        folder_option(f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR."),
+        Path | None, folder_option(f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR.")
     ] = None,
     figures: Annotated[list[str], figures_option(choices.DIAGNOSIS_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
     formats: FigureFormats = PNG,

@@ -14,14 +14,7 @@ from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import DAMAGED, Voice
 from friction_audit.cli.figure_files import write_figures
 from friction_audit.cli.grouped_help import DRIFT
-from friction_audit.cli.options import (
-    PNG,
-    EstimateOptions,
-    FigureFormats,
-    LogOptions,
-    figures_option,
-    folder_option,
-)
+from friction_audit.cli.options import PNG, EstimateOptions, FigureFormats, LogOptions, figures_option, folder_option
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 

@@ -48,12 +48,7 @@ def command(
             recorded = chain.read(log, options, stages)
         result = chain.estimate(recorded, settings, stages)
         from friction_audit.reporting.documents import write_document
-        from friction_audit.reporting.estimate import (
-            estimate_document,
-            estimate_lines,
-            estimate_tables,
-            history_table,
-        )
+        from friction_audit.reporting.estimate import estimate_document, estimate_lines, estimate_tables, history_table
         from friction_audit.reporting.notices import estimate_notices
 
         joints, json = result.friction.joints, shared.general.json

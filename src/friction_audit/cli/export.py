@@ -64,8 +64,7 @@ def command(
         typer.Argument(metavar="SOURCE", help="A log, an estimate.json, a model.toml, or a folder that holds one."),
     ],
     out: Annotated[
-        Path,
-        typer.Argument(metavar="OUT", help="File to write: .urdf, .xml, .sdf, .usda, .py, .hpp, .yaml or .csv."),
+        Path, typer.Argument(metavar="OUT", help="File to write: .urdf, .xml, .sdf, .usda, .py, .hpp, .yaml or .csv.")
     ],
     options: ExportOptions,
     friction: EstimateOptions,

@@ -33,8 +33,7 @@ PNG = ["png"]
 NO_EXPORT: list[str] = []
 
 FigureFormats = Annotated[
-    list[str],
-    option(FIGURE_FILES, "Formats of the figures.", "--figure-format", some_of=choices.IMAGE_FORMATS),
+    list[str], option(FIGURE_FILES, "Formats of the figures.", "--figure-format", some_of=choices.IMAGE_FORMATS)
 ]
 Exports = Annotated[
     list[str],
@@ -149,8 +148,7 @@ class TorqueOptions:
         ),
     ] = "auto"
     inertia: Annotated[
-        str,
-        option(TORQUE, "Whether the model's inertial and Coriolis torques are removed.", one_of=settings.INERTIAS),
+        str, option(TORQUE, "Whether the model's inertial and Coriolis torques are removed.", one_of=settings.INERTIAS)
     ] = "auto"
     urdf: Annotated[
         Path | None,
@@ -230,8 +228,7 @@ class GeneralOptions:
     json: Annotated[bool, option(COMMON, "Print one JSON document and nothing else.", "--json")] = False
     quiet: Annotated[bool, option(COMMON, "No warnings and no progress.", "--quiet", "-q")] = False
     help_all: Annotated[
-        bool,
-        option(COMMON, "Show every option.", "--help-all", callback=show_every_option, is_eager=True),
+        bool, option(COMMON, "Show every option.", "--help-all", callback=show_every_option, is_eager=True)
     ] = False
     verbose: Annotated[bool, option(GENERAL, "Print each step and its duration.", "--verbose", "-v")] = False
     config: Annotated[

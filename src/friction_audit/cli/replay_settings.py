@@ -45,10 +45,7 @@ class ReplayOptions:
     model: Annotated[
         str | None,
         option(
-            TUNING,
-            "Friction model of the energy compensator. Default: combined.",
-            "--compensator-model",
-            one_of=MODELS,
+            TUNING, "Friction model of the energy compensator. Default: combined.", "--compensator-model", one_of=MODELS
         ),
     ] = None
     window: Annotated[
@@ -78,8 +75,7 @@ class ReplayOptions:
         option(TUNING, "Maximum compensator torque [N m]. Default: Panda joint torque limits, or none.", metavar="NM"),
     ] = None
     max_rate: Annotated[
-        float | None,
-        option(TUNING, "Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S"),
+        float | None, option(TUNING, "Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S")
     ] = None
     observer_gain: Annotated[
         float | None, option(TUNING, "Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
@@ -95,9 +91,7 @@ class ReplayOptions:
     desired_inertia: Annotated[
         float | None,
         option(
-            TUNING,
-            "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.",
-            metavar="KG_M2",
+            TUNING, "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.", metavar="KG_M2"
         ),
     ] = None
     operator: Annotated[

@@ -54,13 +54,7 @@ def command(
     friction: EstimateOptions,
     shared: LogOptions,
     formats: Annotated[
-        list[str],
-        option(
-            OUTPUT,
-            "Formats of the report. Default: html.",
-            "--format",
-            some_of=FORMATS,
-        ),
+        list[str], option(OUTPUT, "Formats of the report. Default: html.", "--format", some_of=FORMATS)
     ] = [],  # noqa: B006 - Typer copies it
     folder: Annotated[
         Path | None,

@@ -27,13 +27,7 @@ PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 def command(
     general: GeneralOptions,
     figures: Annotated[
-        list[str],
-        option(
-            SIMULATION,
-            "Figures of the paper to draw. Default: all.",
-            "--figures",
-            some_of=PAPER_FIGURES,
-        ),
+        list[str], option(SIMULATION, "Figures of the paper to draw. Default: all.", "--figures", some_of=PAPER_FIGURES)
     ] = list(PAPER_FIGURES),  # noqa: B006 - Typer copies it
     persons: Annotated[
         int,

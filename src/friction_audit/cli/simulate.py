@@ -41,16 +41,14 @@ class SimulationOptions:
     """What is simulated."""
 
     seed: Annotated[
-        int,
-        option(SIMULATION, "Seed; the same seed gives the same log, bit for bit.", metavar="INT", min=0),
+        int, option(SIMULATION, "Seed; the same seed gives the same log, bit for bit.", metavar="INT", min=0)
     ] = 0
     duration: Annotated[
         float | None,
         option(SIMULATION, "Duration of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite),
     ] = None
     rate: Annotated[
-        float | None,
-        option(SIMULATION, "Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite),
+        float | None, option(SIMULATION, "Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite)
     ] = None
     joint_model: Annotated[
         Path | None,
@@ -68,12 +66,10 @@ class ListOptions:
     """What is listed instead."""
 
     scenarios: Annotated[
-        bool,
-        option(SIMULATION, "List the scenarios, or the settings of SCENARIO, and stop.", "--list"),
+        bool, option(SIMULATION, "List the scenarios, or the settings of SCENARIO, and stop.", "--list")
     ] = False
     effects_there_are: Annotated[
-        bool,
-        option(SIMULATION, "List the effects with their parameters and stop.", "--list-effects"),
+        bool, option(SIMULATION, "List the effects with their parameters and stop.", "--list-effects")
     ] = False
 
 
@@ -90,8 +86,7 @@ def command(
     lists: ListOptions,
     general: GeneralOptions,
     out: Annotated[
-        Path | None,
-        option(OUTPUT, "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE"),
+        Path | None, option(OUTPUT, "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE")
     ] = None,
     dialect: Annotated[
         str | None,
@@ -103,8 +98,7 @@ def command(
         ),
     ] = None,
     truth: Annotated[
-        Path | None,
-        option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json"),
+        Path | None, option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json")
     ] = None,
     overwrite: Overwrite = False,
 ) -> None:
