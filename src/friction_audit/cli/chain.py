@@ -11,16 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from friction_audit.cli import options as opt
 from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, Voice, remark
-from friction_audit.cli.options import (
-    CycleOptions,
-    EstimateOptions,
-    LogOptions,
-    ReadingOptions,
-    SelectionOptions,
-    TorqueOptions,
-)
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.io.files import check_place, keep_input
 
@@ -57,7 +50,7 @@ def read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
     return log
 
 
-def read_torque(path: Path, options: LogOptions, voice: Voice) -> "JointLog":
+def read_torque(path: Path, options: opt.LogOptions, voice: Voice) -> "JointLog":
     """Read a log for a result that is of no use where the torque is a motor current."""
     log = read(path, read_options(options.reading, options.selection), voice)
     if log.source.torque_unit != "N m":
@@ -170,7 +163,7 @@ def check_joint_model(path: object, model: "ArmModel", log: "JointLog") -> None:
         )
 
 
-def read_options(reading: ReadingOptions, selection: SelectionOptions) -> "ReadOptions":
+def read_options(reading: opt.ReadingOptions, selection: opt.SelectionOptions) -> "ReadOptions":
     """Return how the log is read, and which part of it."""
     from friction_audit.io.readers import ReadOptions
 
@@ -185,7 +178,7 @@ def read_options(reading: ReadingOptions, selection: SelectionOptions) -> "ReadO
     )
 
 
-def torque_settings(torque: TorqueOptions, robot: str) -> "TorqueSettings":
+def torque_settings(torque: opt.TorqueOptions, robot: str) -> "TorqueSettings":
     """Return how the interaction torque is made."""
     from friction_audit.preprocessing.settings import TorqueSettings
 
@@ -206,7 +199,7 @@ def torque_settings(torque: TorqueOptions, robot: str) -> "TorqueSettings":
     )
 
 
-def cycle_settings(cycles: CycleOptions) -> "CycleSettings":
+def cycle_settings(cycles: opt.CycleOptions) -> "CycleSettings":
     """Return how cycles are found."""
     from friction_audit.preprocessing.settings import CycleSettings
 
@@ -225,12 +218,12 @@ def cycle_settings(cycles: CycleOptions) -> "CycleSettings":
     )
 
 
-def audit_settings(options: LogOptions, estimate: EstimateOptions | None = None) -> "AuditSettings":
+def audit_settings(options: opt.LogOptions, estimate: opt.EstimateOptions | None = None) -> "AuditSettings":
     """Return the settings of the whole chain."""
     from friction_audit.friction.settings import FrictionSettings
     from friction_audit.pipeline import AuditSettings
 
-    selection, estimate = options.selection, estimate or EstimateOptions()
+    selection, estimate = options.selection, estimate or opt.EstimateOptions()
     return AuditSettings(
         joints=parse_joints(selection.joints),
         t_start_s=selection.t_start,

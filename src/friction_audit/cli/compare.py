@@ -6,19 +6,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import COMPARISON
-from friction_audit.cli.options import (
-    PNG,
-    ChangeOptions,
-    FigureFolder,
-    FigureFormats,
-    GeneralOptions,
-    Overwrite,
-    figures_option,
-)
 from friction_audit.cli.simulate import changed
 
 if TYPE_CHECKING:
@@ -81,12 +73,12 @@ class ComparisonOptions:
 
 def command(
     comparison: ComparisonOptions,
-    change: ChangeOptions,
-    general: GeneralOptions,
-    figures: Annotated[list[str], figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    formats: FigureFormats = PNG,
-    folder: FigureFolder = Path("compared"),
-    overwrite: Overwrite = False,
+    change: opt.ChangeOptions,
+    general: opt.GeneralOptions,
+    figures: Annotated[list[str], opt.figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    formats: opt.FigureFormats = opt.PNG,
+    folder: opt.FigureFolder = Path("compared"),
+    overwrite: opt.Overwrite = False,
 ) -> None:
     """Compare compensation methods in simulation (two logs: diff)."""
     voice = general.voice
@@ -100,7 +92,7 @@ def command(
     _print(result, scene, files, json=general.json)
 
 
-def _scene(options: ComparisonOptions, change: ChangeOptions) -> "Scene":
+def _scene(options: ComparisonOptions, change: opt.ChangeOptions) -> "Scene":
     """Return what the methods are tried on, changed as asked for."""
     from friction_audit.compensation.comparison import SCENES
 

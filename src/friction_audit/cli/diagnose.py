@@ -5,22 +5,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import DIAGNOSIS
-from friction_audit.cli.options import (
-    NO_EXPORT,
-    PNG,
-    Exports,
-    FigureFormats,
-    LogOptions,
-    LogPath,
-    MinEffect,
-    figures_option,
-    folder_option,
-    joint_model_option,
-)
 from friction_audit.cli.outputs import ResultFolder, show
 
 if TYPE_CHECKING:
@@ -45,14 +34,14 @@ class DiagnosisOptions:
     candidates: Annotated[
         list[str], option(DIAGNOSIS, "Effects to consider. Default: all.", some_of=choices.EFFECTS, metavar="NAME,...")
     ] = ()  # type: ignore[assignment] # a dataclass takes no list
-    min_effect: MinEffect = 0.0
+    min_effect: opt.MinEffect = 0.0
     seed: Annotated[
         int,
         option(DIAGNOSIS, "Seed of the screening test; no effect and no verdict depends on it.", metavar="INT", min=0),
     ] = 0
     joint_model: Annotated[
         Path | None,
-        joint_model_option(
+        opt.joint_model_option(
             DIAGNOSIS,
             "Nominal model of the joints, e.g. model.toml of an earlier diagnosis. "
             "Default: inertia, Coulomb and viscous friction.",
@@ -61,15 +50,15 @@ class DiagnosisOptions:
 
 
 def command(
-    log: LogPath,
+    log: opt.LogPath,
     options: DiagnosisOptions,
-    shared: LogOptions,
+    shared: opt.LogOptions,
     folder: Annotated[
-        Path | None, folder_option(f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR.")
+        Path | None, opt.folder_option(f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR.")
     ] = None,
-    figures: Annotated[list[str], figures_option(choices.DIAGNOSIS_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
-    formats: FigureFormats = PNG,
-    export: Exports = NO_EXPORT,
+    figures: Annotated[list[str], opt.figures_option(choices.DIAGNOSIS_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
+    formats: opt.FigureFormats = opt.PNG,
+    export: opt.Exports = opt.NO_EXPORT,
 ) -> None:
     """Name the effects that the model of each joint misses."""
     voice = shared.general.voice

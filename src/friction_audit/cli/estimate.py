@@ -4,18 +4,8 @@ from pathlib import Path
 from typing import Annotated
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.options import (
-    NO_EXPORT,
-    PNG,
-    EstimateOptions,
-    Exports,
-    FigureFormats,
-    LogOptions,
-    LogPath,
-    figures_option,
-    folder_option,
-)
 from friction_audit.cli.outputs import ResultFolder, show
 
 EXAMPLES = """Examples:
@@ -29,13 +19,15 @@ DOCUMENT, HISTORY = "estimate.json", "history.csv"
 
 
 def command(
-    log: LogPath,
-    friction: EstimateOptions,
-    shared: LogOptions,
-    folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")] = None,
-    figures: Annotated[list[str], figures_option(choices.FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    formats: FigureFormats = PNG,
-    export: Exports = NO_EXPORT,
+    log: opt.LogPath,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
+    folder: Annotated[
+        Path | None, opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")
+    ] = None,
+    figures: Annotated[list[str], opt.figures_option(choices.FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    formats: opt.FigureFormats = opt.PNG,
+    export: opt.Exports = opt.NO_EXPORT,
 ) -> None:
     """Estimate friction per joint over time, with 95 % intervals."""
     voice = shared.general.voice

@@ -11,7 +11,13 @@ from friction_audit.cli.chain import cycle_settings, read_options, torque_settin
 from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.grouped_help import READING
-from friction_audit.cli.options import CycleOptions, GeneralOptions, ReadingOptions, SelectionOptions, TorqueOptions
+from friction_audit.cli.options import (
+    CycleOptions,
+    GeneralOptions,
+    ReadingOptions,
+    SelectionOptions,
+    TorqueOptions,
+)
 from friction_audit.errors import FrictionAuditError
 
 if TYPE_CHECKING:

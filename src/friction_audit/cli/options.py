@@ -8,23 +8,11 @@ from typing import Annotated
 import typer
 
 from friction_audit.cli import choices
+from friction_audit.cli import grouped_help as panel
 from friction_audit.cli.choices import option
 from friction_audit.cli.config import load_config
 from friction_audit.cli.console import Voice
-from friction_audit.cli.grouped_help import (
-    COMMON,
-    CYCLES,
-    DIAGNOSIS,
-    ESTIMATE,
-    FIGURE_FILES,
-    GENERAL,
-    OUTPUT,
-    READING,
-    SELECTION,
-    SIMULATION,
-    TORQUE,
-    show_every_option,
-)
+from friction_audit.cli.grouped_help import show_every_option
 from friction_audit.friction.settings import ESTIMATORS, MODELS
 from friction_audit.preprocessing import settings
 
@@ -33,12 +21,12 @@ PNG = ["png"]
 NO_EXPORT: list[str] = []
 
 FigureFormats = Annotated[
-    list[str], option(FIGURE_FILES, "Formats of the figures.", "--figure-format", some_of=choices.IMAGE_FORMATS)
+    list[str], option(panel.FIGURE_FILES, "Formats of the figures.", "--figure-format", some_of=choices.IMAGE_FORMATS)
 ]
 Exports = Annotated[
     list[str],
     option(
-        OUTPUT,
+        panel.OUTPUT,
         "Also write every table of the result to DIR: mcap as topics on the log's clock, csv and parquet one file "
         "per table.",
         "--export",
@@ -48,7 +36,7 @@ Exports = Annotated[
 MinEffect = Annotated[
     float,
     option(
-        DIAGNOSIS,
+        panel.DIAGNOSIS,
         "Effects of a smaller rms torque are negligible: they are listed separately and do not change the verdict "
         "[N m].",
         "--min-effect",
@@ -66,17 +54,17 @@ def joint_model_option(panel: str, text: str) -> object:
 def figures_option(names: Sequence[str]) -> object:
     """Return the option that says which of some figures are drawn."""
     text = f"Figures to draw: {choices.ALL}, or some of {', '.join(names)}."
-    return option(OUTPUT, text, "--figures", some_of=(*names, choices.ALL), metavar="NAME,...")
+    return option(panel.OUTPUT, text, "--figures", some_of=(*names, choices.ALL), metavar="NAME,...")
 
 
 def folder_option(text: str) -> object:
     """Return the option that names the folder of the results."""
-    return option(OUTPUT, text, "--output", "-o", metavar="DIR")
+    return option(panel.OUTPUT, text, "--output", "-o", metavar="DIR")
 
 
 FigureFolder = Annotated[Path, folder_option("Folder of the figures.")]
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A log file, or the directory of a ROS 2 bag.")]
-Overwrite = Annotated[bool, option(GENERAL, "Replace files that exist.", "--overwrite")]
+Overwrite = Annotated[bool, option(panel.GENERAL, "Replace files that exist.", "--overwrite")]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -86,18 +74,18 @@ class ReadingOptions:
     robot: Annotated[
         str,
         option(
-            COMMON,
+            panel.COMMON,
             "Robot whose rigid-body model may be used; auto: the robot that the log names.",
             one_of=settings.ROBOTS,
         ),
     ] = "auto"
     topic: Annotated[
-        str | None, option(READING, "Topic or table to read, where a file holds several.", metavar="NAME")
+        str | None, option(panel.READING, "Topic or table to read, where a file holds several.", metavar="NAME")
     ] = None
     mapping: Annotated[
         list[str] | None,
         option(
-            READING,
+            panel.READING,
             "Column of a channel; {i} is the joint's index, or give one name per joint, separated by commas: "
             "dq=velocity_{i}; with a unit: q=angle_{i}:deg, tau_J=i_{i}:A. Repeatable.",
             "--map",
@@ -105,10 +93,10 @@ class ReadingOptions:
         ),
     ] = None
     time_scale: Annotated[
-        float, option(READING, "Factor on the log's clock, if its rate is wrong.", metavar="FACTOR")
+        float, option(panel.READING, "Factor on the log's clock, if its rate is wrong.", metavar="FACTOR")
     ] = 1.0
     allow_short: Annotated[
-        bool, option(READING, "Accept a log that looks like an exception log of libfranka.", "--allow-short")
+        bool, option(panel.READING, "Accept a log that looks like an exception log of libfranka.", "--allow-short")
     ] = False
 
 
@@ -117,12 +105,14 @@ class SelectionOptions:
     """Which part of the log is used."""
 
     joints: Annotated[
-        str | None, option(COMMON, "Joints, counted from 1, e.g. 1,3-5. Default: all.", metavar="LIST")
+        str | None, option(panel.COMMON, "Joints, counted from 1, e.g. 1,3-5. Default: all.", metavar="LIST")
     ] = None
-    t_start: Annotated[float | None, option(SELECTION, "Start, counted from the first sample.", metavar="SECONDS")] = (
-        None
-    )
-    t_end: Annotated[float | None, option(SELECTION, "End, counted from the first sample.", metavar="SECONDS")] = None
+    t_start: Annotated[
+        float | None, option(panel.SELECTION, "Start, counted from the first sample.", metavar="SECONDS")
+    ] = None
+    t_end: Annotated[
+        float | None, option(panel.SELECTION, "End, counted from the first sample.", metavar="SECONDS")
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -132,28 +122,31 @@ class TorqueOptions:
     drive: Annotated[
         str,
         option(
-            COMMON,
+            panel.COMMON,
             "What moves the joints: a hand on the arm, or the robot's motors; auto: the one that dissipates energy.",
             one_of=settings.DRIVES,
         ),
     ] = "auto"
-    torque: Annotated[str, option(TORQUE, "Torque channel to use.", one_of=settings.TORQUES)] = "auto"
+    torque: Annotated[str, option(panel.TORQUE, "Torque channel to use.", one_of=settings.TORQUES)] = "auto"
     gravity: Annotated[
         str,
         option(
-            TORQUE,
+            panel.TORQUE,
             "Gravity in tau_J: in-torque: stays in, only cycles that return to their start count; removed: tau_J "
             "holds none; logged, model: subtract the log's or the model's.",
             one_of=settings.GRAVITIES,
         ),
     ] = "auto"
     inertia: Annotated[
-        str, option(TORQUE, "Whether the model's inertial and Coriolis torques are removed.", one_of=settings.INERTIAS)
+        str,
+        option(
+            panel.TORQUE, "Whether the model's inertial and Coriolis torques are removed.", one_of=settings.INERTIAS
+        ),
     ] = "auto"
     urdf: Annotated[
         Path | None,
         option(
-            TORQUE,
+            panel.TORQUE,
             "URDF of the arm, from base to flange; its joints are matched with the log's by name, else in order.",
             metavar="FILE",
             exists=True,
@@ -161,12 +154,14 @@ class TorqueOptions:
         ),
     ] = None
     payload: Annotated[
-        str | None, option(TORQUE, "Mass [kg] and centre of mass in the flange frame [m].", metavar="MASS,X,Y,Z")
+        str | None, option(panel.TORQUE, "Mass [kg] and centre of mass in the flange frame [m].", metavar="MASS,X,Y,Z")
     ] = None
-    gravity_vector: Annotated[str, option(TORQUE, "Gravity in the base frame [m/s^2].", metavar="X,Y,Z")] = "0,0,-9.81"
-    model_rate: Annotated[float, option(TORQUE, "Rate at which the rigid-body model is evaluated.", metavar="HZ")] = (
-        50.0
+    gravity_vector: Annotated[str, option(panel.TORQUE, "Gravity in the base frame [m/s^2].", metavar="X,Y,Z")] = (
+        "0,0,-9.81"
     )
+    model_rate: Annotated[
+        float, option(panel.TORQUE, "Rate at which the rigid-body model is evaluated.", metavar="HZ")
+    ] = 50.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -176,7 +171,7 @@ class CycleOptions:
     thresholds: Annotated[
         str,
         option(
-            CYCLES,
+            panel.CYCLES,
             "Speeds at which a cycle begins and ends [rad/s]; auto: from the log's noise and speeds.",
             metavar="auto|INIT,TERM",
         ),
@@ -184,17 +179,19 @@ class CycleOptions:
     cycles_from: Annotated[
         str,
         option(
-            CYCLES,
+            panel.CYCLES,
             "joint: each joint has its own cycles; hand: the end effector's speed separates the cycles of all joints.",
             one_of=settings.CYCLES_FROM,
         ),
     ] = "joint"
     hand_thresholds: Annotated[
-        str, option(CYCLES, "End-effector speeds at which a cycle begins and ends [m/s].", metavar="INIT,TERM")
+        str, option(panel.CYCLES, "End-effector speeds at which a cycle begins and ends [m/s].", metavar="INIT,TERM")
     ] = "0.1,0.025"
     min_path: Annotated[
         float,
-        option(CYCLES, "With --cycles-from hand: path that every selected joint must have travelled.", metavar="RAD"),
+        option(
+            panel.CYCLES, "With --cycles-from hand: path that every selected joint must have travelled.", metavar="RAD"
+        ),
     ] = 0.1
 
 
@@ -205,16 +202,16 @@ class EstimateOptions:
     estimator: Annotated[
         str,
         option(
-            ESTIMATE,
+            panel.ESTIMATE,
             "weighted: weighted least squares with offset and gravity-error regressors; paper: as published.",
             one_of=ESTIMATORS,
         ),
     ] = "weighted"
-    model: Annotated[str, option(ESTIMATE, "Friction model.", one_of=MODELS)] = "combined"
+    model: Annotated[str, option(panel.ESTIMATE, "Friction model.", one_of=MODELS)] = "combined"
     window: Annotated[
         int | None,
         option(
-            ESTIMATE,
+            panel.ESTIMATE,
             "Cycles per point of the history. Default: a third, at most 20; paper: 2.",
             metavar="K",
         ),
@@ -225,25 +222,25 @@ class EstimateOptions:
 class GeneralOptions:
     """What every command understands."""
 
-    json: Annotated[bool, option(COMMON, "Print one JSON document and nothing else.", "--json")] = False
-    quiet: Annotated[bool, option(COMMON, "No warnings and no progress.", "--quiet", "-q")] = False
+    json: Annotated[bool, option(panel.COMMON, "Print one JSON document and nothing else.", "--json")] = False
+    quiet: Annotated[bool, option(panel.COMMON, "No warnings and no progress.", "--quiet", "-q")] = False
     help_all: Annotated[
-        bool, option(COMMON, "Show every option.", "--help-all", callback=show_every_option, is_eager=True)
+        bool, option(panel.COMMON, "Show every option.", "--help-all", callback=show_every_option, is_eager=True)
     ] = False
-    verbose: Annotated[bool, option(GENERAL, "Print each step and its duration.", "--verbose", "-v")] = False
+    verbose: Annotated[bool, option(panel.GENERAL, "Print each step and its duration.", "--verbose", "-v")] = False
     config: Annotated[
         Path | None,
         option(
-            GENERAL,
+            panel.GENERAL,
             'Values for any option, e.g. drive = "robot"; the command line has priority.',
             metavar="FILE.toml",
             callback=load_config,
             is_eager=True,
         ),
     ] = None
-    dump_config: Annotated[bool, option(GENERAL, "Print the options in force as TOML and stop.", "--dump-config")] = (
-        False
-    )
+    dump_config: Annotated[
+        bool, option(panel.GENERAL, "Print the options in force as TOML and stop.", "--dump-config")
+    ] = False
 
     @property
     def voice(self) -> Voice:
@@ -270,7 +267,7 @@ class ChangeOptions:
     effects: Annotated[
         list[str] | None,
         option(
-            SIMULATION,
+            panel.SIMULATION,
             "Add an effect to all moving joints, or to some: stribeck:excess_nm=0.2@2,5. Repeatable.",
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
@@ -280,7 +277,7 @@ class ChangeOptions:
     assignments: Annotated[
         list[str] | None,
         option(
-            SIMULATION,
+            panel.SIMULATION,
             "Change a setting: joints.coulomb_nm=0.4@2,5. Repeatable.",
             "--set",
             metavar="NAME=VALUE[@JOINTS]",
@@ -289,6 +286,8 @@ class ChangeOptions:
     ideal: Annotated[
         bool,
         option(
-            SIMULATION, "Sensors without noise and quantisation, no dropped samples; --set may override.", "--ideal"
+            panel.SIMULATION,
+            "Sensors without noise and quantisation, no dropped samples; --set may override.",
+            "--ideal",
         ),
     ] = False

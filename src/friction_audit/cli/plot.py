@@ -5,21 +5,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
 from friction_audit.cli.grouped_help import OUTPUT
-from friction_audit.cli.options import (
-    PNG,
-    EstimateOptions,
-    FigureFolder,
-    FigureFormats,
-    LogOptions,
-    LogPath,
-    MinEffect,
-    figures_option,
-)
 
 if TYPE_CHECKING:
     from friction_audit.pipeline import Estimate
@@ -31,13 +22,13 @@ EXAMPLES = """Examples:
 
 
 def command(
-    log: LogPath,
-    friction: EstimateOptions,
-    shared: LogOptions,
-    figures: Annotated[list[str], figures_option(choices.PLOTTED)] = ["velocity-torque"],  # noqa: B006 - Typer copies it
-    formats: FigureFormats = PNG,
-    folder: FigureFolder = Path("figures"),
-    min_effect: MinEffect = 0.0,
+    log: opt.LogPath,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
+    figures: Annotated[list[str], opt.figures_option(choices.PLOTTED)] = ["velocity-torque"],  # noqa: B006 - Typer copies it
+    formats: opt.FigureFormats = opt.PNG,
+    folder: opt.FigureFolder = Path("figures"),
+    min_effect: opt.MinEffect = 0.0,
     style: Annotated[
         str,
         option(

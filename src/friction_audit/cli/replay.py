@@ -4,18 +4,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.console import Voice
-from friction_audit.cli.options import (
-    NO_EXPORT,
-    PNG,
-    Exports,
-    FigureFormats,
-    LogOptions,
-    LogPath,
-    figures_option,
-    folder_option,
-)
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 
@@ -36,13 +27,15 @@ MOMENTS = ("friction_step", "torque_drift")  # effects that hold for moments of 
 
 
 def command(
-    log: LogPath,
+    log: opt.LogPath,
     options: ReplayOptions,
-    shared: LogOptions,
-    folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")] = None,
-    figures: Annotated[list[str], figures_option(choices.REPLAY_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
-    formats: FigureFormats = PNG,
-    export: Exports = NO_EXPORT,
+    shared: opt.LogOptions,
+    folder: Annotated[
+        Path | None, opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")
+    ] = None,
+    figures: Annotated[list[str], opt.figures_option(choices.REPLAY_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
+    formats: opt.FigureFormats = opt.PNG,
+    export: opt.Exports = opt.NO_EXPORT,
 ) -> None:
     """Replay a friction compensator with passivity controller."""
     voice = shared.general.voice

@@ -8,22 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.grouped_help import OUTPUT
-from friction_audit.cli.options import (
-    NO_EXPORT,
-    CycleOptions,
-    EstimateOptions,
-    Exports,
-    LogOptions,
-    LogPath,
-    MinEffect,
-    folder_option,
-)
 from friction_audit.cli.outputs import ResultFolder
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 
@@ -50,15 +41,15 @@ NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config")
 
 def command(
     context: typer.Context,
-    log: LogPath,
-    friction: EstimateOptions,
-    shared: LogOptions,
+    log: opt.LogPath,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
     formats: Annotated[
         list[str], option(OUTPUT, "Formats of the report. Default: html.", "--format", some_of=FORMATS)
     ] = [],  # noqa: B006 - Typer copies it
     folder: Annotated[
         Path | None,
-        folder_option(
+        opt.folder_option(
             "Folder of the report, a file named after the log, e.g. run.report.html. Default: the current folder; "
             "with --json alone no file is written."
         ),
@@ -73,8 +64,8 @@ def command(
             some_of=SECTIONS,
         ),
     ] = [],  # noqa: B006 - Typer copies it
-    min_effect: MinEffect = 0.0,
-    export: Exports = NO_EXPORT,
+    min_effect: opt.MinEffect = 0.0,
+    export: opt.Exports = opt.NO_EXPORT,
 ) -> None:
     """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice
@@ -111,7 +102,7 @@ def _lengths(sections: Sequence[str], written: int) -> list[float]:
 
 def _report(
     estimate: "Estimate",
-    cycles: CycleOptions,
+    cycles: opt.CycleOptions,
     min_effect: float,
     sections: Sequence[str],
     reading: dict[str, object],
