@@ -18,7 +18,15 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS
-from friction_audit.cli.options import PNG, EstimateOptions, FigureFormats, LogOptions, MinEffect, folder_option
+from friction_audit.cli.options import (
+    PNG,
+    EstimateOptions,
+    FigureFormats,
+    LogOptions,
+    MinEffect,
+    fail_on_option,
+    folder_option,
+)
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -78,15 +86,7 @@ class DriftOptions:
         str,
         option(DRIFT, "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.", metavar="K|LIST"),
     ] = "5"
-    fail_on: Annotated[
-        list[str] | None,
-        option(
-            DRIFT,
-            "Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions cannot test "
-            "this limit. Repeatable.",
-            metavar="COEFFICIENT=LIMIT",
-        ),
-    ] = None
+    fail_on: Annotated[list[str] | None, fail_on_option("coulomb=15%", "drifted", "sessions")] = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

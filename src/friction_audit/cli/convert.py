@@ -1,21 +1,25 @@
 """``friction-audit convert``."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from friction_audit.cli import chain, choices
+from friction_audit.cli import chain
 from friction_audit.cli.chain import read_options
 from friction_audit.cli.choices import option, parse_joints
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import OUTPUT
-from friction_audit.cli.options import GeneralOptions, LogPath, Overwrite, ReadingOptions, SelectionOptions
+from friction_audit.cli.options import (
+    GeneralOptions,
+    LogPath,
+    Overwrite,
+    ReadingOptions,
+    SelectionOptions,
+    dialect_option,
+)
+from friction_audit.cli.outputs import show_written
 from friction_audit.errors import UsageError
-
-if TYPE_CHECKING:
-    from friction_audit.io.writers.writer import Writer
-    from friction_audit.joint_log import JointLog
 
 EXAMPLES = """Examples:
   friction-audit convert run.bag run.parquet
@@ -44,13 +48,7 @@ def command(
     reading: ReadingOptions,
     general: GeneralOptions,
     dialect: Annotated[
-        str | None,
-        option(
-            OUTPUT,
-            "One of --list-dialects. Default: the first one with OUT's suffix.",
-            metavar="NAME",
-            autocompletion=choices.completed_by(choices.dialects),
-        ),
+        str | None, dialect_option(OUTPUT, "One of --list-dialects. Default: the first one with OUT's suffix.")
     ] = None,
     list_dialects: Annotated[  # noqa: ARG001 - its callback acts on it
         bool, option(OUTPUT, "List the dialects and stop.", "--list-dialects", callback=_list_dialects, is_eager=True)
@@ -58,45 +56,20 @@ def command(
     overwrite: Overwrite = False,
 ) -> None:
     """Convert a log to Parquet, CSV, MCAP, NumPy or a ROS bag."""
-    voice = general.voice
-    options, joints = read_options(reading, selection), parse_joints(selection.joints)
-    writer = _choose_writer(out, dialect)
+    from friction_audit.io.writers.write_log import choose_writer, write_log
+    from friction_audit.reporting.documents import convert_document
+
+    voice, joints = general.voice, parse_joints(selection.joints)
+    options, writer = read_options(reading, selection), choose_writer(out, dialect)
     chain.check_outputs([out], overwrite=overwrite, log=log, folder=not writer.suffix)
-    kept = _take(chain.read(log, options, voice), joints)
-    _write(kept, out, writer, voice, overwrite=overwrite)
-    _report(kept, out, writer, voice, json=general.json)
-    chain.exit_if_damaged(kept)
-
-
-def _take(log: "JointLog", joints: tuple[int, ...] | None) -> "JointLog":
-    """Return the joints that were asked for."""
-    count = len(log.joint_names)
+    kept = chain.read(log, options, voice)
+    count = len(kept.joint_names)
     absent = [str(joint) for joint in joints or () if joint > count]
     if absent:
-        raise UsageError(f"--joints {','.join(absent)}: not in {log.source.path}; its joints are 1 to {count}")
-    return log if joints is None else log.take_joints([joint - 1 for joint in joints])
-
-
-def _choose_writer(out: Path, dialect: str | None) -> "Writer":
-    from friction_audit.io.writers.write_log import choose_writer
-
-    return choose_writer(out, dialect)
-
-
-def _write(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.io.writers.write_log import write_log
-
+        raise UsageError(f"--joints {','.join(absent)}: not in {kept.source.path}; its joints are 1 to {count}")
+    kept = kept if joints is None else kept.take_joints([joint - 1 for joint in joints])
     with voice.step(f"write {out}"):
-        write_log(log, out, dialect=writer.name, overwrite=overwrite)
-
-
-def _report(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, json: bool) -> None:
-    """Say what was written and what the format has no place for."""
-    from friction_audit.reporting.documents import convert_document, write_document
-
-    document = convert_document(log, str(out), writer.name, left_out=writer.left_out(log))
-    if json:
-        say(write_document(document), nl=False)
-    else:
-        voice.warn(warning["message"] for warning in document["warnings"])
-        say(str(out))
+        write_log(kept, out, dialect=writer.name, overwrite=overwrite)
+    document = convert_document(kept, str(out), writer.name, left_out=writer.left_out(kept))
+    show_written(document, [out], voice, json=general.json)
+    chain.exit_if_damaged(kept)

@@ -1,7 +1,7 @@
 """``friction-audit diff``."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,11 +10,18 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.batch_files import EXCEEDED, UNTESTABLE
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option, parse_joints
+from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.console import DAMAGED, Voice
 from friction_audit.cli.figure_files import write_figures
-from friction_audit.cli.grouped_help import DRIFT
-from friction_audit.cli.options import PNG, EstimateOptions, FigureFormats, LogOptions, figures_option, folder_option
+from friction_audit.cli.options import (
+    PNG,
+    EstimateOptions,
+    FigureFormats,
+    LogOptions,
+    fail_on_option,
+    figures_option,
+    folder_option,
+)
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 
@@ -32,37 +39,22 @@ RESULT, DOCUMENT, TABLE = "estimate.json", "diff.json", "diff.csv"
 HELP = f"A log, an {RESULT}, or a folder of logs or of results."
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class LimitOptions:
-    """What is too much."""
-
-    fail_on: Annotated[
-        list[str] | None,
-        option(
-            DRIFT,
-            "Exit with 5 if a coefficient has changed further, e.g. coulomb=10%; with 7 if the recordings cannot test "
-            "this limit. Repeatable.",
-            metavar="COEFFICIENT=LIMIT",
-        ),
-    ] = None
-
-
 def command(
     before: Annotated[Path, typer.Argument(metavar="BEFORE", help=HELP)],
     after: Annotated[Path, typer.Argument(metavar="AFTER", help="Likewise.")],
-    limit: LimitOptions,
     friction: EstimateOptions,
     shared: LogOptions,
     folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR.")] = None,
     figures: Annotated[list[str], figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
     formats: FigureFormats = PNG,
+    fail_on: Annotated[list[str] | None, fail_on_option("coulomb=10%", "changed", "recordings")] = None,
 ) -> None:
     """Compare the friction of logs before and after, per joint."""
     from friction_audit.drift.fail_on import parse_limit
     from friction_audit.drift.two_sides import compare_sides
 
     voice = shared.general.voice
-    limits = tuple(parse_limit(text) for text in limit.fail_on or ())
+    limits = tuple(parse_limit(text) for text in fail_on or ())
     kinds = choices.some_figures(figures, choices.DIFF_FIGURES)
     out = ResultFolder(folder=folder, name="diff", figures=kinds, formats=formats, overwrite=shared.overwrite)
     for source in (before, after):

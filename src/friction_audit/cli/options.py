@@ -51,6 +51,18 @@ def joint_model_option(panel: str, text: str) -> object:
     return option(panel, text, "--joint-model", metavar="FILE.toml", exists=True, dir_okay=False)
 
 
+def dialect_option(heading: str, text: str) -> object:
+    """Return the option that names the dialect of a log to be written."""
+    return option(heading, text, metavar="NAME", autocompletion=choices.completed_by(choices.dialects))
+
+
+def fail_on_option(example: str, changed: str, tested: str) -> object:
+    """Return the option that sets limits to coefficients."""
+    more = f"with 7 if the {tested} cannot test this limit. Repeatable."
+    text = f"Exit with 5 if a coefficient has {changed} further, e.g. {example}; {more}"
+    return option(panel.DRIFT, text, metavar="COEFFICIENT=LIMIT")
+
+
 def figures_option(names: Sequence[str]) -> object:
     """Return the option that says which of some figures are drawn."""
     text = f"Figures to draw: {choices.ALL}, or some of {', '.join(names)}."

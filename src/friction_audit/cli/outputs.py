@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, say
@@ -104,6 +104,18 @@ class ResultFolder:
                     name = f"{self.prefix}{table.name}.{kind}"
                     self.write(name, lambda draft, table=table, kind=kind: write_table(table, draft, kind))  # type: ignore[misc]
         return self.exported([table.name for table in tables])
+
+
+def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voice, *, json: bool) -> None:
+    """Print the document of files that were written, or its warnings and the files."""
+    from friction_audit.reporting.documents import write_document
+
+    if json:
+        say(write_document(document), nl=False)
+        return
+    voice.warn(warning["message"] for warning in document["warnings"])
+    for path in paths:
+        say(str(path))
 
 
 def show(document: str, lines: Callable[[], Iterable[str]], *, json: bool) -> None:

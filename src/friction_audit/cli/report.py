@@ -3,7 +3,7 @@
 import shlex
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -12,16 +12,11 @@ from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.console import say
 from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import ResultFolder
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
-
-if TYPE_CHECKING:
-    from friction_audit.joint_log import JointLog
-    from friction_audit.pipeline import Estimate
-    from friction_audit.reporting.report import LogReport
 
 EXAMPLES = """Examples:
   friction-audit report run.mcap
@@ -83,11 +78,36 @@ def command(
             from friction_audit.reporting.notices import estimate_notices
 
             chain.warn_about(recorded, estimate_notices(estimate), stages)
-        given = _again(context, log)
-        report = _report(estimate, shared.cycles, min_effect, sections, chain.reading_settings(options), given, stages)
-        _write(report, files, stages, overwrite=again)
-        exported = _export(report, out, recorded, stages)
-    _print(report, (*files.values(), *exported), json=json)
+        from friction_audit.diagnosis.settings import DiagnosisSettings
+        from friction_audit.io.files import whole_file
+        from friction_audit.reporting.documents import write_document
+        from friction_audit.reporting.report import (
+            lead_sentence,
+            name_of_log,
+            report_document,
+            report_estimate,
+            report_tables,
+        )
+        from friction_audit.reporting.report_files import REPORT_FORMATS
+
+        given = command_line(context, leave_out=NOT_PART_OF_IT)
+        report = report_estimate(
+            estimate,
+            replay_settings(ReplayOptions(), shared.cycles),
+            DiagnosisSettings(min_effect_nm=min_effect),
+            sections=sections or SECTIONS,
+            reading=chain.reading_settings(options),
+            command=given.replace(shlex.quote(str(log)), shlex.quote(name_of_log(log))),
+            step=stages.step,
+        )
+        for kind, path in files.items():
+            with stages.step(f"write {path}"), whole_file(path, overwrite=again) as draft:
+                draft.write_bytes(REPORT_FORMATS[kind][1](report))
+        exported = out.write_exports(report_tables(report), recorded, stages)
+    if json:
+        say(write_document(report_document(report)), nl=False)
+    else:
+        say("\n".join([lead_sentence(report), *map(str, (*files.values(), *exported))]))
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)
@@ -100,75 +120,14 @@ def _lengths(sections: Sequence[str], written: int) -> list[float]:
     return [*(length for part, length in LENGTHS.items() if part in made), DRAWING, *[WRITING] * written]
 
 
-def _report(
-    estimate: "Estimate",
-    cycles: opt.CycleOptions,
-    min_effect: float,
-    sections: Sequence[str],
-    reading: dict[str, object],
-    command: str,
-    voice: Voice,
-) -> "LogReport":
-    from friction_audit.diagnosis.settings import DiagnosisSettings
-    from friction_audit.reporting.report import report_estimate
-
-    replay, diagnosis = replay_settings(ReplayOptions(), cycles), DiagnosisSettings(min_effect_nm=min_effect)
-    wanted = sections or SECTIONS
-    return report_estimate(
-        estimate, replay, diagnosis, sections=wanted, reading=reading, command=command, step=voice.step
-    )
-
-
-def _export(report: "LogReport", out: ResultFolder, recorded: "JointLog", voice: Voice) -> list[Path]:
-    from friction_audit.reporting.report import report_tables
-
-    return out.write_exports(report_tables(report), recorded, voice)
-
-
 def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: bool) -> dict[str, Path]:
     """Return the file of each format; none where the document is printed and nothing else was asked for."""
     wanted = formats or ([] if printed and folder is None else [DEFAULT])
     return {name: (folder or Path()) / f"{_stem(log)}.report{choices.REPORT_FORMATS[name]}" for name in wanted}
 
 
-def _again(context: typer.Context, log: Path) -> str:
-    """Return the command with the log's name in place of its path."""
-    given = command_line(context, leave_out=NOT_PART_OF_IT)
-    return given.replace(shlex.quote(str(log)), shlex.quote(_name(log)))
-
-
-def _name(log: Path) -> str:
-    from friction_audit.reporting.report import name_of_log
-
-    return name_of_log(log)
-
-
 def _stem(log: Path) -> str:
     """Return what the files of a report begin with: the name of the log without its ending."""
-    name = _name(log)
-    return name if log.is_dir() else Path(name).stem
+    from friction_audit.reporting.report import name_of_log
 
-
-def _write(report: "LogReport", files: dict[str, Path], voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.io.files import whole_file
-    from friction_audit.reporting.report_files import REPORT_FORMATS
-
-    for name, path in files.items():
-        _, write = REPORT_FORMATS[name]
-        with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
-            draft.write_bytes(write(report))
-
-
-def _print(report: "LogReport", paths: Sequence[Path], *, json: bool) -> None:
-    """Print the document, or what the report says and where it is."""
-    if json:
-        from friction_audit.reporting.documents import write_document
-        from friction_audit.reporting.report import report_document
-
-        say(write_document(report_document(report)), nl=False)
-        return
-    from friction_audit.reporting.report import lead_sentence
-
-    say(lead_sentence(report))
-    for path in paths:
-        say(str(path))
+    return name_of_log(log) if log.is_dir() else Path(name_of_log(log)).stem

@@ -12,7 +12,8 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
-from friction_audit.cli.options import ChangeOptions, GeneralOptions, Overwrite
+from friction_audit.cli.options import ChangeOptions, GeneralOptions, Overwrite, dialect_option
+from friction_audit.cli.outputs import show_written
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -92,12 +93,7 @@ def command(
     ] = None,
     dialect: Annotated[
         str | None,
-        option(
-            GENERAL,
-            "One of convert --list-dialects. Default: the first one with FILE's suffix.",
-            metavar="NAME",
-            autocompletion=choices.completed_by(choices.dialects),
-        ),
+        dialect_option(GENERAL, "One of convert --list-dialects. Default: the first one with FILE's suffix."),
     ] = None,
     truth: Annotated[
         Path | None, option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json")
@@ -108,26 +104,23 @@ def command(
     if lists.scenarios or lists.effects_there_are:
         _list(scenario, lists, json=general.json)
         return
-    chosen = _find_scenario(scenario)
-    path, writer = _choose_output(out, dialect, truth, overwrite=overwrite)
-    asked = {"duration_s": simulation.duration, "rate_hz": simulation.rate}
-    model = simulation.joint_model
-    chosen = replace(chosen, settings=changed(chosen.settings, change, model, **asked))
-    log = _simulate(chosen, simulation.seed, path, general.voice)
-    simulated = _write(chosen, simulation.seed, log, path, writer, truth, general.voice, overwrite=overwrite)
-    _report(simulated, log, path, writer, truth, general.voice, json=general.json)
-
-
-def _simulate(scenario: "Scenario", seed: int, path: Path, voice: Voice) -> "JointLog":
+    from friction_audit.reporting.documents import simulate_document
     from friction_audit.simulation.scenarios import simulate
 
-    with voice.step(f"simulate {scenario.name}") as progress:
-        return simulate(scenario.settings, seed, path=str(path), progress=progress).log
+    chosen, voice = _find_scenario(scenario), general.voice
+    path, writer = _choose_output(out, dialect, truth, overwrite=overwrite)
+    asked = {"duration_s": simulation.duration, "rate_hz": simulation.rate}
+    settings = changed(chosen.settings, change, simulation.joint_model, **asked)
+    with voice.step(f"simulate {chosen.name}") as progress:
+        log = simulate(settings, simulation.seed, path=str(path), progress=progress).log
+    about = (chosen.name, simulation.seed, settings)
+    simulated = _write(about, log, path, writer, truth, voice, overwrite=overwrite)
+    document = simulate_document(simulated, log, str(path), writer.name, left_out=writer.left_out(log))
+    show_written(document, [path] if truth is None else [path, truth], voice, json=general.json)
 
 
 def _write(
-    scenario: "Scenario",
-    seed: int,
+    about: tuple[str, int, Any],
     log: "JointLog",
     path: Path,
     writer: "Writer",
@@ -145,9 +138,8 @@ def _write(
     with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
         check_fit(log, writer)
         writer.write(log, draft)
-        effects = [asdict(effect) for effect in hidden_effects(scenario.settings)]
-        settings = settings_in_sight(scenario.settings)
-        simulated = SimulatedLog(scenario.name, seed, settings, effects, sha256_of(draft))
+        effects = [asdict(effect) for effect in hidden_effects(about[2])]
+        simulated = SimulatedLog(*about[:2], settings_in_sight(about[2]), effects, sha256_of(draft))
         if truth is not None:
             with whole_file(truth, overwrite=overwrite) as other:
                 other.write_text(write_document(truth_document(simulated)), encoding="utf-8")
@@ -222,29 +214,6 @@ def changed(settings: Any, change: ChangeOptions, model: Path | None = None, **a
         if getattr(settings, name) != value:
             raise UsageError(f"--{name.partition('_')[0]} {value:g}: --set {name} contradicts it; remove one of them")
     return hide(settings, change.effects or ())
-
-
-def _report(
-    simulated: "SimulatedLog",
-    log: "JointLog",
-    path: Path,
-    writer: "Writer",
-    truth: Path | None,
-    voice: Voice,
-    *,
-    json: bool,
-) -> None:
-    """Say what was written and what the format has no place for."""
-    from friction_audit.reporting.documents import simulate_document, write_document
-
-    document = simulate_document(simulated, log, str(path), writer.name, left_out=writer.left_out(log))
-    if json:
-        say(write_document(document), nl=False)
-        return
-    voice.warn(warning["message"] for warning in document["warnings"])
-    for written in (path, truth):
-        if written is not None:
-            say(str(written))
 
 
 def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
