@@ -1,6 +1,5 @@
 """``friction-audit compare``."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,14 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.console import say
 from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import COMPARISON
 from friction_audit.cli.simulate import changed
 
 if TYPE_CHECKING:
     from friction_audit.compensation.comparison import Comparison
-    from friction_audit.compensation.comparison.scene import Scene
 
 EXAMPLES = """Examples:
   friction-audit compare
@@ -81,72 +79,39 @@ def command(
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Compare compensation methods in simulation (two logs: diff)."""
-    voice = general.voice
-    paths = {
-        name: [folder / f"{name}.{suffix}" for suffix in formats] for name in choices.some_figures(figures, FIGURES)
-    }
-    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
-    scene = _scene(comparison, change)
-    result = _compare(scene, comparison, voice)
-    files = _draw(result, paths, voice, overwrite=overwrite)
-    _print(result, scene, files, json=general.json)
-
-
-def _scene(options: ComparisonOptions, change: opt.ChangeOptions) -> "Scene":
-    """Return what the methods are tried on, changed as asked for."""
-    from friction_audit.compensation.comparison import SCENES
-
-    (scene,) = (one for one in SCENES if one.name == options.arm)
-    settings: Any = changed(scene.settings, change, duration_s=options.duration)
-    margin = scene.plan.margin_seeds if options.margin_persons is None else options.margin_persons
-    return replace(scene, settings=settings, plan=replace(scene.plan, margin_seeds=margin))
-
-
-def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Comparison":
-    from friction_audit.compensation.comparison import METHODS, compare
+    from friction_audit.compensation.comparison import METHODS, SCENES, compare
     from friction_audit.compensation.comparison.methods import NONE
-
-    chosen = [method for method in METHODS if method.name in (NONE, *options.methods)]
-    with voice.step("compare") as progress:
-        return compare(scene, options.persons, chosen, progress)
-
-
-def _draw(
-    result: "Comparison", paths: dict[str, list[Path]], voice: Voice, *, overwrite: bool
-) -> list[tuple[str, str]]:
-    """Write the figures that there are; return their names and paths."""
-    from friction_audit.reporting.figures.comparison import draw_comparison
-
-    with voice.step("draw"):
-        figures = {name: figure for name, figure in draw_comparison(result).items() if name in paths}
-        for name, figure in figures.items():
-            save_figures(figure, paths[name], overwrite=overwrite)
-    return [(name, str(path)) for name in figures for path in paths[name]]
-
-
-def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]], *, json: bool) -> None:
     from friction_audit.reporting.compare import compare_document, compare_lines, method_rows, sweep_rows
     from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.figures.comparison import draw_comparison
 
-    rows = method_rows(result)
-    if json:
-        document = compare_document(_scene_document(result, scene), rows, sweep_rows(result), files)
+    voice, names = general.voice, choices.some_figures(figures, FIGURES)
+    paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in names}
+    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
+    (scene,) = (one for one in SCENES if one.name == comparison.arm)
+    settings: Any = changed(scene.settings, change, duration_s=comparison.duration)
+    margin = scene.plan.margin_seeds if comparison.margin_persons is None else comparison.margin_persons
+    scene = replace(scene, settings=settings, plan=replace(scene.plan, margin_seeds=margin))
+    chosen = [method for method in METHODS if method.name in (NONE, *comparison.methods)]
+    with voice.step("compare") as progress:
+        result = compare(scene, comparison.persons, chosen, progress)
+    with voice.step("draw"):
+        drawn = {name: figure for name, figure in draw_comparison(result).items() if name in paths}
+        for name, figure in drawn.items():
+            save_figures(figure, paths[name], overwrite=overwrite)
+    files, rows = [(name, str(path)) for name in drawn for path in paths[name]], method_rows(result)
+    if general.json:
+        document = compare_document(_scene_document(result, settings), rows, sweep_rows(result), files)
         say(write_document(document), nl=False)
         return
-    say("\n".join(compare_lines(rows, len(result.seeds), len(result.tuning_seeds))))
-    for _, path in files:
-        say(path)
+    lines = compare_lines(rows, len(result.seeds), len(result.tuning_seeds))
+    say("\n".join([*lines, *(path for _, path in files)]))
 
 
-def _scene_document(result: "Comparison", scene: "Scene") -> dict[str, object]:
+def _scene_document(result: "Comparison", settings: Any) -> dict[str, object]:  # noqa: ANN401 - of any scenario
     from friction_audit.simulation.hide import hidden_effects, settings_in_sight
 
-    return {
-        "arm": result.scene,
-        "duration_s": result.duration_s,
-        "seeds": result.seeds,
-        "tuning_seeds": result.tuning_seeds,
-        "margin_seeds": result.margin_seeds,
-        "settings": settings_in_sight(scene.settings),
-        "effects": [asdict(effect) for effect in hidden_effects(scene.settings)],
-    }
+    names = ("duration_s", "seeds", "tuning_seeds", "margin_seeds")
+    effects = [asdict(effect) for effect in hidden_effects(settings)]
+    about = {name: getattr(result, name) for name in names}
+    return {"arm": result.scene, **about, "settings": settings_in_sight(settings), "effects": effects}

@@ -16,7 +16,6 @@ from friction_audit.cli.outputs import show
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.export.export import Export
     from friction_audit.pipeline import Estimate
 
 EXAMPLES = """Examples:
@@ -91,7 +90,16 @@ def command(
     joints = of_estimate(estimate) if estimate else read_result(result or source)
     with voice.step(f"write {out}"):
         export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
-    _show(export, voice, json=shared.general.json)
+    from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.export import export_document, export_lines, export_notices
+    from friction_audit.reporting.notices import notice_lines
+
+    json = shared.general.json
+    if not json and estimate:
+        chain.warn_about(estimate.log, export_notices(export), voice)
+    elif not json:
+        voice.warn(notice_lines(export_notices(export)))
+    show(write_document(export_document(export)), lambda: export_lines(export), json=json)
     if estimate:
         chain.exit_if_damaged(estimate.log)
 
@@ -111,15 +119,3 @@ def _parse_speeds(text: str) -> tuple[float, float]:
     if not 0.0 <= low < high < float("inf"):
         raise UsageError(f"--speeds {text}: expected 0 <= LOW < HIGH [rad/s]")
     return low, high
-
-
-def _show(export: "Export", voice: Voice, *, json: bool) -> None:
-    from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.export import export_document, export_lines, export_notices
-    from friction_audit.reporting.notices import notice_lines
-
-    if not json and export.estimate:
-        chain.warn_about(export.estimate.log, export_notices(export), voice)
-    elif not json:
-        voice.warn(notice_lines(export_notices(export)))
-    show(write_document(export_document(export)), lambda: export_lines(export), json=json)

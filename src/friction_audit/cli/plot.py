@@ -9,7 +9,7 @@ from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
+from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.cli.grouped_help import OUTPUT
 
 if TYPE_CHECKING:
@@ -64,7 +64,10 @@ def command(
         each_joint=True,
     )
     if shared.general.json:
-        _print_document(result, files, chain.reading_settings(options))
+        from friction_audit.reporting.documents import plot_document, write_document
+
+        figures_ = [(file.kind, file.joint, str(file.path)) for file in files]
+        say(write_document(plot_document(result, figures_, chain.reading_settings(options))), nl=False)
     else:
         for file in files:
             say(str(file.path))
@@ -87,10 +90,3 @@ def _results(result: "Estimate", kinds: Sequence[str], min_effect: float, voice:
         with voice.step("diagnose"):
             found["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
     return found
-
-
-def _print_document(result: "Estimate", files: list[FigureFile], reading: dict[str, object]) -> None:
-    from friction_audit.reporting.documents import plot_document, write_document
-
-    figures = [(file.kind, file.joint, str(file.path)) for file in files]
-    say(write_document(plot_document(result, figures, reading)), nl=False)

@@ -14,7 +14,7 @@ from friction_audit.friction.settings import MODELS
 
 if TYPE_CHECKING:
     from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
-    from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
+    from friction_audit.compensation.settings import ReplaySettings
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -106,37 +106,26 @@ class ReplayOptions:
 
     def __post_init__(self) -> None:
         """Refuse options that contradict each other, before any log is read."""
-        idle = (
-            ("--compensator-model", self.model is not None),
-            ("--compensator-window", self.window is not None),
-            ("--factor", self.factor != 1.0),
-        )
-        unused = [name for name, given in idle if given]
+        idle = {"--compensator-model": self.model, "--compensator-window": self.window}
+        unused = [name for name, given in idle.items() if given is not None]
+        unused += ["--factor"] if self.factor != 1.0 else []
         if self.coefficients is not None and unused:
             raise UsageError(f"--coefficients {self.coefficients}: nothing is estimated; remove {', '.join(unused)}")
-        self._check_competitor(unused)
-        if self.no_passivity and self.max_damping is not None:
-            raise UsageError("--no-passivity --max-damping: only the controller damps; remove one of them")
-
-    def _check_competitor(self, unused: list[str]) -> None:
-        """Refuse options that the compensator chosen has no use for."""
-        paper = (
-            *unused,
-            *(["--coefficients"] if self.coefficients else []),
-            *(["--max-damping"] if self.max_damping else []),
-        )
-        paper = (*paper, *(["--no-passivity"] if self.no_passivity else []))
-        if self.compensator != "energy" and paper:
-            raise UsageError(f"--compensator {self.compensator}: does not use {', '.join(paper)}; remove it")
+        energy = {
+            "--coefficients": self.coefficients, "--max-damping": self.max_damping, "--no-passivity": self.no_passivity,
+        }  # fmt: skip
+        unused += [name for name, given in energy.items() if given]
         inertial = ("disturbance_observer", "torque_regulation")
         tuning = (
             ("--observer-gain", self.observer_gain, inertial[:1]),
             ("--motor-inertia", self.motor_inertia, inertial),
             ("--desired-inertia", self.desired_inertia, inertial[1:]),
         )
-        idle = [name for name, given, users in tuning if given is not None and self.compensator not in users]
-        if idle:
-            raise UsageError(f"--compensator {self.compensator}: does not use {', '.join(idle)}; remove it")
+        idle_tuning = [name for name, given, users in tuning if given is not None and self.compensator not in users]
+        if wrong := (unused if self.compensator != "energy" else []) or idle_tuning:
+            raise UsageError(f"--compensator {self.compensator}: does not use {', '.join(wrong)}; remove it")
+        if self.no_passivity and self.max_damping is not None:
+            raise UsageError("--no-passivity --max-damping: only the controller damps; remove one of them")
 
 
 def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySettings":
@@ -146,45 +135,31 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
         UsageError: If a value cannot be used.
         InputError: If the file of a model is none.
     """
-    from friction_audit.compensation.settings import ReplaySettings
+    from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
+    from friction_audit.effects.model_file import load_model
 
+    competitor = operator = None
+    if options.compensator != "energy":
+        tuning = {
+            "observer_gain_per_s": options.observer_gain,
+            "motor_inertia_kg_m2": options.motor_inertia,
+            "desired_inertia_kg_m2": options.desired_inertia,
+        }
+        given: dict[str, Any] = {name: value for name, value in tuning.items() if value is not None}
+        competitor = Competitor(name=options.compensator, **given)
+    if options.operator is not None:
+        mass, damping, stiffness = parse_numbers("--operator", options.operator, ("MASS", "DAMPING", "STIFFNESS"))
+        operator = OperatorImpedance(inertia_kg_m2=mass, damping_nms_per_rad=damping, stiffness_nm_per_rad=stiffness)
+    path = options.joint_model
     return ReplaySettings(
         assume=options.assume,
         compensator=_compensator(options, cycles),
-        competitor=_competitor(options),
-        joint_model=None if options.joint_model is None else _joint_model(options.joint_model),
-        operator=None if options.operator is None else _operator(options.operator),
+        competitor=competitor,
+        joint_model=None if path is None else ModelFile(path=str(path), model=load_model(path)),
+        operator=operator,
         max_torque_nm=options.max_torque,
         max_torque_rate_nm_s=options.max_rate,
     )
-
-
-def _competitor(options: ReplayOptions) -> "Competitor | None":
-    from friction_audit.compensation.settings import Competitor
-
-    if options.compensator == "energy":
-        return None
-    tuning = {
-        "observer_gain_per_s": options.observer_gain,
-        "motor_inertia_kg_m2": options.motor_inertia,
-        "desired_inertia_kg_m2": options.desired_inertia,
-    }
-    given: dict[str, Any] = {name: value for name, value in tuning.items() if value is not None}
-    return Competitor(name=options.compensator, **given)
-
-
-def _joint_model(path: Path) -> "ModelFile":
-    from friction_audit.compensation.settings import ModelFile
-    from friction_audit.effects.model_file import load_model
-
-    return ModelFile(path=str(path), model=load_model(path))
-
-
-def _operator(text: str) -> "OperatorImpedance":
-    from friction_audit.compensation.settings import OperatorImpedance
-
-    numbers = parse_numbers("--operator", text, ("MASS", "DAMPING", "STIFFNESS"))
-    return OperatorImpedance(inertia_kg_m2=numbers[0], damping_nms_per_rad=numbers[1], stiffness_nm_per_rad=numbers[2])
 
 
 def _compensator(options: ReplayOptions, cycles: CycleOptions) -> "EnergyCompensator":

@@ -2,6 +2,7 @@
 
 import shlex
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -34,21 +35,13 @@ DRAWING, WRITING = 15.0, 2.0  # likewise: the first file has to wait for the fig
 NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config")
 
 
-def command(
-    context: typer.Context,
-    log: opt.LogPath,
-    friction: opt.EstimateOptions,
-    shared: opt.LogOptions,
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ReportOptions:
+    """What the report holds."""
+
     formats: Annotated[
         list[str], option(OUTPUT, "Formats of the report. Default: html.", "--format", some_of=FORMATS)
-    ] = [],  # noqa: B006 - Typer copies it
-    folder: Annotated[
-        Path | None,
-        opt.folder_option(
-            "Folder of the report, a file named after the log, e.g. run.report.html. Default: the current folder; "
-            "with --json alone no file is written."
-        ),
-    ] = None,
+    ] = ()  # type: ignore[assignment] # a dataclass takes no list
     sections: Annotated[
         list[str],
         option(
@@ -58,13 +51,29 @@ def command(
             "--sections",
             some_of=SECTIONS,
         ),
-    ] = [],  # noqa: B006 - Typer copies it
-    min_effect: opt.MinEffect = 0.0,
+    ] = ()  # type: ignore[assignment] # a dataclass takes no list
+    min_effect: opt.MinEffect = 0.0
+
+
+def command(
+    context: typer.Context,
+    log: opt.LogPath,
+    wanted: ReportOptions,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
+    folder: Annotated[
+        Path | None,
+        opt.folder_option(
+            "Folder of the report, a file named after the log, e.g. run.report.html. Default: the current folder; "
+            "with --json alone no file is written."
+        ),
+    ] = None,
     export: opt.Exports = opt.NO_EXPORT,
 ) -> None:
     """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
+    sections, formats, min_effect = wanted.sections, wanted.formats, wanted.min_effect
     json, again = shared.general.json, shared.overwrite
     files = _files(log, folder, formats, printed=json)
     name = f"{_stem(log)}.report"
@@ -78,36 +87,30 @@ def command(
             from friction_audit.reporting.notices import estimate_notices
 
             chain.warn_about(recorded, estimate_notices(estimate), stages)
+        given = command_line(context, leave_out=NOT_PART_OF_IT)
         from friction_audit.diagnosis.settings import DiagnosisSettings
         from friction_audit.io.files import whole_file
+        from friction_audit.reporting import report as made
         from friction_audit.reporting.documents import write_document
-        from friction_audit.reporting.report import (
-            lead_sentence,
-            name_of_log,
-            report_document,
-            report_estimate,
-            report_tables,
-        )
         from friction_audit.reporting.report_files import REPORT_FORMATS
 
-        given = command_line(context, leave_out=NOT_PART_OF_IT)
-        report = report_estimate(
+        report = made.report_estimate(
             estimate,
             replay_settings(ReplayOptions(), shared.cycles),
             DiagnosisSettings(min_effect_nm=min_effect),
             sections=sections or SECTIONS,
             reading=chain.reading_settings(options),
-            command=given.replace(shlex.quote(str(log)), shlex.quote(name_of_log(log))),
+            command=given.replace(shlex.quote(str(log)), shlex.quote(made.name_of_log(log))),
             step=stages.step,
         )
         for kind, path in files.items():
             with stages.step(f"write {path}"), whole_file(path, overwrite=again) as draft:
                 draft.write_bytes(REPORT_FORMATS[kind][1](report))
-        exported = out.write_exports(report_tables(report), recorded, stages)
+        exported = out.write_exports(made.report_tables(report), recorded, stages)
     if json:
-        say(write_document(report_document(report)), nl=False)
+        say(write_document(made.report_document(report)), nl=False)
     else:
-        say("\n".join([lead_sentence(report), *map(str, (*files.values(), *exported))]))
+        say("\n".join([made.lead_sentence(report), *map(str, (*files.values(), *exported))]))
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)

@@ -1,19 +1,18 @@
 """``friction-audit reproduce``."""
 
-from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from friction_audit.cli import chain
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.console import say
 from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import SIMULATION
 from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, Overwrite
 
 if TYPE_CHECKING:
-    from friction_audit.reproduce import Claim, Reproduction, Simulations
+    from friction_audit.reproduce import Simulations
 
 EXAMPLES = """Examples:
   friction-audit reproduce
@@ -44,44 +43,27 @@ def command(
     overwrite: Overwrite = False,
 ) -> None:
     """Simulate the paper's figures and measure its claims."""
-    voice = general.voice
-    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
-    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
-    chosen, claims = _reproduce(paths, persons, voice, overwrite=overwrite, json=general.json)
-    files = [(one.figure, one.title, str(path)) for one in chosen for path in paths[one.figure]]
-    _print(claims, files, persons, json=general.json)
-
-
-def _reproduce(
-    paths: dict[str, list[Path]], seeds: int, voice: Voice, *, overwrite: bool, json: bool
-) -> "tuple[Sequence[Reproduction], list[Claim]]":
-    """Simulate, check and draw one figure after the other; print its claims as soon as it is done."""
-    from friction_audit.reporting.compare import claim_lines
+    from friction_audit.reporting.compare import claim_lines, count_line, reproduce_document
+    from friction_audit.reporting.documents import write_document
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
+    voice, json = general.voice, general.json
+    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
+    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
     chosen = [one for one in REPRODUCTIONS if one.figure in paths]
-    claims: list[Claim] = []
+    rows: list[dict[str, Any]] = []
     simulations: Simulations = {}
     for one in chosen:
         with voice.step(f"simulate figure {one.figure}") as progress:
-            simulations = simulate_figures([one], seeds, progress, simulations)
+            simulations = simulate_figures([one], persons, progress, simulations)
         with voice.step(f"check and draw figure {one.figure}"):
-            found = one.check(simulations)
+            found = [asdict(claim) for claim in one.check(simulations)]
             save_figures(one.draw(simulations), paths[one.figure], overwrite=overwrite)
         if not json:
-            say("\n".join(claim_lines([asdict(claim) for claim in found])))
-        claims += found
-    return chosen, claims
-
-
-def _print(claims: "list[Claim]", files: list[tuple[str, str, str]], seeds: int, *, json: bool) -> None:
-    from friction_audit.reporting.compare import count_line, reproduce_document
-    from friction_audit.reporting.documents import write_document
-
-    rows = [asdict(claim) for claim in claims]
+            say("\n".join(claim_lines(found)))
+        rows += found
+    files = [(one.figure, one.title, str(path)) for one in chosen for path in paths[one.figure]]
     if json:
-        say(write_document(reproduce_document(rows, files, seeds)), nl=False)
-        return
-    say(count_line(rows))
-    for _, _, path in files:
-        say(path)
+        say(write_document(reproduce_document(rows, files, persons)), nl=False)
+    else:
+        say("\n".join([count_line(rows), *(path for *_, path in files)]))
