@@ -68,17 +68,11 @@ def _to_output() -> Iterator[None]:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Voice:
-    """How much a command says on standard error.
+    """How much a command says on standard error."""
 
-    Attributes:
-        quiet: No warnings and no progress.
-        verbose: Every step and how long it took.
-        course: The bar that steps move on, or None where each is shown alone.
-    """
-
-    quiet: bool
-    verbose: bool
-    course: "Course | None" = None
+    quiet: bool  # no warnings and no progress
+    verbose: bool  # every step and how long it took
+    course: "Course | None" = None  # the bar that steps move on, or None where each is shown alone
 
     def warn(self, messages: Iterable[str], total: str = "") -> None:
         """Say warnings, one per line, under a line with their total if there is one."""

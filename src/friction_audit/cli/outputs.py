@@ -20,25 +20,15 @@ MCAP = "mcap"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ResultFolder:
-    """The folder of a result, or none, and what is written there, each file whole or not at all.
+    """The folder of a result, or none, and what is written there, each file whole or not at all."""
 
-    Attributes:
-        folder: Where; without one nothing is written.
-        name: Of the MCAP with the tables as topics.
-        prefix: Of the names of the tables' files.
-        figures: Names of the figures.
-        formats: Of the figures.
-        exports: Formats that the tables are written in: mcap, csv, parquet.
-        overwrite: Whether files that exist are replaced.
-    """
-
-    folder: Path | None
-    name: str
-    prefix: str = ""
-    figures: Sequence[str] = ()
-    formats: Sequence[str] = ()
-    exports: Sequence[str] = ()
-    overwrite: bool
+    folder: Path | None  # where; without one nothing is written
+    name: str  # of the MCAP with the tables as topics
+    prefix: str = ""  # of the names of the tables' files
+    figures: Sequence[str] = ()  # names of the figures
+    formats: Sequence[str] = ()  # of the figures
+    exports: Sequence[str] = ()  # formats that the tables are written in: mcap, csv, parquet
+    overwrite: bool  # whether files that exist are replaced
 
     def check(self, log: Path, files: Sequence[str], *results: str) -> None:
         """Refuse what could not be written, before anything long is done: files by name, figures, tables of results."""

@@ -19,46 +19,28 @@ CUBIC = 3  # highest power of the damping that MuJoCo simulates
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Export:
-    """What was written.
+    """What was written."""
 
-    Attributes:
-        target: Format.
-        path: Where it was written.
-        into: The user's file that it is a changed copy of, or empty.
-        joints: The joints as written.
-        lacking: Number of a joint without friction to export, and why.
-        by_order: Whether the order of the joints matched them to those of the user's file.
-        armature_unknown: Whether the inertia was left out because nothing shows whose it is.
-        simulated: Forward simulations of the log's joints.
-        estimate: The estimate of the log that the numbers come from, or None.
-    """
-
-    target: Target
-    path: str
-    into: str
-    joints: tuple[ExportedJoint, ...]
-    lacking: tuple[tuple[int, str], ...]
-    by_order: bool
-    armature_unknown: bool
-    simulated: tuple[SimulatedGap, ...]
-    estimate: Estimate | None
+    target: Target  # format
+    path: str  # where it was written
+    into: str  # the user's file that it is a changed copy of, or empty
+    joints: tuple[ExportedJoint, ...]  # the joints as written
+    lacking: tuple[tuple[int, str], ...]  # number of a joint without friction to export, and why
+    by_order: bool  # whether the order of the joints matched them to those of the user's file
+    armature_unknown: bool  # whether the inertia was left out because nothing shows whose it is
+    simulated: tuple[SimulatedGap, ...]  # forward simulations of the log's joints
+    estimate: Estimate | None  # the estimate of the log that the numbers come from, or None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ExportSettings:
-    """How friction is written.
+    """How friction is written."""
 
-    Attributes:
-        joints: Numbers (1..n) of the joints, None for all.
-        speeds: Lowest and highest speed of a fit, None for those of the log. [rad/s]
-        armature: Whether the inertia is written as armature; None where it is without that of the links.
-        overwrite: Whether a file that exists is replaced.
-    """
-
-    joints: tuple[int, ...] | None = None
-    speeds: tuple[float, float] | None = None
+    joints: tuple[int, ...] | None = None  # numbers (1..n) of the joints, None for all
+    speeds: tuple[float, float] | None = None  # lowest and highest speed of a fit, None for those of the log [rad/s]
+    # whether the inertia is written as armature; None where it is without that of the links
     armature: bool | None = None
-    overwrite: bool = False
+    overwrite: bool = False  # whether a file that exists is replaced
 
 
 def export_friction(

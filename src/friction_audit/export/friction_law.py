@@ -22,44 +22,27 @@ POWERS = (0, 1, 2, 3)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FittedFriction:
-    """Friction of a joint as a polynomial of the speed: sgn(dq) (c_0 + c_1 |dq| + c_2 dq^2 + c_3 |dq|^3).
+    """Friction of a joint as a polynomial of the speed: sgn(dq) (c_0 + c_1 |dq| + c_2 dq^2 + c_3 |dq|^3)."""
 
-    Attributes:
-        coulomb_nm: c_0.
-        viscous_nms_per_rad: c_1.
-        quadratic_nms2_per_rad2: c_2.
-        cubic_nms3_per_rad3: c_3.
-        error_nm: Root mean square of the law less the polynomial over the speeds of the fit.
-        error_share: The same over the root mean square of the law.
-    """
-
-    coulomb_nm: float
-    viscous_nms_per_rad: float
-    quadratic_nms2_per_rad2: float
-    cubic_nms3_per_rad3: float
-    error_nm: float
-    error_share: float
+    coulomb_nm: float  # c_0
+    viscous_nms_per_rad: float  # c_1
+    quadratic_nms2_per_rad2: float  # c_2
+    cubic_nms3_per_rad3: float  # c_3
+    error_nm: float  # root mean square of the law less the polynomial over the speeds of the fit
+    error_share: float  # the same over the root mean square of the law
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class FrictionLaw:
-    """Friction of one joint as a function of its velocity.
+    """Friction of one joint as a function of its velocity."""
 
-    Attributes:
-        joint: Number of the joint, 1..n.
-        name: Its name in the log or in the model's file.
-        terms: Terms of the joint's model that follow from the velocity and are dissipated.
-        left_out: Names of its other terms.
-        inertia_kg_m2: Inertia of the joint's model, or None where it is not the reflected inertia of the motor.
-        speeds: Speeds over which the law is to hold, shape (n,), none below zero. [rad/s]
-    """
-
-    joint: int
-    name: str
-    terms: tuple[FittedTerm, ...]
-    left_out: tuple[str, ...]
+    joint: int  # number of the joint, 1..n
+    name: str  # its name in the log or in the model's file
+    terms: tuple[FittedTerm, ...]  # terms of the joint's model that follow from the velocity and are dissipated
+    left_out: tuple[str, ...]  # names of its other terms
+    # inertia of the joint's model, or None where it is not the reflected inertia of the motor
     inertia_kg_m2: float | None
-    speeds: Float
+    speeds: Float  # speeds over which the law is to hold, shape (n,), none below zero [rad/s]
 
     def torque(self, dq: Float, sign_width: float = 0.0) -> Float:
         """Return the friction torque at velocities, shape (n,): what a drive pays for it, 0 at rest. [N m]

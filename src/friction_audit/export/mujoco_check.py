@@ -27,19 +27,12 @@ HINGE = """<mujoco><compiler boundmass="0" boundinertia="0"/><option gravity="0 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SimulatedGap:
-    """Simulated less recorded position at the ends of windows of 0.2 s, root mean square, of one joint.
+    """Simulated less recorded position at the ends of windows of 0.2 s, root mean square, of one joint."""
 
-    Attributes:
-        joint: Number of the joint, 1..n.
-        without_rad: Without friction.
-        with_rad: With the friction that is exported.
-        windows: Number of windows.
-    """
-
-    joint: int
-    without_rad: float
-    with_rad: float
-    windows: int
+    joint: int  # number of the joint, 1..n
+    without_rad: float  # without friction
+    with_rad: float  # with the friction that is exported
+    windows: int  # number of windows
 
 
 def hinge(inertia_kg_m2: float) -> "MjModel":

@@ -23,17 +23,12 @@ SPEEDS = (0.01, 1.0)  # rad/s: of a file without a log, from the slowest motion 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Joints:
-    """What a source says of its joints.
+    """What a source says of its joints."""
 
-    Attributes:
-        models: Number (1..n), name and model of each joint that has one.
-        reflected: Whether the inertias of the models are the reflected inertias of the motors; None if not known.
-        lacking: Number of a joint without friction, and why.
-    """
-
-    models: tuple[tuple[int, str, JointModel], ...]
+    models: tuple[tuple[int, str, JointModel], ...]  # number (1..n), name and model of each joint that has one
+    # whether the inertias of the models are the reflected inertias of the motors; None if not known
     reflected: bool | None
-    lacking: tuple[tuple[int, str], ...] = ()
+    lacking: tuple[tuple[int, str], ...] = ()  # number of a joint without friction, and why
 
 
 def result_file(source: Path) -> Path | None:

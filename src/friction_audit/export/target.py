@@ -13,17 +13,11 @@ DIGITS = 9  # of a number in a file, more than any log determines
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class ExportedJoint:
-    """One joint as it is written.
+    """One joint as it is written."""
 
-    Attributes:
-        name: Its name in the file.
-        law: Its friction law.
-        fitted: The law as the target holds it.
-    """
-
-    name: str
-    law: FrictionLaw
-    fitted: FittedFriction
+    name: str  # its name in the file
+    law: FrictionLaw  # its friction law
+    fitted: FittedFriction  # the law as the target holds it
 
     @property
     def static_nm(self) -> float:
@@ -33,24 +27,16 @@ class ExportedJoint:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Target:
-    """A file format of a simulator or a controller.
+    """A file format of a simulator or a controller."""
 
-    Attributes:
-        name: Unique name.
-        suffix: File name ending with the dot.
-        summary: One line for help and documentation.
-        highest_power: Of the speed, that its damping has; None where it holds the law itself.
-        write: Returns the content of the file; the user's file is None where a new one is made.
-        armature: Whether it has a place for the inertia.
-        joints_of: Returns the joints of the user's file, in its order, or None where a format takes no such file.
-    """
-
-    name: str
-    suffix: str
-    summary: str
-    highest_power: int | None
+    name: str  # unique name
+    suffix: str  # file name ending with the dot
+    summary: str  # one line for help and documentation
+    highest_power: int | None  # of the speed, that its damping has; None where it holds the law itself
+    # returns the content of the file; the user's file is None where a new one is made
     write: Callable[[Sequence[ExportedJoint], XmlText | None], bytes]
-    armature: bool = False
+    armature: bool = False  # whether it has a place for the inertia
+    # returns the joints of the user's file, in its order, or None where a format takes no such file
     joints_of: Callable[[XmlText], list[Tag]] | None = None
 
 

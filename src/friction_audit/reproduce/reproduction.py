@@ -18,27 +18,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Claim:
-    """A claim of the paper as a number.
+    """A claim of the paper as a number."""
 
-    Attributes:
-        figure: Figure of the paper.
-        claim: The claim in a sentence.
-        paper: What the paper says or shows, in its units.
-        ours: What we got, in words and with its unit.
-        value: The number that decides.
-        holds: Whether it holds.
-        note: What a reader should know about it, or nothing.
-        own: Whether it is an experiment of this project that the paper does not make.
-    """
-
-    figure: str
-    claim: str
-    paper: str
-    ours: str
-    value: float
-    holds: bool
-    note: str = ""
-    own: bool = False
+    figure: str  # figure of the paper
+    claim: str  # the claim in a sentence
+    paper: str  # what the paper says or shows, in its units
+    ours: str  # what we got, in words and with its unit
+    value: float  # the number that decides
+    holds: bool  # whether it holds
+    note: str = ""  # what a reader should know about it, or nothing
+    own: bool = False  # whether it is an experiment of this project that the paper does not make
 
 
 def each(simulations: Sequence[Simulation], measure: Callable[[Simulation], float]) -> Float:
@@ -64,24 +53,15 @@ MANY = 1000  # as many seeds as are asked for
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Reproduction:
-    """A figure of the paper.
+    """A figure of the paper."""
 
-    Attributes:
-        figure: Its number.
-        title: What it shows.
-        scenarios: Names of the scenarios that it needs.
-        most_seeds: Most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long.
-        check: Simulations -> claims.
-        draw: Simulations -> figure, of the first seed.
-        compare: Seeds -> the comparison that it shows in place of simulations, kept by its first scenario; or None.
-    """
-
-    figure: str
-    title: str
-    scenarios: tuple[str, ...]
-    most_seeds: int
-    check: Callable[[Simulations], tuple[Claim, ...]]
-    draw: "Callable[[Simulations], Figure]"
+    figure: str  # its number
+    title: str  # what it shows
+    scenarios: tuple[str, ...]  # names of the scenarios that it needs
+    most_seeds: int  # most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long
+    check: Callable[[Simulations], tuple[Claim, ...]]  # simulations -> claims
+    draw: "Callable[[Simulations], Figure]"  # simulations -> figure, of the first seed
+    # seeds -> the comparison that it shows in place of simulations, kept by its first scenario; or None
     compare: "Callable[[int, Progress | None], Any] | None" = None
 
 

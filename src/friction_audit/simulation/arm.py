@@ -40,22 +40,14 @@ class Hand:
 
     The defaults are those of a person who guides with braced arms: stiff, and damped well enough that the hand comes to
     rest in its pauses instead of swinging back (a Panda in its ready pose weighs 4 to 8 kg at its flange).
-
-    Attributes:
-        mass_kg: Mass of the hand. [kg]
-        stiffness_n_per_m: Spring between intended and actual place. [N/m]
-        damping_ns_per_m: Damper between them. [N s/m]
-        turning_stiffness_nm_per_rad: Spring between intended and actual orientation. [N m/rad]
-        turning_damping_nms_per_rad: Damper between them. [N m s/rad]
-        path: The intended path.
     """
 
-    mass_kg: float = 1.0
-    stiffness_n_per_m: float = 1500.0
-    damping_ns_per_m: float = 250.0
-    turning_stiffness_nm_per_rad: float = 25.0
-    turning_damping_nms_per_rad: float = 5.0
-    path: HandPath = field(default_factory=HandPath)
+    mass_kg: float = 1.0  # mass of the hand [kg]
+    stiffness_n_per_m: float = 1500.0  # spring between intended and actual place [N/m]
+    damping_ns_per_m: float = 250.0  # damper between them [N s/m]
+    turning_stiffness_nm_per_rad: float = 25.0  # spring between intended and actual orientation [N m/rad]
+    turning_damping_nms_per_rad: float = 5.0  # damper between them [N m s/rad]
+    path: HandPath = field(default_factory=HandPath)  # the intended path
 
     def __post_init__(self) -> None:
         springs = ("stiffness_n_per_m", "turning_stiffness_nm_per_rad")
@@ -65,17 +57,11 @@ class Hand:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Servo:
-    """The position controller of every joint of an arm that moves by itself.
+    """The position controller of every joint of an arm that moves by itself."""
 
-    Attributes:
-        stiffness_nm_per_rad: Of every joint. [N m/rad]
-        damping_nms_per_rad: Of every joint. [N m s/rad]
-        motion: What the joints are commanded to do.
-    """
-
-    stiffness_nm_per_rad: float = 600.0
-    damping_nms_per_rad: float = 50.0
-    motion: Commanded = field(default_factory=Commanded)
+    stiffness_nm_per_rad: float = 600.0  # of every joint [N m/rad]
+    damping_nms_per_rad: float = 50.0  # of every joint [N m s/rad]
+    motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
 
     def __post_init__(self) -> None:
         names = ("stiffness_nm_per_rad", "damping_nms_per_rad")
@@ -86,43 +72,29 @@ class Servo:
 class ArmSettings:
     """A Panda, who moves it, one recording; the tuples have one entry per joint.
 
-    Attributes:
-        joints: Motors and friction.
-        hidden: What is hidden in each joint.
-        sensors: Sensors of each joint; the recorder is that of the first.
-        hand: The person's hand at the flange.
-        servo: The controller of an arm that moves by itself.
-        driven: False: the hand guides the arm and friction is on the motors' side of the sensors. True: the motors move
-            it without contact, and friction is on the links' side.
-        compensator: A friction compensator active in every joint, the same or one for each, or None.
-        hand_cycles: True: the speed of the hand ends the cycles of all compensators at once (paper, section V.B).
-        pose_rad: Pose at the start. [rad]
-        braked: Numbers of joints that do not move.
-        carried_kg: Mass at the flange that gravity compensation does not know of. [kg]
-        compensates_gravity: Whether the motors hold the arm against gravity.
-        logs_temperature: True: the log holds the temperature too.
-        duration_s: Length of the recording. [s]
-        rate_hz: Rate at which states are kept, up to that of the controller. [Hz]
-
     Raises:
         UsageError: If the numbers of joints disagree, or there is no such joint.
     """
 
-    joints: tuple[JointParameters, ...] = PANDA_JOINTS
-    hidden: tuple[Hidden, ...] = (Hidden(),) * 7
-    sensors: tuple[Sensors, ...] = PANDA_SENSORS
-    hand: Hand = field(default_factory=Hand)
-    servo: Servo = field(default_factory=Servo)
+    joints: tuple[JointParameters, ...] = PANDA_JOINTS  # motors and friction
+    hidden: tuple[Hidden, ...] = (Hidden(),) * 7  # what is hidden in each joint
+    sensors: tuple[Sensors, ...] = PANDA_SENSORS  # sensors of each joint; the recorder is that of the first
+    hand: Hand = field(default_factory=Hand)  # the person's hand at the flange
+    servo: Servo = field(default_factory=Servo)  # the controller of an arm that moves by itself
+    # False: the hand guides the arm and friction is on the motors' side of the sensors. True: the motors move it
+    # without contact, and friction is on the links' side.
     driven: bool = False
+    # a friction compensator active in every joint, the same or one for each, or None
     compensator: AnyCompensator | None = None
+    # True: the speed of the hand ends the cycles of all compensators at once (paper, section V.B)
     hand_cycles: bool = True
-    pose_rad: tuple[float, ...] = READY_RAD
-    braked: tuple[int, ...] = ()
-    carried_kg: float = 0.0
-    compensates_gravity: bool = True
-    logs_temperature: bool = False
-    duration_s: float = 60.0
-    rate_hz: float = 1000.0
+    pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
+    braked: tuple[int, ...] = ()  # numbers of joints that do not move
+    carried_kg: float = 0.0  # mass at the flange that gravity compensation does not know of [kg]
+    compensates_gravity: bool = True  # whether the motors hold the arm against gravity
+    logs_temperature: bool = False  # True: the log holds the temperature too
+    duration_s: float = 60.0  # length of the recording [s]
+    rate_hz: float = 1000.0  # rate at which states are kept, up to that of the controller [Hz]
 
     def __post_init__(self) -> None:
         count_ticks(self.duration_s, self.rate_hz)

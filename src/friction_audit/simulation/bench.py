@@ -36,18 +36,12 @@ class Operator:
 
     Where a hand moves the joint, the mass is that of hand and link; where the robot moves by itself, it is the motor's
     and the spring and the damper are its position controller.
-
-    Attributes:
-        inertia_kg_m2: Inertia on the outer side of the torque sensor. [kg m^2]
-        stiffness_nm_per_rad: Spring between intended and actual motion. [N m/rad]
-        damping_nms_per_rad: Damper between intended and actual motion. [N m s/rad]
-        motion: The intended motion.
     """
 
-    inertia_kg_m2: float = 0.3
-    stiffness_nm_per_rad: float = 60.0
-    damping_nms_per_rad: float = 9.0
-    motion: MotionSettings = field(default_factory=StopAndGo)
+    inertia_kg_m2: float = 0.3  # inertia on the outer side of the torque sensor [kg m^2]
+    stiffness_nm_per_rad: float = 60.0  # spring between intended and actual motion [N m/rad]
+    damping_nms_per_rad: float = 9.0  # damper between intended and actual motion [N m s/rad]
+    motion: MotionSettings = field(default_factory=StopAndGo)  # the intended motion
 
     def __post_init__(self) -> None:
         names = ("inertia_kg_m2", "stiffness_nm_per_rad", "damping_nms_per_rad")
@@ -56,36 +50,23 @@ class Operator:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BenchSettings:
-    """One joint, who moves it, one recording.
+    """One joint, who moves it, one recording."""
 
-    Attributes:
-        joints: The joint.
-        hidden: What is hidden in it.
-        sensors: Its sensors and the recorder.
-        operator: Who moves it.
-        driven: False: a hand moves the link and friction is on the motor's side of the sensor. True: the motor moves
-            the link, nothing touches it, and friction is on the link's side.
-        compensator: An active friction compensator whose torque is logged, or None.
-        gravity_nm: Gravity torque of the load with the link level; the motor holds it. [N m]
-        gravity_phase_rad: The gravity torque is that times sin(q + phase). [rad]
-        logs_sensor: True: the log holds the torque at the sensor and gravity; False: the interaction torque itself.
-        logs_temperature: True: the log holds the temperature too.
-        duration_s: Length of the recording. [s]
-        rate_hz: Rate at which states are kept, up to that of the controller. [Hz]
-    """
-
-    joints: tuple[JointParameters] = (JointParameters(),)
-    hidden: tuple[Hidden] = (Hidden(),)
-    sensors: tuple[Sensors] = (PANDA_SENSORS[0],)
-    operator: Operator = field(default_factory=Operator)
+    joints: tuple[JointParameters] = (JointParameters(),)  # the joint
+    hidden: tuple[Hidden] = (Hidden(),)  # what is hidden in it
+    sensors: tuple[Sensors] = (PANDA_SENSORS[0],)  # its sensors and the recorder
+    operator: Operator = field(default_factory=Operator)  # who moves it
+    # False: a hand moves the link and friction is on the motor's side of the sensor. True: the motor moves the link,
+    # nothing touches it, and friction is on the link's side.
     driven: bool = False
-    compensator: Compensator | None = None
-    gravity_nm: float = 0.0
-    gravity_phase_rad: float = 0.0
+    compensator: Compensator | None = None  # an active friction compensator whose torque is logged, or None
+    gravity_nm: float = 0.0  # gravity torque of the load with the link level; the motor holds it [N m]
+    gravity_phase_rad: float = 0.0  # the gravity torque is that times sin(q + phase) [rad]
+    # True: the log holds the torque at the sensor and gravity; False: the interaction torque itself
     logs_sensor: bool = False
-    logs_temperature: bool = False
-    duration_s: float = 120.0
-    rate_hz: float = 1000.0
+    logs_temperature: bool = False  # True: the log holds the temperature too
+    duration_s: float = 120.0  # length of the recording [s]
+    rate_hz: float = 1000.0  # rate at which states are kept, up to that of the controller [Hz]
 
     def __post_init__(self) -> None:
         count_ticks(self.duration_s, self.rate_hz)

@@ -17,19 +17,12 @@ Settings = TypeVar("Settings", bound=Any)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class HiddenInJoint:
-    """An effect that works in a joint.
+    """An effect that works in a joint."""
 
-    Attributes:
-        joint: Number of the joint, 1..n.
-        name: Name of the effect.
-        form: Its functional form, or None where there is only one.
-        parameters: Its numbers by name, the unit as suffix.
-    """
-
-    joint: int
-    name: str
-    form: str | None
-    parameters: dict[str, float]
+    joint: int  # number of the joint, 1..n
+    name: str  # name of the effect
+    form: str | None  # its functional form, or None where there is only one
+    parameters: dict[str, float]  # its numbers by name, the unit as suffix
 
 
 def hide(settings: Settings, entries: Iterable[str]) -> Settings:

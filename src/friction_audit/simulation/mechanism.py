@@ -49,27 +49,16 @@ class _Joint:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Mechanism:
-    """Everything that moves, and where it is written down; n joints.
+    """Everything that moves, and where it is written down; n joints."""
 
-    Attributes:
-        joints: Records of the joints, shape (n,).
-        states: Their states, shape (n,).
-        events: Contact events, shape (n, m, 3).
-        body: Coordinates and matrices.
-        loop: Compensators and what they see.
-        clock: The controller's clock.
-        out: Truth of every tick, shape (ticks + 1, ROWS, n).
-        traced: Memory of the compensators, shape (ticks + 1, n, columns); no columns without one.
-    """
-
-    joints: np.ndarray[Any, Any]
-    states: np.ndarray[Any, Any]
-    events: Float
-    body: Body
-    loop: Loop
-    clock: Clock
-    out: Float
-    traced: Float
+    joints: np.ndarray[Any, Any]  # records of the joints, shape (n,)
+    states: np.ndarray[Any, Any]  # their states, shape (n,)
+    events: Float  # contact events, shape (n, m, 3)
+    body: Body  # coordinates and matrices
+    loop: Loop  # compensators and what they see
+    clock: Clock  # the controller's clock
+    out: Float  # truth of every tick, shape (ticks + 1, ROWS, n)
+    traced: Float  # memory of the compensators, shape (ticks + 1, n, columns); no columns without one
 
     @property
     def parts(self) -> Parts:

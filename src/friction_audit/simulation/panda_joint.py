@@ -37,30 +37,20 @@ JOINTS = 7
 class HandGuidedPanda:
     """One joint of a Panda moved by hand; of the others only the sensors matter.
 
-    Attributes:
-        joint: Number of the joint that is moved, 1..7.
-        joints: The seven joints.
-        hidden: What is hidden in them.
-        sensors: Their sensors; the recorder is that of the first.
-        operator: Who moves the joint.
-        compensator: An active friction compensator of the joint, whose torque is logged, or None.
-        pose_rad: Pose at the start. [rad]
-        duration_s: Length of the recording. [s]
-        rate_hz: Rate at which states are kept, up to that of the controller. [Hz]
-
     Raises:
         UsageError: If there is no such joint, there are not seven of something, or the recording has no length.
     """
 
-    joint: int = 1
-    joints: tuple[JointParameters, ...] = PANDA_JOINTS
-    hidden: tuple[Hidden, ...] = (Hidden(),) * JOINTS
-    sensors: tuple[Sensors, ...] = PANDA_SENSORS
-    operator: Operator = field(default_factory=Operator)
+    joint: int = 1  # number of the joint that is moved, 1..7
+    joints: tuple[JointParameters, ...] = PANDA_JOINTS  # the seven joints
+    hidden: tuple[Hidden, ...] = (Hidden(),) * JOINTS  # what is hidden in them
+    sensors: tuple[Sensors, ...] = PANDA_SENSORS  # their sensors; the recorder is that of the first
+    operator: Operator = field(default_factory=Operator)  # who moves the joint
+    # an active friction compensator of the joint, whose torque is logged, or None
     compensator: Compensator | None = None
-    pose_rad: tuple[float, ...] = READY_RAD
-    duration_s: float = 120.0
-    rate_hz: float = 1000.0
+    pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
+    duration_s: float = 120.0  # length of the recording [s]
+    rate_hz: float = 1000.0  # rate at which states are kept, up to that of the controller [Hz]
 
     def __post_init__(self) -> None:
         counts = {name: len(getattr(self, name)) for name in ("joints", "hidden", "sensors", "pose_rad")}

@@ -19,19 +19,12 @@ AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """A situation that can be simulated by its name.
+    """A situation that can be simulated by its name."""
 
-    Attributes:
-        name: As on the command line.
-        summary: One line.
-        settings: What is simulated; every number of it can be set.
-        figure: The figure of the paper that it belongs to, or None.
-    """
-
-    name: str
-    summary: str
-    settings: AnySettings
-    figure: str | None = None
+    name: str  # as on the command line
+    summary: str  # one line
+    settings: AnySettings  # what is simulated; every number of it can be set
+    figure: str | None = None  # the figure of the paper that it belongs to, or None
 
 
 # Rotary friction that stands for 1 Ns/mm of the paper, on a lever of sqrt(1e-5) m = 3.2 mm: 10 Ns/mm are then

@@ -83,21 +83,13 @@ def sampled_ticks(ticks: int, rate_hz: float) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Streams:
-    """The random streams of one simulation.
+    """The random streams of one simulation."""
 
-    Attributes:
-        person: Draws the motion.
-        sensors: Draws the noise of the sensors.
-        recorder: Draws losses and jitter.
-        events: Draw the contact events, one per joint.
-        drifts: Draw the torque drifts, one per joint.
-    """
-
-    person: np.random.Generator
-    sensors: np.random.Generator
-    recorder: np.random.Generator
-    events: tuple[np.random.Generator, ...]
-    drifts: tuple[np.random.Generator, ...]
+    person: np.random.Generator  # draws the motion
+    sensors: np.random.Generator  # draws the noise of the sensors
+    recorder: np.random.Generator  # draws losses and jitter
+    events: tuple[np.random.Generator, ...]  # draw the contact events, one per joint
+    drifts: tuple[np.random.Generator, ...]  # draw the torque drifts, one per joint
 
 
 def make_streams(seed: int, joints: int) -> Streams:
@@ -117,17 +109,13 @@ class TorqueLoop:
     The link then sees a motor of B / (1 + gain) with friction tau_f / (1 + gain) (A. Albu-Schaeffer, C. Ott, G.
     Hirzinger, International Journal of Robotics Research 26(1), 2007). tau_J is the torque of the gear's spring, free
     of noise; tau_d gravity compensation and u.
-
-    Attributes:
-        gain: Of the torque error; 0 for no torque control.
-        damping_s: Of the derivative of the torque. Against a link held fast the loop rings without end, to first order
-            in the dead time, where it is below gain times dead time. [s]
-        dead_time_s: From the torque to the motor, in steps of 0.1 ms. [s]
     """
 
-    gain: float = 0.0
+    gain: float = 0.0  # of the torque error; 0 for no torque control
+    # of the derivative of the torque. Against a link held fast the loop rings without end, to first order in the dead
+    # time, where it is below gain times dead time [s]
     damping_s: float = 0.0
-    dead_time_s: float = 0.0
+    dead_time_s: float = 0.0  # from the torque to the motor, in steps of 0.1 ms [s]
 
     def __post_init__(self) -> None:
         require_within("torque loop", 0, LARGEST, gain=self.gain, damping_s=self.damping_s)
@@ -136,18 +124,12 @@ class TorqueLoop:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointParameters:
-    """The joint on the motor's side of the torque sensor: B ddq = F_m + u - tau_f.
+    """The joint on the motor's side of the torque sensor: B ddq = F_m + u - tau_f."""
 
-    Attributes:
-        inertia_kg_m2: Reflected inertia B. [kg m^2]
-        coulomb_nm: Coulomb friction, static and sliding. [N m]
-        viscous_nms_per_rad: Viscous friction. [N m s/rad]
-        torque_loop: Joint torque control; takes an elastic joint that a hand moves.
-    """
-
-    inertia_kg_m2: float = 0.3
-    coulomb_nm: float = 0.30
-    viscous_nms_per_rad: float = 0.07
+    inertia_kg_m2: float = 0.3  # reflected inertia B [kg m^2]
+    coulomb_nm: float = 0.30  # coulomb friction, static and sliding [N m]
+    viscous_nms_per_rad: float = 0.07  # viscous friction [N m s/rad]
+    # joint torque control; takes an elastic joint that a hand moves
     torque_loop: TorqueLoop = field(default_factory=TorqueLoop)
 
     def __post_init__(self) -> None:
@@ -167,37 +149,21 @@ class JointParameters:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sensors:
-    """What the sensors and the recorder do to the truth; every default is an ideal one.
+    """What the sensors and the recorder do to the truth; every default is an ideal one."""
 
-    Attributes:
-        torque_noise_nm: Standard deviation of the torque noise. [N m]
-        torque_correlation_s: Time after which its autocorrelation has fallen to 1/e. [s]
-        slow_noise_share: Share of its variance that wanders more slowly.
-        slow_correlation_s: Time after which the autocorrelation of the slower part has fallen to 1/e. [s]
-        torque_step_nm: Resolution of the torque, 0 for none. [N m]
-        velocity_noise_rad_s: Standard deviation of the velocity noise, white. [rad/s]
-        velocity_step_rad_s: Resolution of the velocity. [rad/s]
-        position_noise_rad: Standard deviation of the position noise, white. [rad]
-        position_step_rad: Resolution of the position. [rad]
-        clock_jitter_s: Standard deviation of the spacing of the stamps, losses aside. [s]
-        stale: Share of the samples that repeat the one before.
-        lost: Share of the samples that were never recorded.
-        longest_loss: Once in a recording so many samples in a row are lost, else one at a time.
-    """
-
-    torque_noise_nm: float = 0.0
-    torque_correlation_s: float = 0.0
-    slow_noise_share: float = 0.0
-    slow_correlation_s: float = 0.05
-    torque_step_nm: float = 0.0
-    velocity_noise_rad_s: float = 0.0
-    velocity_step_rad_s: float = 0.0
-    position_noise_rad: float = 0.0
-    position_step_rad: float = 0.0
-    clock_jitter_s: float = 0.0
-    stale: float = 0.0
-    lost: float = 0.0
-    longest_loss: int = 8
+    torque_noise_nm: float = 0.0  # standard deviation of the torque noise [N m]
+    torque_correlation_s: float = 0.0  # time after which its autocorrelation has fallen to 1/e [s]
+    slow_noise_share: float = 0.0  # share of its variance that wanders more slowly
+    slow_correlation_s: float = 0.05  # time after which the autocorrelation of the slower part has fallen to 1/e [s]
+    torque_step_nm: float = 0.0  # resolution of the torque, 0 for none [N m]
+    velocity_noise_rad_s: float = 0.0  # standard deviation of the velocity noise, white [rad/s]
+    velocity_step_rad_s: float = 0.0  # resolution of the velocity [rad/s]
+    position_noise_rad: float = 0.0  # standard deviation of the position noise, white [rad]
+    position_step_rad: float = 0.0  # resolution of the position [rad]
+    clock_jitter_s: float = 0.0  # standard deviation of the spacing of the stamps, losses aside [s]
+    stale: float = 0.0  # share of the samples that repeat the one before
+    lost: float = 0.0  # share of the samples that were never recorded
+    longest_loss: int = 8  # once in a recording so many samples in a row are lost, else one at a time
 
     def __post_init__(self) -> None:
         numbers = {item.name: getattr(self, item.name) for item in fields(self)}
@@ -237,13 +203,9 @@ PANDA_SENSORS = (_PANDA_PROXIMAL,) * 4 + (_PANDA_DISTAL,) * 3  # of joints 1 to 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointByJoint:
-    """Compensators that differ from joint to joint.
+    """Compensators that differ from joint to joint."""
 
-    Attributes:
-        compensators: One per joint.
-    """
-
-    compensators: tuple[Compensator, ...]
+    compensators: tuple[Compensator, ...]  # one per joint
 
 
 AnyCompensator = Compensator | JointByJoint  # what runs in an arm; None where nothing does

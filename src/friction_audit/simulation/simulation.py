@@ -13,58 +13,34 @@ from friction_audit.joint_log import Float, JointLog, Source
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class TrueMotion:
-    """What truly happened at every tick of the controller, free of noise; n + 1 ticks, j joints.
+    """What truly happened at every tick of the controller, free of noise; n + 1 ticks, j joints."""
 
-    Attributes:
-        t: Time, shape (n + 1,). [s]
-        q: Position of the link, shape (n + 1, j), as all that follow. [rad]
-        dq: Its velocity; exactly 0 where friction holds a rigid joint. [rad/s]
-        inner_q: Position of the side on which friction acts; q itself in a rigid joint. [rad]
-        inner_dq: Velocity of that side. [rad/s]
-        inner_ddq: Acceleration of that side. [rad/s^2]
-        interaction_nm: Interaction torque F_m at the sensor. [N m]
-        support_nm: Torque that holds the arm against gravity. [N m]
-        port_nm: Torque that passes through the sensor towards the side on which friction acts. [N m]
-        friction_nm: Friction torque tau_f; at rest the torque that holds the joint. [N m]
-        compensation_nm: Torque of the compensator in force at the tick. [N m]
-        passivity_nm: Torque of its passivity controller. [N m]
-        unlogged_nm: Torque of a compensator that the log does not name. [N m]
-        dissipated_j: Energy that friction has taken so far; bristles give a little of it back. [J]
-        warmth: 0 cold, 1 warm.
-    """
-
-    t: Float
-    q: Float
-    dq: Float
-    inner_q: Float
-    inner_dq: Float
-    inner_ddq: Float
-    interaction_nm: Float
-    support_nm: Float
-    port_nm: Float
-    friction_nm: Float
-    compensation_nm: Float
-    passivity_nm: Float
-    unlogged_nm: Float
-    dissipated_j: Float
-    warmth: Float
+    t: Float  # time, shape (n + 1,) [s]
+    q: Float  # position of the link, shape (n + 1, j), as all that follow [rad]
+    dq: Float  # its velocity; exactly 0 where friction holds a rigid joint [rad/s]
+    inner_q: Float  # position of the side on which friction acts; q itself in a rigid joint [rad]
+    inner_dq: Float  # velocity of that side [rad/s]
+    inner_ddq: Float  # acceleration of that side [rad/s^2]
+    interaction_nm: Float  # interaction torque F_m at the sensor [N m]
+    support_nm: Float  # torque that holds the arm against gravity [N m]
+    port_nm: Float  # torque that passes through the sensor towards the side on which friction acts [N m]
+    friction_nm: Float  # friction torque tau_f; at rest the torque that holds the joint [N m]
+    compensation_nm: Float  # torque of the compensator in force at the tick [N m]
+    passivity_nm: Float  # torque of its passivity controller [N m]
+    unlogged_nm: Float  # torque of a compensator that the log does not name [N m]
+    dissipated_j: Float  # energy that friction has taken so far; bristles give a little of it back [J]
+    warmth: Float  # 0 cold, 1 warm
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Truth:
-    """What the log does not say.
+    """What the log does not say."""
 
-    Attributes:
-        settings: Everything that was simulated.
-        seed: The seed.
-        motion: The motion, free of noise.
-        compensators: Memory of each joint's compensator at every tick, by the names in
-            ``compensation.records.TRACE``, shape (n + 1, j) each; empty without one.
-    """
-
-    settings: Any
-    seed: int
-    motion: TrueMotion
+    settings: Any  # everything that was simulated
+    seed: int  # the seed
+    motion: TrueMotion  # the motion, free of noise
+    # memory of each joint's compensator at every tick, by the names in ``compensation.records.TRACE``, shape (n + 1, j)
+    # each; empty without one
     compensators: Mapping[str, Float]
 
 

@@ -38,21 +38,13 @@ class Motor(Protocol):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setting:
-    """What the meaning of a term of a joint model depends on.
+    """What the meaning of a term of a joint model depends on."""
 
-    Attributes:
-        joint: Inertia and friction of the joint.
-        start_rad: Where the joint is at the start; the simulator counts some positions from there. [rad]
-        driven: True if the joint moves by itself.
-        duration_s: Length of the recording. [s]
-        outer_kg_m2: Inertia on the measured side; infinite where it is not one number, as of an arm. [kg m^2]
-    """
-
-    joint: Motor
-    start_rad: float
-    driven: bool
-    duration_s: float
-    outer_kg_m2: float = inf
+    joint: Motor  # inertia and friction of the joint
+    start_rad: float  # where the joint is at the start; the simulator counts some positions from there [rad]
+    driven: bool  # true if the joint moves by itself
+    duration_s: float  # length of the recording [s]
+    outer_kg_m2: float = inf  # inertia on the measured side; infinite where it is not one number, as of an arm [kg m^2]
 
     def with_both_sides_free(self, damping_ratio: float) -> float:
         """Return the damping ratio with both sides free that is this one with the measured side held."""
@@ -93,24 +85,16 @@ class HiddenEffect:
     """A group of numbers that the mechanics read; made without arguments it does nothing.
 
     Its name is that of its module and of the effect that a diagnosis names, from which it has family and bounds.
-
-    Attributes:
-        summary: One line.
-        forms: Functional forms in the literature; ``form`` is an index into them.
-        needs_neighbours: If True, it takes an arm of several joints.
-        needs_moving_neighbour: If True, one of them has to move.
-        felt_at_rest: If True, it shows in a joint that stands still.
-        same_law: The form whose formula equals that of the effect in a joint model; None where none does.
-        stands_for: Other terms of a joint model that it equals.
     """
 
-    summary: ClassVar[str] = ""
-    forms: ClassVar[tuple[str, ...]] = ()
-    needs_neighbours: ClassVar[bool] = False
-    needs_moving_neighbour: ClassVar[bool] = False
-    felt_at_rest: ClassVar[bool] = False
+    summary: ClassVar[str] = ""  # one line
+    forms: ClassVar[tuple[str, ...]] = ()  # functional forms in the literature; ``form`` is an index into them
+    needs_neighbours: ClassVar[bool] = False  # if True, it takes an arm of several joints
+    needs_moving_neighbour: ClassVar[bool] = False  # if True, one of them has to move
+    felt_at_rest: ClassVar[bool] = False  # if True, it shows in a joint that stands still
+    # the form whose formula equals that of the effect in a joint model; None where none does
     same_law: ClassVar[str | None] = None
-    stands_for: ClassVar[tuple[str, ...]] = ()
+    stands_for: ClassVar[tuple[str, ...]] = ()  # other terms of a joint model that it equals
     name: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:

@@ -152,39 +152,23 @@ ROWS = 13
 
 
 class Clock(NamedTuple):
-    """The controller's clock.
+    """The controller's clock."""
 
-    Attributes:
-        dt: Time from tick to tick. [s]
-        substeps: Steps of the integration in half a tick.
-        duration: Length of the recording. [s]
-    """
-
-    dt: float
-    substeps: int
-    duration: float
+    dt: float  # time from tick to tick [s]
+    substeps: int  # steps of the integration in half a tick
+    duration: float  # length of the recording [s]
 
 
 class Loop(NamedTuple):
-    """The compensator in the loop and what it sees.
+    """The compensator in the loop and what it sees."""
 
-    Attributes:
-        settings: Records of the compensators, shape (n,).
-        memory: Their memory, shape (n,); changed.
-        torque_noise: Error of the torque as read, shape (ticks + 1, n). [N m]
-        velocity_noise: Error of the velocity as read, shape (ticks + 1, n). [rad/s]
-        position_noise: Error of the position as read, shape (ticks + 1, n); no compensator looks at it. [rad]
-        torque_step: Resolution of the torque, shape (n,). [N m]
-        velocity_step: Resolution of the velocity, shape (n,). [rad/s]
-    """
-
-    settings: Any
-    memory: Any
-    torque_noise: Float
-    velocity_noise: Float
-    position_noise: Float
-    torque_step: Float
-    velocity_step: Float
+    settings: Any  # records of the compensators, shape (n,)
+    memory: Any  # their memory, shape (n,); changed
+    torque_noise: Float  # error of the torque as read, shape (ticks + 1, n) [N m]
+    velocity_noise: Float  # error of the velocity as read, shape (ticks + 1, n) [rad/s]
+    position_noise: Float  # error of the position as read, shape (ticks + 1, n); no compensator looks at it [rad]
+    torque_step: Float  # resolution of the torque, shape (n,) [N m]
+    velocity_step: Float  # resolution of the velocity, shape (n,) [rad/s]
 
 
 class Parts(NamedTuple):

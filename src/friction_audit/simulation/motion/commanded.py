@@ -21,22 +21,15 @@ class Commanded:
     The frequencies go with the square roots of the primes: no sum of some is ever a multiple of others, neither in one
     joint nor across joints.
 
-    Attributes:
-        lowest_hz: Lowest frequency, that of the first joint. [Hz]
-        sines: Number of sines; five reach up to 7.3 times the lowest frequency.
-        range_rad: Lowest and highest position, relative to the start. [rad]
-        peak_speed_rad_s: Highest speed. [rad/s]
-        ease_s: Time of the smooth start, and of the smooth end. [s]
-
     Raises:
         UsageError: If a number has the wrong sign or the start is not inside the range.
     """
 
-    lowest_hz: float = 0.1
-    sines: int = 5
-    range_rad: tuple[float, float] = (-0.8, 0.8)
-    peak_speed_rad_s: float = 1.2
-    ease_s: float = 2.0
+    lowest_hz: float = 0.1  # lowest frequency, that of the first joint [Hz]
+    sines: int = 5  # number of sines; five reach up to 7.3 times the lowest frequency
+    range_rad: tuple[float, float] = (-0.8, 0.8)  # lowest and highest position, relative to the start [rad]
+    peak_speed_rad_s: float = 1.2  # highest speed [rad/s]
+    ease_s: float = 2.0  # time of the smooth start, and of the smooth end [s]
 
     def __post_init__(self) -> None:
         require_positive(WHERE, lowest_hz=self.lowest_hz, ease_s=self.ease_s)

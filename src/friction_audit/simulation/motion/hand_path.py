@@ -22,26 +22,19 @@ class HandPath:
     A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
     of a Panda that starts in its ready pose, the first one the least, and keep its limits.
 
-    Attributes:
-        reach_m: Radius of the ball of positions around the start. [m]
-        sideways: The ball is so many times as wide along y, to the sides.
-        rotation_rad: Radius of the ball of rotation vectors around the start orientation. [rad]
-        stroke_s: Shortest and longest duration of a stroke, where neither the speed nor the reach cuts it. [s]
-        speed_m_s: Slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it. [m/s]
-        turning_rad_s: No stroke turns faster. [rad/s]
-        pause_s: Shortest and longest pause between two strokes. [s]
-
     Raises:
         UsageError: If a number has the wrong sign, a pair the wrong order, or the rotation is half a turn or more.
     """
 
-    reach_m: float = 0.12
-    sideways: float = 2.5
-    rotation_rad: float = 0.6
+    reach_m: float = 0.12  # radius of the ball of positions around the start [m]
+    sideways: float = 2.5  # the ball is so many times as wide along y, to the sides
+    rotation_rad: float = 0.6  # radius of the ball of rotation vectors around the start orientation [rad]
+    # shortest and longest duration of a stroke, where neither the speed nor the reach cuts it [s]
     stroke_s: tuple[float, float] = (0.9, 1.8)
+    # slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it [m/s]
     speed_m_s: tuple[float, float] = (0.15, 0.6)
-    turning_rad_s: float = 1.2
-    pause_s: tuple[float, float] = (0.2, 0.7)
+    turning_rad_s: float = 1.2  # no stroke turns faster [rad/s]
+    pause_s: tuple[float, float] = (0.2, 0.7)  # shortest and longest pause between two strokes [s]
 
     def __post_init__(self) -> None:
         """Check signs, the order of the pairs and the rotation."""
@@ -56,19 +49,12 @@ class HandPath:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class HandMotion:
-    """The intended motion of the hand at the controller's ticks, shape (n + 1, 3) each, in the world's axes.
+    """The intended motion of the hand at the controller's ticks, shape (n + 1, 3) each, in the world's axes."""
 
-    Attributes:
-        position: Offset from the start. [m]
-        rotation: Rotation vector r; the orientation is exp(r) times the start orientation. [rad]
-        velocity: Derivative of the position. [m/s]
-        angular: Angular velocity. [rad/s]
-    """
-
-    position: Float
-    rotation: Float
-    velocity: Float
-    angular: Float
+    position: Float  # offset from the start [m]
+    rotation: Float  # rotation vector r; the orientation is exp(r) times the start orientation [rad]
+    velocity: Float  # derivative of the position [m/s]
+    angular: Float  # angular velocity [rad/s]
 
 
 def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:

@@ -16,14 +16,10 @@ class Intention:
     """The intended motion at the controller's ticks t = k dt, k = 0..n, from rest at 0.
 
     The shape is (n + 1,) for one joint and (n + 1, joints) for several.
-
-    Attributes:
-        position: Relative to the start. [rad]
-        velocity: Its exact derivative. [rad/s]
     """
 
-    position: Float
-    velocity: Float
+    position: Float  # relative to the start [rad]
+    velocity: Float  # its exact derivative [rad/s]
 
 
 def tick_times(ticks: int, dt: float) -> Float:

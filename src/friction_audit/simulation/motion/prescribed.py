@@ -31,16 +31,13 @@ class Stroke(NamedTuple):
 class Prescribed:
     """Strokes one after the other.
 
-    Attributes:
-        strokes: In order: way [rad], highest speed [rad/s], ease [s], rest afterwards [s].
-        start_s: Rest before the first one. [s]
-
     Raises:
         UsageError: If a number has the wrong sign or a way is shorter than rise and fall of its speed.
     """
 
+    # in order: way [rad], highest speed [rad/s], ease [s], rest afterwards [s]
     strokes: tuple[Stroke, ...] = (Stroke(0.5, 0.5, 0.3, 0.5), Stroke(-0.5, 0.5, 0.3, 0.5)) * 4
-    start_s: float = 0.5
+    start_s: float = 0.5  # rest before the first one [s]
 
     def __post_init__(self) -> None:
         require_within(WHERE, 0.0, np.inf, start_s=self.start_s)

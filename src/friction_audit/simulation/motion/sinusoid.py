@@ -19,20 +19,16 @@ ROUNDING = 1e-9  # a half-period that ends with the recording still fits
 class Sinusoid:
     """Position A (1 - cos(2 pi t / T)): from rest at 0 to 2 A and back, as in the paper's simulations.
 
-    Attributes:
-        amplitude_rad: Half the travel, A. [rad]
-        period_s: Period of a there and back, T. [s]
-        spread: Largest relative change of the amplitude; each end of the travel after the first draws its own,
-            evenly distributed, and the amplitude passes smoothly from one to the next.
-        ease_s: Time in which the sinusoid picks up its pace; 0 for at once. It comes late by half of that. [s]
-
     Raises:
         UsageError: If a number has the wrong sign or the spread is above one half.
     """
 
-    amplitude_rad: float = 0.5
-    period_s: float = 4.0
+    amplitude_rad: float = 0.5  # half the travel, A [rad]
+    period_s: float = 4.0  # period of a there and back, T [s]
+    # largest relative change of the amplitude; each end of the travel after the first draws its own, evenly
+    # distributed, and the amplitude passes smoothly from one to the next
     spread: float = 0.0
+    # time in which the sinusoid picks up its pace; 0 for at once. It comes late by half of that [s]
     ease_s: float = 0.0
 
     def __post_init__(self) -> None:

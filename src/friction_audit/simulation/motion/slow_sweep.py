@@ -25,31 +25,21 @@ class SlowSweep:
     The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
     pass with the usual settings takes less than a minute.
 
-    Attributes:
-        speeds_rad_s: Slowest and fastest speed. [rad/s]
-        steps: Number of speeds in a pass, evenly spaced on a logarithmic scale.
-        range_rad: Lowest and highest position, relative to the start. [rad]
-        longest_s: A stroke turns back after this time although the range goes on. [s]
-        dwell_s: Rest after every stroke. [s]
-        ease_s: Time in which a stroke reaches its speed, and in which it loses it. [s]
-        reversals: Number of small reversals at the start of every pass.
-        reversal_rad: Smallest and largest way of a small reversal, drawn evenly on a logarithmic scale. [rad]
-        reversal_s: Way divided by speed of a small reversal. [s]
-
     Raises:
         UsageError: If a number has the wrong sign, a pair the wrong order, or the range is too narrow for the fastest
             speed or for the reversals.
     """
 
-    speeds_rad_s: tuple[float, float] = (0.01, 1.0)
-    steps: int = 7
-    range_rad: tuple[float, float] = (-0.6, 0.6)
-    longest_s: float = 3.0
-    dwell_s: float = 0.3
-    ease_s: float = 0.2
-    reversals: int = 0
+    speeds_rad_s: tuple[float, float] = (0.01, 1.0)  # slowest and fastest speed [rad/s]
+    steps: int = 7  # number of speeds in a pass, evenly spaced on a logarithmic scale
+    range_rad: tuple[float, float] = (-0.6, 0.6)  # lowest and highest position, relative to the start [rad]
+    longest_s: float = 3.0  # A stroke turns back after this time although the range goes on [s]
+    dwell_s: float = 0.3  # rest after every stroke [s]
+    ease_s: float = 0.2  # time in which a stroke reaches its speed, and in which it loses it [s]
+    reversals: int = 0  # number of small reversals at the start of every pass
+    # smallest and largest way of a small reversal, drawn evenly on a logarithmic scale [rad]
     reversal_rad: tuple[float, float] = (1e-3, 3e-2)
-    reversal_s: float = 0.5
+    reversal_s: float = 0.5  # way divided by speed of a small reversal [s]
 
     def __post_init__(self) -> None:
         require_positive(WHERE, slowest_rad_s=self.speeds_rad_s[0], smallest_reversal_rad=self.reversal_rad[0])

@@ -30,26 +30,18 @@ TINY = 1e-9  # keeps a rank off 0, whose normal deviate is infinite
 class StopAndGo:
     """Strokes of a person who stops between them.
 
-    Attributes:
-        stroke_s: Shortest and longest duration of a stroke; its length follows from the peak speed. [s]
-        speed_rad_s: Mean of the strokes' peak speeds. [rad/s]
-        speed_spread: Coefficient of variation of the strokes' peak speeds.
-        speed_limits_rad_s: No stroke has a slower or a faster peak. [rad/s]
-        pause_s: Shortest and longest pause between two strokes. [s]
-        range_rad: Lowest and highest position, relative to the start. [rad]
-        reversing: Share of the strokes that turn back, where the range leaves the choice.
-
     Raises:
         UsageError: If a number has the wrong sign, a pair the wrong order, or the start is outside of the range.
     """
 
+    # shortest and longest duration of a stroke; its length follows from the peak speed [s]
     stroke_s: tuple[float, float] = (0.9, 1.8)
-    speed_rad_s: float = 0.9
-    speed_spread: float = 0.4
-    speed_limits_rad_s: tuple[float, float] = (0.3, 1.8)
-    pause_s: tuple[float, float] = (0.2, 0.7)
-    range_rad: tuple[float, float] = (-1.2, 1.2)
-    reversing: float = 0.8
+    speed_rad_s: float = 0.9  # mean of the strokes' peak speeds [rad/s]
+    speed_spread: float = 0.4  # coefficient of variation of the strokes' peak speeds
+    speed_limits_rad_s: tuple[float, float] = (0.3, 1.8)  # no stroke has a slower or a faster peak [rad/s]
+    pause_s: tuple[float, float] = (0.2, 0.7)  # shortest and longest pause between two strokes [s]
+    range_rad: tuple[float, float] = (-1.2, 1.2)  # lowest and highest position, relative to the start [rad]
+    reversing: float = 0.8  # share of the strokes that turn back, where the range leaves the choice
 
     def __post_init__(self) -> None:
         pairs = ("stroke_s", "speed_limits_rad_s", "pause_s", "range_rad")
@@ -66,19 +58,12 @@ class StopAndGo:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Strokes:
-    """Strokes of the intended motion, one row each, shape (m,).
+    """Strokes of the intended motion, one row each, shape (m,)."""
 
-    Attributes:
-        start_s: When the stroke begins. [s]
-        duration_s: How long it takes. [s]
-        origin_rad: Where it begins. [rad]
-        length_rad: Where it ends, relative to the origin; the sign is the direction. [rad]
-    """
-
-    start_s: Float
-    duration_s: Float
-    origin_rad: Float
-    length_rad: Float
+    start_s: Float  # when the stroke begins [s]
+    duration_s: Float  # how long it takes [s]
+    origin_rad: Float  # where it begins [rad]
+    length_rad: Float  # where it ends, relative to the origin; the sign is the direction [rad]
 
     @property
     def peak_speed_rad_s(self) -> Float:
