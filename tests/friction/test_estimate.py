@@ -128,7 +128,7 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
         (
             [0.05, -0.05],
             [1.0, 1.0],
-            r"moved too slowly: the speed peaks at 0\.09\d* rad/s, the initiation threshold is 0\.2 rad/s",
+            r"moved too slowly: the speed peaks at 0\.09\d* rad/s, below the initiation threshold 0\.2 rad/s",
         ),
         ([0.001, -0.001], [1.0, 1.0], "did not move: the speed stays far below"),
         ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "all motion has one direction"),

@@ -222,11 +222,7 @@ class EstimateOptions:
     model: Annotated[str, option(panel.ESTIMATE, "Friction model.", one_of=MODELS)] = "combined"
     window: Annotated[
         int | None,
-        option(
-            panel.ESTIMATE,
-            "Cycles per point of the history. Default: a third, at most 20; paper: 2.",
-            metavar="K",
-        ),
+        option(panel.ESTIMATE, "Cycles per point of the history. Default: a third, at most 20; paper: 2.", metavar="K"),
     ] = None
 
 

@@ -168,14 +168,12 @@ def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
     )
     unit = cycles.speed_unit
     speed = "the speed" if unit == "rad/s" else "the hand's speed"
+    threshold = f"the initiation threshold {initiation:.3g} {unit}"
     if fastest < STANDSTILL * initiation:
-        threshold = f"the initiation threshold {initiation:.2g} {unit}"
         return f"did not move: {speed} stays far below {threshold}; move back and forth"
     if fastest <= initiation:
-        return (
-            f"moved too slowly: {speed} peaks at {fastest:.3g} {unit}, the initiation threshold is {initiation:.3g} "
-            f"{unit}; move back and forth faster, or lower the thresholds (--thresholds auto)"
-        )
+        peak = f"{speed} peaks at {fastest:.3g} {unit}, below {threshold}"
+        return f"moved too slowly: {peak}; move back and forth faster, or lower the thresholds (--thresholds auto)"
     if duration_s < SHORT_S:
         return f"no complete energy cycle: the log lasts {duration_s:.2g} s; record several motions back and forth"
     return (

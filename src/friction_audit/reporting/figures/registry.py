@@ -88,7 +88,7 @@ FIGURES = (
         draws="replay.draw_replay",
         title="Torque, net energy and coefficients with the compensator",
         caption="Solid with the compensator, dashed without it; the coefficients are those that it would have applied. "
-        "Flat energy means that friction costs the person nothing.",
+        "Flat energy means that friction is compensated.",
     ),
     Figure(
         name="replay-velocity-torque",

@@ -114,8 +114,7 @@ def figure_bytes(figure: "Figure", kind: str) -> bytes:
     content = io.BytesIO()
     with figure_style(mathematics=True):  # axes draw their numbers only now
         for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
-            if isinstance(axis.get_major_formatter(), ScalarFormatter):
-                for tick in axis.get_major_ticks():  # those made while mathematics was off
-                    tick.label1.set_parse_math(True)
+            for tick in axis.get_major_ticks() if isinstance(axis.get_major_formatter(), ScalarFormatter) else ():
+                tick.label1.set_parse_math(True)  # made while mathematics was off
         figure.savefig(content, format=kind, metadata=UNDATED[kind])
     return content.getvalue()
