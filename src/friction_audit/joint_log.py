@@ -251,6 +251,8 @@ def _check_channel(name: str, array: Float | None, shape: tuple[int, int], path:
         return
     if array.shape != shape or array.dtype != np.float64:
         raise InputError(f"{path}: {name} has shape {array.shape} {array.dtype}; expected {shape} float64")
+    if not isinstance(array, np.ndarray):  # its columns are read on demand, and were checked one by one
+        return
     # A sum is finite only if every term is, up to overflow: one pass and no temporary array.
     if not np.isfinite(array.sum()) and not np.isfinite(array).all():
         raise InputError(f"{path}: {name} holds values that are not finite")

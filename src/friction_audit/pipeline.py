@@ -1,13 +1,16 @@
 """The stages on one log: estimate, replay, diagnose. Each imports what it needs when it is called."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
+from friction_audit.columns_on_demand import is_on_demand
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import JointLog, Recording
+from friction_audit.parallel import per_joint, release_memory
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import extract_interaction
@@ -15,7 +18,7 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
@@ -71,14 +74,39 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         UsageError: If the settings contradict the log.
         InputError: If the log lacks a channel that the settings ask for.
     """
-    from friction_audit.friction.estimate import estimate_friction
-    from friction_audit.preprocessing.segmentation import segment_cycles
+    from friction_audit.friction.estimate import Found, estimate_friction, estimate_joint, join_joints
+    from friction_audit.friction.torque_regression import CUTOFF_HZ
+    from friction_audit.preprocessing.segmentation import (
+        join_cycles,
+        segment_cycles,
+        segment_joint,
+        smooth_velocity,
+    )
 
     log = log.take_window(settings.t_start_s, settings.t_stop_s)
     hand = settings.cycles.cycles_from == "hand"
     interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
-    cycles = segment_cycles(interaction, settings.cycles)
-    friction = estimate_friction(interaction, cycles, settings.friction, log.source.dead_torque)
+    dead_torque = log.source.dead_torque
+    if hand:
+        cycles = segment_cycles(interaction, settings.cycles)
+        friction = estimate_friction(interaction, cycles, settings.friction, dead_torque)
+        return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+
+    give_back: Callable[[], None] = release_memory if is_on_demand(log.q) else lambda: None
+    give_back()
+
+    def work(column: int) -> "tuple[EnergyCycles, Found]":
+        """Find the cycles and the friction of a joint while its signals are in memory."""
+        one = interaction.holding(column)
+        velocity = smooth_velocity(one, settings.cycles, column)
+        own = segment_joint(one, settings.cycles, column, velocity)
+        same = velocity if settings.cycles.cutoff_hz == CUTOFF_HZ else None
+        friction = estimate_joint(one, own, settings.friction, dead_torque, column, same)
+        give_back()
+        return own, friction
+
+    every, found = zip(*per_joint(work, len(interaction.joint_numbers)), strict=True)
+    cycles, friction = join_cycles(every), join_joints(found, settings.friction)
     return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
 
 

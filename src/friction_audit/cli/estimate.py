@@ -37,7 +37,8 @@ def command(
     out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
-            recorded = chain.read(log, options, stages)
+            # Figures and exports take all joints at once.
+            recorded = chain.read(log, chain.joint_by_joint(options) if folder is None else options, stages)
         result = chain.estimate(recorded, settings, stages)
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.estimate import estimate_document, estimate_lines, estimate_tables, history_table
@@ -51,6 +52,7 @@ def command(
         out.write_text(DOCUMENT, text)
         out.write_csv(HISTORY, history_table(result))
         out.write_figures({"estimate": result}, [joint.joint for joint in joints], recorded, stages)
-        out.write_exports(estimate_tables(result), recorded, stages)
+        if export:
+            out.write_exports(estimate_tables(result), recorded, stages)
     show(text, lambda: estimate_lines(result), json=json)
     chain.exit_if_damaged(recorded)

@@ -1,8 +1,7 @@
 """The friction of every joint: from its energy cycles, or from a torque regression where too few of them count."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -33,6 +32,7 @@ MOST_UNCERTAIN = 2.0
 RANK_CUTOFF = 1e-6  # share of the largest singular value below which others are zero: cycles that are copies
 
 Columns = dict[str, tuple[Float, Float, Float]]
+Found = tuple[JointFriction, tuple[Caution, ...]]
 
 
 def estimate_friction(
@@ -52,8 +52,15 @@ def estimate_friction(
     Returns:
         Coefficients with intervals and history; a joint that cannot be estimated carries the reason.
     """
-    work = partial(_estimate_joint, interaction, cycles, settings, dead_torque)
-    found = per_joint(work, len(interaction.joint_numbers))
+
+    def work(column: int) -> Found:
+        return estimate_joint(interaction.holding(column), cycles.alone(column), settings, dead_torque, column)
+
+    return join_joints(per_joint(work, len(interaction.joint_numbers)), settings)
+
+
+def join_joints(found: Sequence[Found], settings: FrictionSettings) -> FrictionHistory:
+    """Return the friction of all joints, each given in order with its cautions."""
     return FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),
@@ -61,17 +68,23 @@ def estimate_friction(
     )
 
 
-def _estimate_joint(
-    interaction: Interaction, cycles: EnergyCycles, settings: FrictionSettings, dead_torque: frozenset[int], column: int
-) -> tuple[JointFriction, tuple[Caution, ...]]:
-    number, own = interaction.joint_numbers[column], cycles.of_joint(column)
+def estimate_joint(
+    interaction: Interaction,
+    own: EnergyCycles,
+    settings: FrictionSettings,
+    dead_torque: frozenset[int],
+    column: int,
+    velocity: Float | None = None,
+) -> Found:
+    """Estimate the friction of one joint (0-based) from its own cycles; its velocity may have been filtered before."""
+    number = interaction.joint_numbers[column]
     kept = own.rows(own.reason == KEPT)
     dead = dead_channel(interaction, column, dead_torque=number in dead_torque)
-    reason = dead or missing_motion(own, column, settings, float(interaction.t[-1] - interaction.t[0]))
+    reason = dead or missing_motion(own, settings, float(interaction.t[-1] - interaction.t[0]))
     alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
     if not reason and settings.model == "combined":
         reason = one_speed(kept)
-    standstill = float(cycles.standstill_rad_s[column])
+    standstill = float(own.standstill_rad_s[0])
     compare = settings.compare and (alone or not reason)
     joint = JointFriction(
         joint=number,
@@ -80,8 +93,8 @@ def _estimate_joint(
         window=settings.window_of(len(kept.joint)),
         cycles=len(kept.joint),
         rejected_cycles=len(own.joint) - len(kept.joint),
-        moving_s=float(cycles.moving_s[column]),
-        regression=regress_torque(interaction, column, standstill, alone=alone) if compare else None,
+        moving_s=float(own.moving_s[0]),
+        regression=regress_torque(interaction, column, standstill, velocity, alone=alone) if compare else None,
         reason=reason,
     )
     if not reason:

@@ -114,17 +114,16 @@ def dead_channel(interaction: Interaction, column: int, *, dead_torque: bool) ->
     return ""
 
 
-def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings, duration_s: float) -> str:
+def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, duration_s: float) -> str:
     """Say why the cycles of one joint allow no estimate; empty if they do.
 
     Args:
-        cycles: All cycles of this joint.
-        column: Joint, 0-based, for its thresholds.
+        cycles: All cycles of this joint, and its thresholds alone.
         settings: Settings of the estimate.
         duration_s: Length of the log. [s]
     """
     if not len(cycles.joint):
-        return _no_cycle(cycles, column, duration_s)
+        return _no_cycle(cycles, duration_s)
     if not cycles.sums.path_rad.any():
         return "the position never changes while the velocity does; check that q and dq are of this joint (--map q=...)"
     kept = int((cycles.reason == KEPT).sum())
@@ -162,9 +161,9 @@ def one_speed(cycles: EnergyCycles) -> str:
     )
 
 
-def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
+def _no_cycle(cycles: EnergyCycles, duration_s: float) -> str:
     initiation, termination, fastest = (
-        float(values[column]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
+        float(values[0]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
     )
     unit = cycles.speed_unit
     speed = "the speed" if unit == "rad/s" else "the hand's speed"

@@ -53,7 +53,12 @@ CUTOFF = 1e-14  # relative size below which a singular value of the normal matri
 
 
 def regress_torque(
-    interaction: Interaction, column: int, dead_band_rad_s: float, *, alone: bool = False
+    interaction: Interaction,
+    column: int,
+    dead_band_rad_s: float,
+    velocity: Float | None = None,
+    *,
+    alone: bool = False,
 ) -> TorqueRegression | None:
     """Regress the torque of one joint on its motion, samples slower than the dead band left out.
 
@@ -61,12 +66,13 @@ def regress_torque(
         interaction: Motion and torque.
         column: Joint, 0-based.
         dead_band_rad_s: Speed below which the sign of the velocity means nothing. [rad/s]
+        velocity: Its velocity filtered at CUTOFF_HZ, shape (n,), or None to filter it here. [rad/s]
         alone: Also check whether the regression can stand for the friction of the joint where no energy does.
 
     Returns:
         The regression, or None with too few moving samples or strokes.
     """
-    rows = _rows(interaction, column, dead_band_rad_s)
+    rows = _rows(interaction, column, dead_band_rad_s, velocity)
     strokes = int(rows.stroke[-1]) + 1 if len(rows.stroke) else 0
     if len(rows.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
@@ -145,11 +151,12 @@ class _Rows:
     index: NDArray[np.int64]
 
 
-def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> _Rows:
+def _rows(interaction: Interaction, column: int, dead_band_rad_s: float, velocity: Float | None) -> _Rows:
     """Return the rows at which the joint moves."""
     t, step_s = interaction.t, median_step(interaction.t)
     smooth = partial(filter_velocity, rate_hz=1.0 / step_s, cutoff_hz=CUTOFF_HZ)
-    velocity, load = smooth(interaction.dq[:, column]), interaction.torque[:, column]
+    velocity = smooth(interaction.dq[:, column]) if velocity is None else velocity
+    load = interaction.torque[:, column]
     if interaction.compensation is not None:
         load = load + interaction.compensation[:, column]
     block = block_length(step_s)

@@ -1,9 +1,12 @@
 """A row of the balance: which torques are removed from the source, with which sign, and what the energy says of it."""
 
 from dataclasses import dataclass
+from functools import partial
+from typing import Any, cast
 
 import numpy as np
 
+from friction_audit.columns_on_demand import ColumnsOnDemand, is_on_demand
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
@@ -75,17 +78,22 @@ class Balance:
         """
         if self.sign > 0 and self.logged is None and self.modelled is None and len(columns) == self.source.shape[1]:
             return self.source
-        torque = np.empty((len(t), len(columns)), order="F")
 
-        def fill(place: int) -> None:
-            column, own = columns[place], torque[:, place]
-            own[:] = self.source[:, column]
+        def of_joint(column: int) -> Float:
+            own = np.array(self.source[:, column])
             if self.logged is not None:
                 own -= self.logged[:, column]
             if self.modelled is not None:
                 self.modelled.subtract_from(own[:, None], t, [column])
-            if self.sign < 0:
-                np.negative(own, out=own)
+            return np.negative(own, out=own) if self.sign < 0 else own
+
+        on_demand: Any = ColumnsOnDemand(len(t), [partial(of_joint, column) for column in columns])
+        if is_on_demand(self.source):
+            return cast("Float", on_demand)
+        torque = np.empty((len(t), len(columns)), order="F")
+
+        def fill(place: int) -> None:
+            torque[:, place] = of_joint(columns[place])
 
         per_joint(fill, len(columns))
         return torque

@@ -118,6 +118,12 @@ class EnergyCycles:
         """Return the rows of one joint."""
         return self.rows(self.joint == column)
 
+    def alone(self, column: int) -> "EnergyCycles":
+        """Return the rows of one joint, and what is known per joint of it alone."""
+        own = slice(column, column + 1)
+        per_joint = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
+        return replace(self.of_joint(column), **{name: getattr(self, name)[own] for name in per_joint})
+
     def rows(self, mask: NDArray[np.bool_]) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
         per_cycle = ("joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason")

@@ -5,11 +5,12 @@ With B the reflected inertia behind the sensor, u the torque of an active compen
     B ddq = F_m + u - tau_f,    tau_f * dq >= 0 is the dissipated power.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.columns_on_demand import hold
 from friction_audit.joint_log import Float
 
 
@@ -128,3 +129,9 @@ class Interaction:
     joint_names: tuple[str, ...]
     choice: TorqueChoice
     warnings: tuple[Caution, ...] = ()
+
+    def holding(self, column: int) -> "Interaction":
+        """Return the same with the signals of one joint (0-based) in memory, where they are read on demand."""
+        q, dq, torque = (hold(signal, column) for signal in (self.q, self.dq, self.torque))
+        active = None if self.compensation is None else hold(self.compensation, column)
+        return replace(self, q=q, dq=dq, torque=torque, compensation=active)

@@ -90,7 +90,7 @@ def _grid(t: Float, rows: slice, rate_hz: float) -> Grid:
 
 def position_on(grid: Grid, log: JointLog) -> Float:
     """Return the joints' positions on a grid, shape (k, j). [rad]"""
-    return _columns(np.interp(grid.t, log.t[grid.rows], q) for q in log.q[grid.rows].T)
+    return _columns(np.interp(grid.t, log.t[grid.rows], q) for q in _signals(grid, log.q))
 
 
 def velocity_on(grid: Grid, log: JointLog) -> tuple[Float, Float]:
@@ -99,7 +99,7 @@ def velocity_on(grid: Grid, log: JointLog) -> tuple[Float, Float]:
 
     sections = butter(FILTER_ORDER, min(CUTOFF_HZ, LARGEST_CUTOFF * grid.rate_hz), fs=grid.rate_hz, output="sos")
     padding = min(int(grid.rate_hz), len(grid.t) - 1)
-    mean = _cell_means(grid.t, log.t[grid.rows], log.dq[grid.rows])
+    mean = _cell_means(grid.t, log.t[grid.rows], _signals(grid, log.dq))
     velocity = _columns(sosfiltfilt(sections, dq, padlen=padding) for dq in mean.T)
     # Central differences of fourth order, of second order at the ends.
     step = float(grid.t[1] - grid.t[0])
@@ -108,13 +108,17 @@ def velocity_on(grid: Grid, log: JointLog) -> tuple[Float, Float]:
     return velocity, slope
 
 
-def _cell_means(grid: Float, t: Float, signals: Float) -> Float:
+def _signals(grid: Grid, channel: Float) -> Iterator[Float]:
+    return (channel[grid.rows, joint] for joint in range(channel.shape[1]))
+
+
+def _cell_means(grid: Float, t: Float, signals: Iterator[Float]) -> Float:
     """Return means over the cell of each grid time: they keep the integral, and are the anti-alias filter."""
     if len(t) < 2 * len(grid):
-        return _columns(np.interp(grid, t, signal) for signal in signals.T)
+        return _columns(np.interp(grid, t, signal) for signal in signals)
     edges = np.concatenate([grid[:1], (grid[1:] + grid[:-1]) / 2, grid[-1:]])
     half_step, integral, means = np.diff(t) / 2, np.zeros(len(t)), []
-    for signal in signals.T:
+    for signal in signals:
         np.cumsum((signal[1:] + signal[:-1]) * half_step, out=integral[1:])
         means.append(np.diff(np.interp(edges, t, integral)) / np.diff(edges))
     return np.column_stack(means)

@@ -1,7 +1,7 @@
 """Energy cycles of every joint: where they begin and end, their energies, and which of them count."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from functools import partial
 
 import numpy as np
 
@@ -54,8 +54,13 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
         assert interaction.hand_speed is not None, "the interaction was extracted without the hand's speed"
         filtered = np.abs(filter_velocity(interaction.hand_speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz))
         hand = _detector(interaction.hand_speed, filtered, settings, rate_hz, signed=False)
-    joints = per_joint(partial(_segment_joint, interaction, settings, rate_hz, hand), len(interaction.joint_numbers))
-    cycles = _join(joints)
+
+    def work(column: int) -> EnergyCycles:
+        one = interaction.holding(column)
+        return segment_joint(one, settings, column, smooth_velocity(one, settings, column), hand)
+
+    joints = per_joint(work, len(interaction.joint_numbers))
+    cycles = join_cycles(joints)
     if hand is None:
         return cycles
     # All joints are updated together or not at all: a cycle in which some joint has hardly moved counts for none.
@@ -64,24 +69,32 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
     return replace(cycles, reason=np.where((cycles.reason == KEPT) & small, SMALL, cycles.reason))
 
 
-def _segment_joint(
-    interaction: Interaction, settings: CycleSettings, rate_hz: float, hand: _Detector | None, column: int
+def smooth_velocity(interaction: Interaction, settings: CycleSettings, column: int) -> Float:
+    """Return the filtered velocity of one joint (0-based), shape (n,). [rad/s]"""
+    rate_hz = 1.0 / median_step(interaction.t)
+    return filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
+
+
+def segment_joint(
+    interaction: Interaction, settings: CycleSettings, column: int, filtered: Float, hand: _Detector | None = None
 ) -> EnergyCycles:
+    """Find the energy cycles of one joint (0-based), its own or those of the hand, and add up its energies."""
+    rate_hz = 1.0 / median_step(interaction.t)
     t, dq, gravity_inside = interaction.t, interaction.dq[:, column], interaction.choice.gravity_in_torque
-    filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
     own = _detector(dq, filtered, settings, rate_hz, signed=True)
     detector = hand or own
     borders = cycle_sums.find_borders(detector.signal, detector.initiation, detector.termination, merge=detector.signed)
     if not len(borders):
         borders = np.zeros(1, np.int64)
-    elif gravity_inside:
-        borders = _close_runs(interaction.q, borders, settings.closure_rad)
+    # Gravity at a joint depends on all joints beyond it, so all of them must return.
+    place: Float = (interaction.q if gravity_inside else interaction.q[:, column : column + 1])[borders]
+    if gravity_inside:
+        kept = _close_runs(place, settings.closure_rad)
+        borders, place = borders[kept], place[kept]
     edges, peak, longest_step = cycle_sums.cut_evenly(t, filtered, borders, PARTS)
     parts = _sums(interaction, column, filtered, edges)
     sums, start, stop = parts.total(), borders[:-1], borders[1:]
-    # Gravity at a joint depends on all joints beyond it, so all of them must return.
-    reach = interaction.q if gravity_inside else interaction.q[:, column : column + 1]
-    is_open = _end_to_end(reach, start, stop) > settings.closure_rad
+    is_open = np.abs(np.diff(place, axis=0)).max(axis=1) > settings.closure_rad
     reason = np.full(len(start), KEPT)
     reason[is_open & gravity_inside] = OPEN
     # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
@@ -102,7 +115,7 @@ def _segment_joint(
         reason=reason,
         initiation=np.array([detector.initiation]),
         termination=np.array([detector.termination]),
-        fastest=np.array([np.abs(detector.signal).max()]),
+        fastest=np.array([max(detector.signal.max(), -detector.signal.min())]),
         speed_unit="rad/s" if detector.signed else "m/s",
         standstill_rad_s=np.array([own.termination]),
         moving_s=np.array([np.mean(np.abs(filtered) > own.initiation) * (t[-1] - t[0])]),
@@ -122,28 +135,25 @@ def _detector(measured: Float, filtered: Float, settings: CycleSettings, rate_hz
 def _automatic_thresholds(measured: Float, filtered: Float, share: float) -> tuple[float, float]:
     """Choose thresholds for a signal of which the filter passes this share of white noise."""
     # What the filter takes away, as a robust standard deviation, scaled to what it lets through.
-    taken, share = 1.4826 * float(np.median(np.abs(measured - filtered))), min(share, 1.0)
+    noise = measured - filtered
+    taken, share = 1.4826 * float(np.median(np.abs(noise, out=noise), overwrite_input=True)), min(share, 1.0)
+    del noise
     floor = NOISE_MULTIPLE * taken * float(np.sqrt(share / max(1.0 - share, share)))
-    speed = np.abs(filtered)
-    moving = speed[speed > floor]
-    brisk = float(np.quantile(moving, BRISK_QUANTILE)) if len(moving) else floor
+    moving = np.abs(filtered)
+    moving = moving[moving > floor]
+    brisk = float(np.quantile(moving, BRISK_QUANTILE, overwrite_input=True)) if len(moving) else floor
     initiation = max(INITIATION_SHARE * brisk, floor / TERMINATION_SHARE, TINY)
     return initiation, TERMINATION_SHARE * initiation
 
 
-def _end_to_end(q: Float, start: Int, stop: Int) -> Float:
-    return np.asarray(np.abs(q[stop] - q[start]).max(axis=1), np.float64)
-
-
-def _close_runs(q: Float, borders: Int, closure_rad: float) -> Int:
+def _close_runs(place: Float, closure_rad: float) -> list[int]:
     """Join neighbouring strokes into the shortest runs that end where they began; one that never does stays alone."""
     kept, s = [0], 0
-    while s < len(borders) - 1:
-        ends = borders[s + 1 : s + 1 + LONGEST_RUN]
-        closed = _end_to_end(q, np.full(len(ends), borders[s]), ends) <= closure_rad
+    while s < len(place) - 1:
+        closed = np.abs(place[s + 1 : s + 1 + LONGEST_RUN] - place[s]).max(axis=1) <= closure_rad
         s += int(np.argmax(closed)) + 1 if closed.any() else 1
         kept.append(s)
-    return borders[kept]
+    return kept
 
 
 def _sums(interaction: Interaction, column: int, filtered: Float, edges: Int) -> EnergySums:
@@ -177,7 +187,9 @@ def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Fl
     return x, y
 
 
-def _join(joints: list[EnergyCycles]) -> EnergyCycles:
+def join_cycles(joints: Sequence[EnergyCycles]) -> EnergyCycles:
+    """Return the cycles of all joints, each given in order, as one structure."""
+
     def joined(parts: list[EnergySums]) -> EnergySums:
         return EnergySums(
             **{f.name: np.concatenate([getattr(one, f.name) for one in parts]) for f in fields(EnergySums)}

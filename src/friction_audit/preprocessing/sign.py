@@ -17,11 +17,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.columns_on_demand import ColumnsOnDemand, block_means, coarse_block
 from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 
-RATE_HZ = 50.0  # of the means that the proof works on: above the motion, and cheap for hours of log
 # A sample moves above a fifth of the joint's peak speed, but at least at 0.01 and at most at 0.05 rad/s.
 SLOWEST_RAD_S, FASTEST_RAD_S, SHARE_OF_PEAK = 0.01, 0.05, 0.2
 STILL_RAD_S = 0.02  # a joint whose peak speed stays below this does not move
@@ -58,9 +58,9 @@ class CoarseLog:
 
 
 def coarse_log(log: JointLog) -> CoarseLog:
-    """Return block means of a log at about RATE_HZ."""
+    """Return block means of a log at about COARSE_HZ."""
     rate_hz = log.rate_hz
-    samples = max(1, min(round(rate_hz / RATE_HZ), len(log.t) // 2))
+    samples = coarse_block(log.t)
     t = _block_mean(log.t[:, None], samples)[:, 0]
     hole = np.flatnonzero(np.diff(log.t) > max(BRIDGED_S, 3.0 / rate_hz))
     whole = ~np.isin(np.arange(len(t)), np.append(hole, hole + 1) // samples)
@@ -150,6 +150,9 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np
 
 
 def _block_mean(signal: Float, samples: int) -> Float:
-    blocks = len(signal) // samples
-    whole = signal[: blocks * samples]
-    return np.column_stack(per_joint(lambda j: whole[:, j].reshape(blocks, samples).mean(axis=1), signal.shape[1]))
+    def of_joint(joint: int) -> Float:
+        if isinstance(signal, ColumnsOnDemand) and signal.block == samples:
+            return signal.block_means(joint)
+        return block_means(signal[:, joint], samples)
+
+    return np.column_stack(per_joint(of_joint, signal.shape[1]))

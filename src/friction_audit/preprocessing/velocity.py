@@ -132,7 +132,7 @@ def read_on_time(log: JointLog, lag: Float) -> JointLog:
         lag: How much later each velocity comes, shape (j,). [s]
     """
     dq = log.dq.copy()
-    for joint in np.flatnonzero(lag):
+    for joint in map(int, np.flatnonzero(lag)):
         q, late = log.q[:, joint], lag[joint]
         after, before = np.minimum(log.t + late, log.t[-1]), np.maximum(log.t - late, log.t[0])
         change = np.interp(after, log.t, q) - np.interp(before, log.t, q)
@@ -148,7 +148,9 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
     A velocity that comes later than any filter's is left as it is: which clock the torque is on is not known.
     """
     step_s = median_step(log.t)
-    lag = np.where(np.ptp(log.q, axis=0) > MOVED_RAD, find_lag(coarse, step_s), 0.0)
+    lag = find_lag(coarse, step_s)
+    for joint in map(int, np.flatnonzero(lag)):
+        lag[joint] *= np.ptp(log.q[:, joint]) > MOVED_RAD
     foreign = lag > max(LATEST_S * (1.0 + TOLERANCE), LATEST_STEPS * step_s)
     late = np.where(foreign, 0.0, lag)
     cautions = []

@@ -12,7 +12,7 @@ from friction_audit.joint_log import Finding
 
 _DEGREES_PER_RADIAN = 180.0 / np.pi
 _RPM_PER_RAD_S = 30.0 / np.pi
-_LARGEST_Q_RAD = 4.0 * np.pi
+LARGEST_Q_RAD = 4.0 * np.pi
 _LARGEST_DQ_RAD_S = 12.0
 _LARGEST_Q_DEG = 720.0  # beyond, a joint turns without end, in any unit: a bench rig, where magnitudes prove nothing
 _RETURNS = 0.1  # share of samples against the usual direction from which on a joint goes to and fro
@@ -89,11 +89,11 @@ def _turn_degrees(recording: Recording, ratio: float, path: str) -> Recording:
             "was turned into rad/s"
         )
         return recording.with_findings(Finding(code="velocity_unit", message=message, amount=_RPM_PER_RAD_S))
-    if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
+    if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > LARGEST_Q_RAD):
         degrees = ["q"]
     elif _near(ratio, 1.0 / _DEGREES_PER_RADIAN):
         degrees = ["dq"]
-    elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
+    elif _near(ratio, 1.0, 0.3) and largest_q > LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
         if re.search("rad|deg", recording.mapping.get("q", "")):
             return recording
         if q.shape[1] == 1 or largest_q > _LARGEST_Q_DEG:

@@ -4,6 +4,7 @@ import json
 import os
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.columns_on_demand import ColumnsOnDemand, coarse_block
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
@@ -19,7 +21,7 @@ from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding
+from friction_audit.joint_log import Finding, Float
 from friction_audit.parallel import per_joint
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from pyarrow.parquet import FileMetaData, ParquetFile
 
 _BATCH_ROWS = 1 << 16
+_BUFFER_BYTES = 1 << 20
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 _NANOSECONDS = 1_000_000_000
 
@@ -54,7 +57,8 @@ def read(path: Path, options: ReadOptions) -> Recording:
 def _open(path: Path, metadata: "FileMetaData | None" = None) -> "ParquetFile":
     import pyarrow.parquet as pq
 
-    return pq.ParquetFile(path, metadata=metadata, page_checksum_verification=True)
+    # A buffer for a page or two: without it, a column of a whole row group is in memory as it lies in the file.
+    return pq.ParquetFile(path, metadata=metadata, page_checksum_verification=True, buffer_size=_BUFFER_BYTES)
 
 
 class ParquetTable(ColumnTable):
@@ -154,6 +158,27 @@ class ParquetTable(ColumnTable):
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], None)
         return Part(clock=self._to_clock(parts, columns.time), channels=channels, joint=joint)
 
+    def read_on_demand(self, columns: ColumnMap) -> Part | None:
+        """Read the clock alone; not of lists, of which one element takes as long as all."""
+        if self._widths:
+            return None
+        clock = self.read_clock(columns.time)
+        rows = len(clock.t)
+        channels: dict[str, Any] = {
+            channel: ColumnsOnDemand(
+                rows, [partial(self._read_one, cell, rows) for cell in cells], block=coarse_block(clock.t)
+            )
+            for channel, cells in columns.channels.items()
+        }
+        return Part(clock=clock, channels=channels)
+
+    def _read_one(self, cell: int, rows: int) -> Float:
+        column = np.empty(rows)
+        self._read_column(self._cells[cell][0], [(None, column)], None)
+        if self._damage:
+            raise InputError(f"{self.path}: {self.findings()[0].message}; the file may have changed; read it again")
+        return column
+
     def _channel_arrays(
         self, columns: ColumnMap, rows: int
     ) -> tuple[dict[str, NDArray[np.float64]], list[tuple[int, NDArray[Any]]]]:
@@ -216,23 +241,21 @@ class ParquetTable(ColumnTable):
             for group, size in enumerate(self._sizes):
                 kept = np.ones(size, dtype=np.bool_) if rows is None else rows[start : start + size]
                 count = int(np.count_nonzero(kept))
+                done, place = 0, filled
                 try:
-                    table = file.read_row_group(group, columns=[column], use_threads=False) if count else None
+                    for batch in file.iter_batches(_BATCH_ROWS, [group], [column], use_threads=False) if count else ():
+                        values = self._values(_flat(batch).column(0).combine_chunks(), column, start + done)
+                        own = values if rows is None else values[kept[done : done + len(values)]]
+                        for element, target in targets:
+                            self._refuse_missing_stamps(column, own, target)
+                            target[place : place + len(own)] = own if element is None else own[:, element]
+                        done, place = done + len(values), place + len(own)
                 except MemoryError:
                     raise
                 except (pa.ArrowException, OSError) as error:
                     self._damage[column, group] = " ".join(str(error).split())
                     for _, target in targets:
                         target[filled : filled + count] = np.nan if target.dtype.kind == "f" else 0
-                    table = None
-                done, place = 0, filled
-                for batch in [] if table is None else _flat(table).to_batches(max_chunksize=_BATCH_ROWS):
-                    values = self._values(batch.column(0), column, start + done)
-                    own = values if rows is None else values[kept[done : done + len(values)]]
-                    for element, target in targets:
-                        self._refuse_missing_stamps(column, own, target)
-                        target[place : place + len(own)] = own if element is None else own[:, element]
-                    done, place = done + len(values), place + len(own)
                 start, filled = start + size, filled + count
 
     def _values(self, array: "pa.Array", column: str, start: int) -> NDArray[Any]:

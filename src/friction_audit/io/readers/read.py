@@ -5,18 +5,27 @@ A format is added by writing one file with ``recognises``, ``read`` and ``topics
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks import examine
+from friction_audit.io.checks import WholeLogError, examine
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
+from friction_audit.io.readers.reader import (
+    TAKE_A_PART,
+    JointByJoint,
+    Reader,
+    ReadOptions,
+    TooLargeError,
+    Topic,
+    refuse_lfs_pointer,
+)
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
@@ -47,6 +56,14 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
     Raises:
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
+    if isinstance(options, JointByJoint):
+        with suppress(WholeLogError):
+            return _read_log(path, options)
+        options = options.at_once()
+    return _read_log(path, options)
+
+
+def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
     file = Path(path)
     before = _stamp(file)
     reader = choose_reader(file)

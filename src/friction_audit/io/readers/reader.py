@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from difflib import get_close_matches
 from importlib import import_module
 from math import inf
@@ -18,6 +18,7 @@ MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its
 # Size of the arrays up to which a log is read whole although a part is asked for: units, signs and delays are then
 # judged by all of the log. Beyond, a part is long enough to judge them by. [byte]
 WHOLE_BYTES = 256 << 20
+ON_DEMAND_BYTES = 64 << 20  # size of the arrays from which they are worth being read twice instead of kept [byte]
 _MAPPABLE = ("t", *JOINT_CHANNELS)
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
@@ -143,6 +144,11 @@ class ReadOptions:
         return True
 
     @property
+    def joint_by_joint(self) -> bool:
+        """True if the columns of a large table are read when they are needed."""
+        return False
+
+    @property
     def has_window(self) -> bool:
         """True if a part of the log is asked for."""
         return self.t_start_s is not None or self.t_end_s is not None
@@ -169,6 +175,19 @@ class FirstLook(ReadOptions):
     def reads_part(self, whole_bytes: float) -> bool:  # noqa: ARG002
         """Return True if a part is asked for."""
         return self.has_window
+
+
+class JointByJoint(ReadOptions):
+    """Options with which the columns of a large table are read when they are needed, instead of all at once."""
+
+    @property
+    def joint_by_joint(self) -> bool:
+        """True."""
+        return not self.has_window and self.time_scale == 1.0
+
+    def at_once(self) -> ReadOptions:
+        """Return the options that read all at once."""
+        return ReadOptions(**{one.name: getattr(self, one.name) for one in fields(self)})
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

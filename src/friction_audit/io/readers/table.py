@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap, doubt_torque, map_columns, map_long_columns
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
-from friction_audit.io.readers.reader import ReadOptions, refuse_too_large
+from friction_audit.io.readers.reader import ON_DEMAND_BYTES, ReadOptions, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float
@@ -76,6 +76,10 @@ class ColumnTable(Table):
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
+        if options.joint_by_joint and rows * row_bytes > ON_DEMAND_BYTES and columns.joint is None:
+            part = None if columns.degrees else self.read_on_demand(columns)
+            if part is not None:
+                return part
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
         if not is_part:
             return self.read_all(columns)
@@ -95,6 +99,10 @@ class ColumnTable(Table):
     @abstractmethod
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
         """Read the channels, in the rows of a mask or in all."""
+
+    def read_on_demand(self, columns: ColumnMap) -> Part | None:  # noqa: ARG002
+        """Read the clock alone, and each channel when it is needed; None where the container does not allow that."""
+        return None
 
     def read_all(self, columns: ColumnMap) -> Part:
         """Read the clock and the channels in all rows."""

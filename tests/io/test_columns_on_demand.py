@@ -1,0 +1,138 @@
+"""Channels that are read joint by joint give what arrays give."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from friction_audit.columns_on_demand import ColumnsOnDemand, is_on_demand
+from friction_audit.io.readers import ReadOptions, read_log
+from friction_audit.io.readers.reader import JointByJoint
+from friction_audit.joint_log import Float
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting.estimate import estimate_document
+from friction_audit.robot import load_arm
+from tests.io.synthetic_recordings import motion
+
+CHANNELS = ("q", "dq", "tau_J", "gravity", "tau_interaction", "tau_compensation", "tau_passivity")
+
+
+@pytest.fixture(autouse=True)
+def _small_logs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.table.ON_DEMAND_BYTES", 0)
+
+
+@pytest.fixture(scope="module")
+def frame() -> pd.DataFrame:
+    """Return six joints that swing and one at rest, with a gap and every channel that a torque is made from."""
+    signals = motion(25_000, 7)
+    t, q, dq = signals["t"], signals["q"], signals["dq"]
+    q[:, 6], dq[:, 6] = 0.3, 0.0
+    rng = np.random.default_rng(0)
+    gravity = load_arm(None, None, (0.0, 0.0, -9.81)).gravity(q)
+    friction = 0.5 * np.tanh(dq / 0.02) + 0.3 * dq + 0.02 * rng.standard_normal(q.shape)
+    dq = dq + 1e-3 * rng.standard_normal(q.shape)
+    arrays = (q, dq, gravity - friction, gravity, friction, 0.01 * np.sign(dq), 0.005 * np.sign(dq))
+    every = {
+        f"{channel}_{j + 1}": signal[:, j]
+        for channel, signal in zip(CHANNELS, arrays, strict=True)
+        for j in range(q.shape[1])
+    }
+    return pd.DataFrame({"time": t, **every}).drop(index=range(9000, 9300))
+
+
+def written(frame: pd.DataFrame, folder: Path, *channels: str) -> Path:
+    kept = [name for name in frame if name == "time" or str(name).rpartition("_")[0] in channels]
+    frame[kept].to_parquet(folder / "run.parquet", index=False, row_group_size=7001)
+    return folder / "run.parquet"
+
+
+CASES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
+    "interaction": (("q", "dq", "tau_interaction"), {}),
+    "logged gravity": (("q", "dq", "tau_J", "gravity"), {}),
+    "gravity in the torque": (("q", "dq", "tau_J"), {}),
+    "model": (("q", "dq", "tau_J"), {"robot": "panda", "gravity": "model", "drive": "hand"}),
+    "compensation": (("q", "dq", "tau_interaction", "tau_compensation", "tau_passivity"), {}),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("joints", [None, (2, 5)])
+def test_the_estimate_is_the_same(
+    frame: pd.DataFrame, tmp_path: Path, case: str, joints: tuple[int, ...] | None
+) -> None:
+    channels, torque = CASES[case]
+    path = written(frame, tmp_path, *channels)
+    settings = AuditSettings(
+        joints=joints,
+        torque=TorqueSettings(**torque),
+        cycles=CycleSettings(thresholds="auto"),
+    )
+    found = []
+    for options in (ReadOptions(), JointByJoint()):
+        log = read_log(path, options)
+        assert is_on_demand(log.q) is isinstance(options, JointByJoint)
+        found.append(json.dumps(estimate_document(estimate_log(log, settings)), sort_keys=True))
+    assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("fault", ["missing", "wild", "degrees", "dead", "turns", "order", "repeats"])
+def test_a_log_with_a_fault_is_read_at_once(frame: pd.DataFrame, tmp_path: Path, fault: str) -> None:
+    frame = frame.copy()
+    row, joints = frame.index[5000], range(1, 8)
+    if fault == "missing":
+        frame.loc[row, "dq_3"] = np.nan
+    elif fault == "wild":
+        frame.loc[row, "q_2"] = 50.0
+    elif fault == "degrees":
+        frame[[f"q_{j}" for j in joints]] *= 180.0 / np.pi
+    elif fault == "dead":
+        frame["tau_interaction_4"] = 0.5
+    elif fault == "turns":
+        frame["q_1"] += 20.0
+    elif fault == "order":
+        frame.loc[row, "time"] -= 0.01
+    else:
+        names = [name for name in frame if name != "time"]
+        moving = frame.index[np.flatnonzero(np.abs(frame["dq_1"]) > 0.1)[100]]
+        frame.loc[moving + 1, names] = frame.loc[moving, names]
+    path = written(frame, tmp_path, "q", "dq", "tau_interaction")
+    usual, log = read_log(path), read_log(path, JointByJoint())
+    assert not is_on_demand(log.q)
+    assert log.source == usual.source
+    np.testing.assert_array_equal(log.dq, usual.dq)
+
+
+def test_it_behaves_as_an_array() -> None:
+    array = np.arange(12.0).reshape(4, 3)
+    asked: list[int] = []
+
+    def column(number: int) -> Float:
+        asked.append(number)
+        return array[:, number].copy()
+
+    lazy = ColumnsOnDemand(4, [lambda: column(0), lambda: column(1), lambda: column(2)])
+    assert lazy.shape == array.shape
+    assert not asked
+    keys: tuple[Any, ...] = (
+        (slice(None), 1),
+        2,
+        slice(1, 3),
+        np.array([3, 0]),
+        (slice(None, None, 2), 2),
+        (slice(0, 2), [2, 0]),
+    )
+    for key in keys:
+        np.testing.assert_array_equal(lazy[key], array[key])
+    np.testing.assert_array_equal(lazy[:, [2, 0]][:, 0], array[:, 2])
+    np.testing.assert_array_equal(lazy[:, 1:][1:3], array[1:3, 1:])
+    np.testing.assert_array_equal(lazy + lazy, array + array)
+    np.testing.assert_array_equal(np.abs(lazy), array)
+    held = lazy.hold(1)
+    asked.clear()
+    np.testing.assert_array_equal(held[:, 1], held[:, 1])
+    assert asked == [1]
