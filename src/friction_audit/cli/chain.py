@@ -77,11 +77,7 @@ def reading_settings(options: "ReadOptions") -> dict[str, object]:
 def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, marked: bool = False) -> None:
     """Say the warnings that a result's table does not show, under their number.
 
-    Args:
-        log: The log.
-        notices: Everything that was noticed.
-        voice: Says them.
-        marked: Whether a table follows that shows the warnings about the physics.
+    ``marked``: a table follows that shows the warnings about the physics.
     """
     from friction_audit.reporting.notices import TABLED, is_physics, minor, notice_lines
     from friction_audit.reporting.words import MARK, count_of
@@ -132,11 +128,7 @@ def exit_for_bugs(bugs: Iterable[tuple[str, str]], voice: Voice) -> None:
 def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = None, folder: bool = False) -> None:
     """Refuse outputs that could not be written or must not be, before anything long is done.
 
-    Args:
-        paths: Files, or folders, that will be written.
-        overwrite: If True, what exists is replaced.
-        log: The log that they are made from, which is never replaced.
-        folder: If True, they are folders.
+    The log that they are made from is never replaced; ``folder``: they are folders.
     """
     if log is not None:
         for path in paths:

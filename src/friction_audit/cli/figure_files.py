@@ -49,16 +49,7 @@ def write_figures(
 ) -> list[FigureFile]:
     """Draw all joints on a sheet and, if asked for, each joint alone; several at a time where a process may be copied.
 
-    Args:
-        results: What the figures draw, by the name of the result.
-        kinds: Names of figures of these results.
-        numbers: The joints.
-        folder: Where the files go.
-        formats: Suffixes.
-        overwrite: If True, files that exist are replaced.
-        voice: Reports what is drawn.
-        unit: Of the torque.
-        each_joint: If True, each joint also alone.
+    The results are given by name, the formats as suffixes.
     """
     from friction_audit.io.files import whole_file
     from friction_audit.parallel import in_processes, workers_for

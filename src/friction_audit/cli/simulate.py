@@ -183,12 +183,6 @@ def _choose_output(
 def changed(settings: Any, change: ChangeOptions, model: Path | None = None, **asked: float | None) -> Any:  # noqa: ANN401 - of any scenario
     """Return settings of a simulation, changed as asked for.
 
-    Args:
-        settings: Of any scenario.
-        change: Effects, assignments, ideal sensors.
-        model: File of a joint model that replaces the joints.
-        asked: Numbers by name, None for the scenario's.
-
     Raises:
         InputError: If the file is none.
         UsageError: If the scenario cannot take a change, or two contradict each other.

@@ -91,12 +91,8 @@ class FrictionLaw:
 def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, armature: bool) -> FrictionLaw:
     """Return the friction law of a joint's model.
 
-    Args:
-        joint: Number of the joint, 1..n.
-        name: Its name.
-        model: Its model.
-        speeds: Speeds over which the law is to hold, shape (n,). [rad/s]
-        armature: Whether the inertia of the model is the reflected inertia of the motor.
+    ``speeds``, shape (n,) [rad/s], are those over which it is to hold; ``armature``: the inertia of the model is the
+    reflected inertia of the motor.
 
     Raises:
         AnalysisError: If the model has no friction that follows from the velocity, or friction below zero at a speed.
@@ -123,12 +119,7 @@ def even_speeds(low: float, high: float) -> Float:
 
 
 def moving_speeds(dq: Float, slowest: float) -> Float:
-    """Return speeds of a log that each stand for an equal share of its moving time, shape (n,). [rad/s]
-
-    Args:
-        dq: Velocity, shape (m,). [rad/s]
-        slowest: Speed below which the joint counts as at rest. [rad/s]
-    """
+    """Return speeds of a log that each stand for an equal share of its moving time, shape (n,). [rad/s]"""
     pace = np.abs(dq[np.isfinite(dq)])
     moving = pace[pace > slowest]
     if not len(moving):

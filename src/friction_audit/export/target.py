@@ -53,11 +53,7 @@ def attributes(values: Mapping[str, str]) -> str:
 def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:
     """Return the name of each joint in the user's file, and whether the order of the joints gave it.
 
-    Args:
-        laws: Joints to be written.
-        count: Number of joints of the source.
-        found: Names of the joints that turn, in the order of the file.
-        where: The file, for the message.
+    ``count`` is the number of joints of the source; ``found`` are those that turn, in the order of the file.
 
     Raises:
         UsageError: If a joint is not in the file by its name, and the file has another number of joints.

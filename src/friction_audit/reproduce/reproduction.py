@@ -87,11 +87,7 @@ def simulate_figures(
 ) -> Simulations:
     """Simulate what the figures need.
 
-    Args:
-        reproductions: The figures.
-        seeds: Number of persons where one moves the joint; their seeds are 0, 1, 2 and so on.
-        progress: Is given the share that is done.
-        known: Scenarios that another figure has simulated already; returned too.
+    The persons' seeds are 0, 1, 2 and so on; scenarios that are known already are returned too.
     """
     done: dict[str, Any] = dict(known or {})
     for one in reproductions:

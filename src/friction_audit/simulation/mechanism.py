@@ -86,12 +86,7 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
 def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *, driven: bool) -> Mechanism:
     """Build the mechanism at rest; its masses and its drive are the caller's to set.
 
-    Args:
-        settings: Joints, what is hidden in them, sensors and compensator.
-        ticks: Number of the controller's intervals.
-        start: Positions of the joints, shape (n,). [rad]
-        streams: Random numbers.
-        driven: True if the motors are on the outer side, friction and links on the inner one.
+    Where ``driven``, the motors are on the outer side, friction and links on the inner one.
 
     Raises:
         UsageError: If a joint that is rigid, or that its motor moves, has torque control.

@@ -55,8 +55,6 @@ def contact_nm(group: Record, engaged_rad: float) -> float:
 def contact_damping_nms_per_rad(group: Record, inertia: float) -> float:
     """Return the damping of the flanks while they touch, which takes the energy of the impact. [N m s/rad]
 
-    Args:
-        group: A ``Backlash``.
-        inertia: Inertia that the contact decelerates: the reduced one of both sides. [kg m^2]
+    Inertia: the reduced one of both sides. [kg m^2]
     """
     return float(2.0 * group.contact_damping_ratio * math.sqrt(inertia / group.contact_compliance_rad_per_nm))

@@ -72,12 +72,6 @@ def torque_nm(group: Record, events: Float, t: float, velocity: float) -> float:
 
     A knock is half a sine, a step is a load that is there and gone; both can drive the joint. A drag only takes energy:
     against the motion, viscous when slow and Coulomb when fast.
-
-    Args:
-        group: The numbers of the effect.
-        events: From ``draw_events``, shape (m, 3).
-        t: Time. [s]
-        velocity: Of the joint. [rad/s]
     """
     torque = 0.0
     k = count_begun(events, t) - 1

@@ -56,28 +56,26 @@ class NoEqualError(Exception):
 
 
 def number(
-    usual: float, meaning: str, unit: str = "1", *, like: str = "", lower: float = 0.0, upper: float = inf
+    usual: float,
+    meaning: str,
+    unit: str = "1",
+    *,
+    like: str = "",
+    lower: float = 0.0,
+    upper: float = inf,
+    **given: float,
 ) -> Any:  # noqa: ANN401 - the field of a dataclass
-    """Return a field of a hidden effect.
+    """Return a field of a hidden effect, and what is usual where it is named without a number.
 
-    Args:
-        usual: Its value where none is given.
-        meaning: One line.
-        unit: The unit, as people write it, without ``like``.
-        like: Name of a parameter of the effect of the same name whose unit and bounds it shares.
-        lower: Smallest value that makes sense, without ``like``.
-        upper: Largest value that makes sense, without ``like``.
+    Unit and bounds are those of the parameter ``like`` of the effect of the same name, where there is one.
     """
     about = {"usual": usual, "unit": unit, "meaning": meaning, "like": like, "lower": lower, "upper": upper}
-    return field(default=usual, metadata=about)
+    return field(default=given.get("default", usual), metadata=about)
 
 
-def strength(
-    usual: float, meaning: str, unit: str = "1", *, like: str = "", lower: float = 0.0, upper: float = inf
-) -> Any:  # noqa: ANN401 - the field of a dataclass
-    """Return the first field of a hidden effect: at zero it does nothing."""
-    about = number(usual, meaning, unit, like=like, lower=lower, upper=upper).metadata
-    return field(default=0.0, metadata=about)
+def strength(usual: float, meaning: str, unit: str = "1", **bounds: Any) -> Any:  # noqa: ANN401 - likewise
+    """Return the first field of a hidden effect: at zero, where it is not named, it does nothing."""
+    return number(usual, meaning, unit, default=0.0, **bounds)
 
 
 @dataclass(frozen=True, kw_only=True)

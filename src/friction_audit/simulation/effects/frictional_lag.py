@@ -33,12 +33,7 @@ def speed(group: Record, memory: Float, speed: float, h: float) -> float:
 
     Relaxing is the first-order state of rate and state friction (Ruina 1983), delayed the pure time lag of Hess and
     Soom (1990). Passive: the direction is that of the present motion.
-
-    Args:
-        group: The numbers of the effect.
-        memory: State, shape (LAG_MEMORY,), all zero at rest; changed in place.
-        speed: Present speed, not negative. [rad/s]
-        h: Time since the last call; 0 is allowed. [s]
+    The memory, shape (LAG_MEMORY,), is zero at rest and changed in place.
     """
     if group.lag_s == 0.0:
         return speed

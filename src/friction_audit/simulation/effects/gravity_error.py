@@ -44,9 +44,5 @@ def reading_nm(group: GravityError, q: Float) -> Float:
     """Return by how much the gravity torque that is subtracted is too large, shape (n,). [N m]
 
     The interaction torque comes out too large by it where a hand moves the joint, too small where the robot does.
-
-    Args:
-        group: The error.
-        q: Joint position, shape (n,). [rad]
     """
     return np.asarray(group.torque_nm * np.sin(q + group.phase_rad))

@@ -25,10 +25,6 @@ def coupled_mass(inertias: Float, ratios: Float) -> Float:
 
     The kinetic energy is the sum of B_i / 2 (dq_i + ratio_i dq_{i-1})^2 (De Luca and Book, Robots with flexible
     elements, 2016). Diagonal to the bit where all ratios are 0; the first joint has no neighbour.
-
-    Args:
-        inertias: Reflected inertias B, shape (n,). [kg m^2]
-        ratios: Coupling ratios, shape (n,); the first is not used.
     """
     mass = np.diag(np.asarray(inertias, dtype=np.float64))
     for joint in range(1, len(inertias)):

@@ -54,10 +54,6 @@ def torque_nm(group: Record, stretch: float) -> float:
 
     Linear after Spong (1987); hardening as a strain-wave gear, half as stiff near zero torque (Tuttle and Seering 1996;
     the smooth transition after Ruderman 2012). Conservative in both forms.
-
-    Args:
-        group: A ``JointElasticity``.
-        stretch: Motor position less link position, theta - q. [rad]
     """
     compliance = group.compliance_rad_per_nm
     if compliance == 0.0:
@@ -72,9 +68,7 @@ def torque_nm(group: Record, stretch: float) -> float:
 def damping_nms_per_rad(group: Record, inertia: float) -> float:
     """Return the damping between motor and link that gives the damping ratio; 0 for a rigid joint. [N m s/rad]
 
-    Args:
-        group: A ``JointElasticity``.
-        inertia: Inertia that rings on the spring: the reduced one of both sides. [kg m^2]
+    Inertia: the reduced one of both sides. [kg m^2]
     """
     if group.compliance_rad_per_nm == 0.0:
         return 0.0

@@ -31,13 +31,7 @@ class JointLimitStop(HiddenEffect):
 
 @compiled()
 def _push(group: Record, depth: float, inward: float) -> float:
-    """Return how hard one wall pushes back, not negative.
-
-    Args:
-        group: A ``JointLimitStop``.
-        depth: Distance beyond the stop.
-        inward: Speed further into the wall.
-    """
+    """Return how hard one wall pushes back, not negative."""
     if group.form == EXPONENTIAL:
         depth = WIDTH_RAD * math.exp(min(depth / WIDTH_RAD, HIGHEST_EXPONENT))
         return float(group.stiffness_nm_per_rad * depth * max(0.0, 1.0 + inward * group.damping_s / WIDTH_RAD))
@@ -56,10 +50,5 @@ def torque_nm(group: Record, q: float, velocity: float) -> float:
     A wall never pulls and never gives back more than it took. Spring and damper as in the virtual walls of haptics
     (Colgate and Brown 1994), quadratic with the damping of Hunt and Crossley (1975), exponential as a repulsive
     potential that is felt before the stop.
-
-    Args:
-        group: A ``JointLimitStop``.
-        q: Position from the start pose. [rad]
-        velocity: Velocity. [rad/s]
     """
     return _push(group, -group.at_rad - q, -velocity) - _push(group, q - group.at_rad, velocity)

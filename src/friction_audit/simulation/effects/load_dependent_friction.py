@@ -41,11 +41,7 @@ def extra_nm(group: Record, load_nm: float, power_w: float) -> float:
     Linear after Bittencourt and Gunnarsson, Static friction in a robot joint (2012); quadratic after Duclusaud et al.,
     Extended friction models for the physics simulation of servo actuators (2025); backdrive after Wang and Kim,
     Directional efficiency in geared transmissions (2015): the teeth lose more where the link drives the motor.
-
-    Args:
-        group: A ``LoadDependentFriction``.
-        load_nm: Torque transmitted, signed.
-        power_w: Power through the sensor into the motor's side, above 0 where the link drives the motor.
+    The power through the sensor into the motor's side is above 0 where the link drives the motor.
     """
     load = abs(load_nm)
     if group.form == QUADRATIC:

@@ -113,14 +113,8 @@ def advance(group: Record, bristles: Float, coulomb_nm: float, level: float, vel
     """Move the deflections on by h at constant velocity, in place.
 
     Without Coulomb friction there is nothing that holds the joint, and nothing happens.
-
-    Args:
-        group: With a displacement > 0.
-        bristles: Deflections, shape (BRISTLES,); LuGre and Dahl use the first. [rad]
-        coulomb_nm: Coulomb friction that sets the stiffness. [N m]
-        level: Present friction of steady sliding without the viscous part; at least a millionth of Coulomb. [N m]
-        velocity: Of the joint. [rad/s]
-        h: Time. [s]
+    LuGre and Dahl use the first deflection. Coulomb friction sets the stiffness; the level is that of steady sliding
+    without the viscous part, at least a millionth of it.
     """
     if coulomb_nm <= 0.0:
         return

@@ -25,10 +25,5 @@ class TorqueBias(HiddenEffect):
 
 
 def reading_nm(group: TorqueBias, t: Float) -> Float:
-    """Return what is added to the interaction torque as read, shape (n,). [N m]
-
-    Args:
-        group: The bias.
-        t: Time, shape (n,). [s]
-    """
+    """Return what is added to the interaction torque as read, shape (n,). [N m]"""
     return np.full(len(t), group.torque_nm)

@@ -35,12 +35,7 @@ class TorqueCrosstalk(HiddenEffect):
 
 
 def mixed(groups: Sequence[TorqueCrosstalk], torque: Float) -> Float:
-    """Return the torques as sensors with crosstalk read them; without, the same to the bit, shape (n, j). [N m]
-
-    Args:
-        groups: The crosstalk of every sensor, j of them.
-        torque: True torques, shape (n, j). [N m]
-    """
+    """Return the torques as sensors with crosstalk read them; without, the same to the bit, shape (n, j). [N m]"""
     read = torque.copy()
     joints = range(torque.shape[1])
     for joint, group in enumerate(groups):

@@ -28,10 +28,7 @@ class TorqueDrift(HiddenEffect):
 def reading_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
     """Return what is added to the interaction torque as read, shape (n,). [N m]
 
-    Args:
-        group: The drift.
-        t: Time, strictly increasing, shape (n,). [s]
-        rng: Random numbers; only a random walk of some strength draws any.
+    Only a random walk of some strength draws random numbers.
     """
     if group.torque_nm == 0.0:
         return np.zeros_like(t)

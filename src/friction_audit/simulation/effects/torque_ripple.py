@@ -53,10 +53,6 @@ def reading_nm(group: TorqueRipple, q: Float) -> Float:
 
     Two and four cycles per turn of the wave generator: Taghirad and Belanger, Intelligent built-in torque sensor for
     harmonic drive systems (1999).
-
-    Args:
-        group: The ripple.
-        q: Joint position, shape (n,). [rad]
     """
     if group.form != READING:
         return np.zeros_like(q)

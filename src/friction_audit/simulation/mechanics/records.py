@@ -88,13 +88,7 @@ Body: TypeAlias = Any  # a record of type BODY
 
 
 def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: Float) -> Body:
-    """Return a body at rest.
-
-    Args:
-        two_sided: Joints whose sides turn separately, shape (n,).
-        free: Joints whose friction never holds rigidly (bristles), shape (n,).
-        position: Where the joints are, shape (n,). [rad]
-    """
+    """Return a body at rest."""
     n, extra = len(two_sided), np.flatnonzero(two_sided)
     c = n + len(extra)
     body = np.zeros(1, BODY).view(np.recarray)[0]

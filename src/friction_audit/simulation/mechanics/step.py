@@ -175,16 +175,7 @@ def slide(
     """Move on by h, stopping and turning every coordinate exactly where its velocity is zero.
 
     Position forces are taken at the middle of the step (drift, kick, drift), damping is implicit.
-
-    Args:
-        joints: Records of the joints, shape (n,).
-        states: What they remember, shape (n,); changed.
-        events: Contact events, shape (n, m, 3).
-        body: Coordinates and matrices; changed.
-        since: Time since the tick that the drive's torque refers to. [s]
-        t: Time. [s]
-        h: Step. [s]
-        duration: Length of the recording. [s]
+    States and body change. ``since`` counts from the tick that the drive's torque refers to. [s]
     """
     for j in range(len(joints)):
         _remember(joints[j], states[j], body, j, t, 0.5 * h, duration)

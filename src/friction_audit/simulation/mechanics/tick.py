@@ -38,13 +38,7 @@ def _twist(joint: Record, load_nm: float) -> float:
 
 @compiled()
 def settle(joints: Record, body: Record, load_nm: Float) -> None:
-    """Let the inner sides stand where the transmissions carry a load; without one, in the middle of their gap.
-
-    Args:
-        joints: Records of the joints, shape (n,).
-        body: Coordinates, at rest; changed.
-        load_nm: Torque from the outer side that the inner one bears, shape (n,). [N m]
-    """
+    """Let the inner sides stand where the transmissions carry a load; without one, in the middle of their gap."""
     for j in range(len(joints)):
         c = body.inner[j]
         if c != j and load_nm[j] != 0.0:
@@ -130,15 +124,8 @@ def run_bench(
 ) -> None:
     """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
 
-    Args:
-        parts: What moves, a ``rows.Parts`` of one joint; changed.
-        push: Torque of the drive with the joint at zero, at every tick, shape (ticks + 1,). [N m]
-        gravity: Amplitude [N m] and phase [rad] of the load's gravity torque, held by the motor.
-        driven: If True the load is on the inner side, else on the outer one.
-        first: First tick.
-        last: Tick to end before.
-        out: Receives the truth, shape (ticks + 1, ROWS, 1).
-        traced: Receives the memory of the compensator, shape (ticks + 1, 1, columns), or no columns at all.
+    ``push`` is the torque of the drive with the joint at zero, ``gravity`` amplitude and phase of the load's gravity
+    torque. The truth goes to ``out``, shape (ticks + 1, ROWS, 1), the memory of the compensator to ``traced``.
     """
     joints, states, events, body, loop, clock = parts
     half, link = 0.5 * clock.dt, body.inner[0] if driven else 0
@@ -176,33 +163,19 @@ def load_masses(body: Record, outer: Float, inner: Float) -> None:
 
 @compiled()
 def guide(  # noqa: PLR0913
-    body: Record,
-    mass: Float,
-    bias: Float,
-    jacobian: Float,
-    springs: Float,
-    dampers: Float,
-    pull: Float,
-    pull_rate: Float,
-    q: Float,
-    rotor: Float,
-    support: Float,
+    body: Record,  # coordinates and matrices; changed
+    mass: Float,  # of the links, shape (n, n) [kg m^2]
+    bias: Float,  # Coriolis and gravity torque, shape (n,) [N m]
+    jacobian: Float,  # of the flange in the world's axes, shape (6, n)
+    springs: Float,  # stiffness along the six directions, shape (6,)
+    dampers: Float,  # damping along them, shape (6,)
+    pull: Float,  # force and moment of a hand at rest in the pose, shape (6,) [N, N m]
+    pull_rate: Float,  # their rate of change as the intention moves on, shape (6,)
+    q: Float,  # the pose, shape (n,) [rad]
+    rotor: Float,  # mass matrix of the motors, shape (n, n) [kg m^2]
+    support: Float,  # gravity compensation, shape (n,) [N m]
 ) -> None:
-    """Let the hand pull at the arm: its springs and dampers seen from the joints, linear about the pose q.
-
-    Args:
-        body: Coordinates and matrices; changed.
-        mass: Mass matrix of the links, shape (n, n). [kg m^2]
-        bias: Coriolis and gravity torque, shape (n,). [N m]
-        jacobian: Of the flange in the world's axes, shape (6, n).
-        springs: Stiffness along the six directions, shape (6,).
-        dampers: Damping along them, shape (6,).
-        pull: Force and moment of a hand at rest in the pose, shape (6,). [N, N m]
-        pull_rate: Their rate of change as the intention moves on, shape (6,).
-        q: The pose, shape (n,). [rad]
-        rotor: Mass matrix of the motors, shape (n, n). [kg m^2]
-        support: Gravity compensation, shape (n,). [N m]
-    """
+    """Let the hand pull at the arm: its springs and dampers seen from the joints, linear about the pose q."""
     n = len(q)
     load_masses(body, mass, rotor)
     for i in range(n):
@@ -248,15 +221,8 @@ def tick_arm(
 ) -> None:
     """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise.
 
-    Args:
-        parts: What moves, a ``rows.Parts``; changed.
-        jacobian: Of the flange in the world's axes, shape (6, n).
-        cycle: What is remembered of the hand, shape (CYCLE_STATE,); changed.
-        by_hand: If True the hand ends the cycles of all joints, else each joint its own.
-        k: The tick.
-        last: The last tick of the recording.
-        out: Receives the truth, shape (ticks + 1, ROWS, n).
-        traced: Receives the memory of the compensators, shape (ticks + 1, n, columns), or no columns at all.
+    ``by_hand``: the hand ends the cycles of all joints. The truth goes to ``out``, shape (ticks + 1, ROWS, n), the
+    memory of the compensators to ``traced``.
     """
     joints, states, events, body, loop, clock = parts
     t, half = k * clock.dt, 0.5 * clock.dt
