@@ -77,7 +77,7 @@ def urdf() -> Path:
 def test_stribeck_and_nonlinear_viscous_friction_are_separated_and_the_check_says_so() -> None:
     effects = [{"name": "stribeck", "alternatives": ("nonlinear_viscous",), "parameters": STRIBECK}]
     found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}
-    plan = plan_task(task_of(found, hand=True, start_rad=0.0), limits(slowest_rad_s=0.05), 120.0)
+    plan = plan_task(task_of(found, True, 0.0), limits(slowest_rad_s=0.05), 120.0)
     assert 100.0 < plan.duration_s <= 120.0
     expected = {(one.effect, one.other): one.two_ln_likelihood_ratio for one in plan.separated}
     assert min(expected.values()) > 20.0
@@ -92,7 +92,7 @@ def test_a_number_that_a_document_leaves_out_takes_no_name_away() -> None:
     numbers = {"curved_viscous_nm": 0.06, "curved_viscous_exponent": 2.4, "curved_viscous_speed_rad_s": None}
     effects = [{"name": "nonlinear_viscous", "alternatives": ["stribeck"], "parameters": numbers}]
     found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}
-    assert task_of(found, hand=True, start_rad=0.0).why == "nonlinear_viscous or stribeck"
+    assert task_of(found, True, 0.0).why == "nonlinear_viscous or stribeck"
 
 
 def test_a_recording_for_estimate_determines_both_coefficients() -> None:

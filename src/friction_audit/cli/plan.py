@@ -33,9 +33,8 @@ class MotionOptions:
 
     duration: Annotated[float, option(MOTION, "Length of the motion of a joint.", metavar="SECONDS")] = 120.0
     range_: Annotated[
-        str | None,
-        option(MOTION, "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.", "--range",
-               metavar="LOW,HIGH"),
+        str | None, option(MOTION, "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.",
+                           "--range", metavar="LOW,HIGH")
     ] = None  # fmt: skip
     speed: Annotated[
         float | None, option(MOTION, "Highest speed. Default: that of the arm, or of a hand.", metavar="RAD_S")
@@ -45,9 +44,8 @@ class MotionOptions:
     ] = None
     jerk: Annotated[float | None, option(MOTION, "Highest jerk. Default: likewise.", metavar="RAD_S3")] = None
     start: Annotated[
-        str | None,
-        option(MOTION, "Pose at the start [rad]. Default: the log's median pose; without one the Panda's ready pose.",
-               metavar="Q1,Q2,..."),
+        str | None, option(MOTION, "Pose at the start [rad]. Default: the log's median pose; without one the Panda's "
+                           "ready pose.", metavar="Q1,Q2,...")
     ] = None  # fmt: skip
     check: Annotated[
         bool, option(MOTION, "Simulate the motion and what diagnose would answer.", "--check/--no-check")

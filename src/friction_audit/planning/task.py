@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import atan2, hypot, sqrt
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -89,8 +89,7 @@ class Task:
     unknown: Mapping[str, str] = field(default_factory=dict)  # competing names that are not planned for, and why
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Arm:
+class Arm(NamedTuple):
     """The arm that is recorded, and where its motion starts."""
 
     names: tuple[str, ...]  # of its joints
@@ -98,22 +97,20 @@ class Arm:
     panda: bool
     known_start: bool  # whether a log or the user gave the start
 
-    def __post_init__(self) -> None:
-        if len(self.start_rad) != len(self.names) or not np.isfinite(self.start_rad).all():
-            found, expected = len(self.start_rad), len(self.names)
-            raise UsageError(f"--start: {found} positions; expected {expected}, one per joint [rad]")
-
 
 def arm_of(robot: str, joints: int, start: Sequence[float] | None, names: Mapping[int, str]) -> Arm:
-    """Return an arm by the names of its joints that are known; it starts in the Panda's ready pose, or at zero."""
+    """Return an arm by the names of its joints that are known; it starts in the Panda's ready pose, or at zero.
+
+    Raises:
+        UsageError: If the start has another number of joints.
+    """
     panda = robot == BUILT_IN
     usual = READY_RAD if panda and joints == len(READY_RAD) else (0.0,) * joints
-    return Arm(
-        names=tuple(names.get(k, f"{'panda_' if panda else ''}joint{k}") for k in range(1, joints + 1)),
-        start_rad=usual if start is None else tuple(map(float, start)),
-        panda=panda,
-        known_start=start is not None,
-    )
+    place = usual if start is None else tuple(map(float, start))
+    if len(place) != joints or not np.isfinite(place).all():
+        raise UsageError(f"--start: {len(place)} positions; expected {joints}, one per joint [rad]")
+    known = (names.get(k, f"{'panda_' if panda else ''}joint{k}") for k in range(1, joints + 1))
+    return Arm(tuple(known), place, panda, known_start=start is not None)
 
 
 def tasks_of(
@@ -125,47 +122,33 @@ def tasks_of(
     names: Sequence[str] = (),
     subjects: Sequence[tuple[Subject, JointDiagnosis]] = (),
 ) -> tuple[Arm, list[Task]]:
-    """Return the arm of a result and what each joint needs.
+    """Return the arm of a document of `diagnose` or `estimate`, and what each joint needs, or those that are wanted.
 
-    Args:
-        document: Of `diagnose` or `estimate`.
-        path: Its file, or that of the log, for messages.
-        start: Where the motion starts; None for the ready pose of a Panda and zero else. [rad]
-        wanted: Numbers of the joints, None for all.
-        names: Of all joints, where the log is there.
-        subjects: The joints as they were prepared and diagnosed, likewise.
+    Where the log is there, the names of all joints are known, and the joints as they were prepared and diagnosed.
 
     Raises:
-        InputError: If keys are missing.
+        InputError: If keys are missing; it names the path.
         UsageError: If the start has another number of joints.
     """
     try:
         source, hand = document["source"], document["settings"]["torque_chosen"]["drive"] == "hand"
-        own = {int(one["joint"]): str(one["name"]) for one in document["joints"]} | dict(enumerate(names, 1))
-        arm, prepared = (
-            arm_of(str(source["robot"]), int(source["joints"]), start, own),
-            {one[0].number: one for one in subjects},
-        )
         found = {int(one["joint"]): one for one in document["joints"]}
-        chosen = [k for k in found if wanted is None or k in wanted]
-        return arm, [
-            task_of(found[k], hand=hand, start_rad=arm.start_rad[k - 1], subject=prepared.get(k)) for k in chosen
-        ]
+        own = {k: str(one["name"]) for k, one in found.items()} | dict(enumerate(names, 1))
+        arm = arm_of(str(source["robot"]), int(source["joints"]), start, own)
+        prepared = {one[0].number: one for one in subjects}
+        chosen = {k: one for k, one in found.items() if wanted is None or k in wanted}
+        return arm, [task_of(one, hand, arm.start_rad[k - 1], prepared.get(k)) for k, one in chosen.items()]
     except (KeyError, IndexError, TypeError, ValueError, AttributeError) as error:
         raise InputError(f"{path}: is no whole document of its schema ({error!r}); write it again") from error
 
 
 def task_of(
-    found: Mapping[str, Any], *, hand: bool, start_rad: float, subject: tuple[Subject, JointDiagnosis] | None = None
+    found: Mapping[str, Any],
+    hand: bool,
+    start_rad: float,
+    subject: tuple[Subject, JointDiagnosis] | None = None,
 ) -> Task:
-    """Return what a joint needs.
-
-    Args:
-        found: The joint in a document of `diagnose` or `estimate`.
-        hand: Whether a person moved it.
-        start_rad: Where the planned motion starts, from which positions are counted. [rad]
-        subject: The joint as it was prepared and diagnosed; None where there is only the document.
-    """
+    """Return what a joint of a document needs that a person or the robot moved; positions count from the start."""
     energy = found.get("from_energy", found)
     coefficients = {key: _value(energy.get(key)) for key in ("coulomb_nm", "viscous_nms_per_rad")}
     joint = replace(_joint(found, coefficients, start_rad, subject and subject[0]), hand=hand)
