@@ -12,8 +12,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 from friction_audit import robot
 from friction_audit.errors import AnalysisError, UsageError
-from friction_audit.planning.candidates import candidates_of
-from friction_audit.planning.limits import Limits, limits_of
+from friction_audit.planning.motion import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import JointPlan, plan_task
 from friction_audit.planning.task import Joint, Task, task_of
 from tests.cli.conftest import Run, run

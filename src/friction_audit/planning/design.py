@@ -21,7 +21,7 @@ from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.planning.candidates import Candidate
+from friction_audit.planning.motion import Candidate
 from friction_audit.planning.task import Joint, subject_of
 from friction_audit.simulation.motion.prescribed import Prescribed, starts_of
 
