@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import quoteattr
 
 from friction_audit.errors import InputError
-from friction_audit.export.target import ExportedJoint, Target, number
-from friction_audit.export.urdf import TURNING
+from friction_audit.export.target import ExportedJoint, Target
+from friction_audit.export.urdf import TURNING, values_of
 from friction_audit.export.xml_text import Edit, Tag, XmlText
 
 
@@ -36,7 +36,7 @@ def _edits(joints: Sequence[ExportedJoint], into: XmlText) -> Iterator[Edit]:
             yield into.append(axis, _dynamics(joint))
             continue
         lacking = ""
-        for name, value in _values(joint).items():
+        for name, value in values_of(joint).items():
             there = dynamics.child(name)
             if there is None:
                 lacking += f"<{name}>{value}</{name}>"
@@ -46,12 +46,8 @@ def _edits(joints: Sequence[ExportedJoint], into: XmlText) -> Iterator[Edit]:
             yield into.append(dynamics, lacking)
 
 
-def _values(joint: ExportedJoint) -> dict[str, str]:
-    return {"damping": number(joint.fitted.viscous_nms_per_rad), "friction": number(joint.fitted.coulomb_nm)}
-
-
 def _dynamics(joint: ExportedJoint) -> str:
-    return f"<dynamics>{''.join(f'<{key}>{value}</{key}>' for key, value in _values(joint).items())}</dynamics>"
+    return f"<dynamics>{''.join(f'<{key}>{value}</{key}>' for key, value in values_of(joint).items())}</dynamics>"
 
 
 TARGET = Target(

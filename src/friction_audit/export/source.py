@@ -1,6 +1,6 @@
 """Where an export takes its numbers from: a model file, an estimate's document, a folder of results, or a log."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,6 @@ from friction_audit.effects.joint_model import JointModel, simple_model
 from friction_audit.effects.model_file import load_model
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law, moving_speeds
-from friction_audit.friction.history import JointFriction
 from friction_audit.io.documents import read_document
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
@@ -57,18 +56,13 @@ def read_result(path: Path) -> Joints:
 
 def of_estimate(estimate: Estimate) -> Joints:
     """Return the models that an estimate amounts to: inertia, Coulomb and viscous friction."""
-    choice = estimate.interaction.choice
-    found = [(joint.joint, joint.name, _model_of(joint), joint.reason) for joint in estimate.friction.joints]
-    return _joints(found, reflected=is_reflected(choice.drive, choice.inertia))
-
-
-def is_reflected(drive: str, inertia: str) -> bool:
-    """Return whether the inertia in a torque balance is that of the motor alone.
-
-    It is where a person drives the link, for then the sensor is between the two, and where a rigid-body model has taken
-    the inertia of the links out.
-    """
-    return drive == "hand" or inertia == "model"
+    choice, joints = estimate.interaction.choice, estimate.friction.joints
+    inertias = [float("nan") if one.regression is None else one.regression.inertia_kg_m2 for one in joints]
+    rows = [
+        (one.joint, one.name, (inertia, one.coulomb.value, one.viscous.value), one.reason)
+        for one, inertia in zip(joints, inertias, strict=True)
+    ]
+    return _joints(rows, choice.drive, choice.inertia)
 
 
 def speeds_of(estimate: Estimate) -> dict[int, Float]:
@@ -111,44 +105,36 @@ def laws_of(
     return tuple(laws), tuple(sorted(lacking))
 
 
-def _model_of(joint: JointFriction) -> JointModel | None:
-    coulomb, viscous = joint.coulomb.value, joint.viscous.value
-    inertia = float("nan") if joint.regression is None else joint.regression.inertia_kg_m2
-    return None if joint.reason else _simple(coulomb, viscous, inertia)
-
-
-def _simple(coulomb: float, viscous: float, inertia: float) -> JointModel:
-    """Return a model; a coefficient that its estimator does not have, or that is not determined, is zero."""
-    known = [float(max(value, 0.0)) if np.isfinite(value) else 0.0 for value in (coulomb, viscous)]
-    return simple_model(
-        inertia_kg_m2=float(inertia) if np.isfinite(inertia) else 0.0, coulomb_nm=known[0], viscous_nms_per_rad=known[1]
-    )
-
-
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
     """Return what a document of ``estimate`` says, its keys as in its schema."""
+    keys = (("regression", "inertia_kg_m2"), ("coulomb_nm", "value"), ("viscous_nms_per_rad", "value"))
     try:
         chosen = document["settings"]["torque_chosen"]
-        found = list(_joints_in(document["joints"]))
-        reflected = is_reflected(chosen["drive"], chosen["inertia"])
+        rows = [
+            (int(one["joint"]), str(one["name"]), [_number(one[k], key) for k, key in keys], str(one["reason"] or ""))
+            for one in document["joints"]
+        ]
+        return _joints(rows, chosen["drive"], chosen["inertia"])
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: is no whole document of `estimate` ({error!r}); write it again") from error
-    return _joints(found, reflected=reflected)
 
 
-def _joints(found: Iterable[tuple[int, str, JointModel | None, str]], *, reflected: bool) -> Joints:
-    """Return the joints that have a model, and why the others have none."""
-    found = tuple(found)
-    models = tuple((number, name, model) for number, name, model, _ in found if model is not None)
-    return Joints(models, reflected, tuple((number, why) for number, _, model, why in found if model is None))
+def _joints(rows: Iterable[tuple[int, str, Sequence[float], str]], drive: str, inertia: str) -> Joints:
+    """Return the joints that have a model, and why the others have none; a number that is not known is zero.
 
-
-def _joints_in(joints: Iterable[Mapping[str, Any]]) -> Iterator[tuple[int, str, JointModel | None, str]]:
-    for joint in joints:
-        coulomb, viscous = (_number(joint[key], "value") for key in ("coulomb_nm", "viscous_nms_per_rad"))
-        inertia, reason = _number(joint["regression"], "inertia_kg_m2"), joint["reason"]
-        model = None if reason else _simple(coulomb, viscous, inertia)
-        yield int(joint["joint"]), str(joint["name"]), model, str(reason or "")
+    Their inertia is that of the motor alone where a person drives the link, for then the sensor is between the two, and
+    where a rigid-body model has taken the inertia of the links out.
+    """
+    models, lacking = [], []
+    for number, name, values, reason in rows:
+        if reason:
+            lacking.append((number, reason))
+            continue
+        known = [float(value) if np.isfinite(value) else 0.0 for value in values]
+        coulomb, viscous = (max(value, 0.0) for value in known[1:])
+        model = simple_model(inertia_kg_m2=known[0], coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
+        models.append((number, name, model))
+    return Joints(tuple(models), drive == "hand" or inertia == "model", tuple(lacking))
 
 
 def _number(found: Mapping[str, Any] | None, key: str) -> float:

@@ -18,7 +18,7 @@ def write(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
     """Write friction into a URDF; without one, the joints with nothing else, to be copied."""
     if into is None:
         lines = (
-            f"  <joint name={quoteattr(joint.name)}>\n    <dynamics {attributes(_values(joint))}/>\n  </joint>"
+            f"  <joint name={quoteattr(joint.name)}>\n    <dynamics {attributes(values_of(joint))}/>\n  </joint>"
             for joint in joints
         )
         return "\n".join(('<robot name="friction">', *lines, "</robot>", "")).encode()
@@ -31,13 +31,14 @@ def _edits(joints: Sequence[ExportedJoint], into: XmlText) -> Iterator[Edit]:
         tag = tags[joint.name]
         dynamics = tag.child("dynamics")
         yield (
-            into.set_attributes(dynamics, _values(joint))
+            into.set_attributes(dynamics, values_of(joint))
             if dynamics
-            else into.append(tag, f"<dynamics {attributes(_values(joint))}/>")
+            else into.append(tag, f"<dynamics {attributes(values_of(joint))}/>")
         )
 
 
-def _values(joint: ExportedJoint) -> dict[str, str]:
+def values_of(joint: ExportedJoint) -> dict[str, str]:
+    """Return damping and friction of a joint, as URDF and SDF name them."""
     return {"damping": number(joint.fitted.viscous_nms_per_rad), "friction": number(joint.fitted.coulomb_nm)}
 
 

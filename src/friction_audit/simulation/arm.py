@@ -23,6 +23,7 @@ from friction_audit.simulation.settings import (
     Streams,
     count_ticks,
     make_streams,
+    require_hand,
     require_within,
 )
 from friction_audit.simulation.simulation import Simulation, Truth
@@ -106,13 +107,8 @@ class ArmSettings:
                 f"{len(self.pose_rad)} angles, braked {self.braked}: expected {len(PANDA_JOINTS)} of each, and braked "
                 f"joints from 1 to {len(PANDA_JOINTS)}"
             )
-        if self.driven and any(hidden.unlogged_compensation.share != 0.0 for hidden in self.hidden):
-            raise UsageError(
-                "arm: unlogged_compensation takes a hand that moves the arm: of a robot that moves by itself the "
-                "sensor reads all that the motors give; expected driven=false"
-            )
-        if self.driven and self.compensator is not None:
-            raise UsageError("arm: a friction compensator takes a hand that guides the arm; expected driven=false")
+        if self.driven:
+            require_hand("arm", "a hand that guides the arm", self.hidden, self.compensator)
 
     @property
     def moving(self) -> tuple[int, ...]:

@@ -271,8 +271,8 @@ def _turn_into(kinds: dict[str, type], name: str) -> Change:
 def _reader_of(hint: Any, *, endless: bool = False) -> Reader | None:  # noqa: ANN401 - any annotation
     """Return what reads a value of an annotated type, None where text cannot give one; an endless number may be inf."""
     plain: dict[Any, Reader] = {
-        float: partial(_read_float, endless=endless),
-        int: _read_int,
+        float: partial(_read_number, kind=float, endless=endless),
+        int: partial(_read_number, kind=int),
         bool: _read_bool,
         str: str,
     }
@@ -308,23 +308,16 @@ def _tuple_reader(arguments: tuple[Any, ...]) -> Reader | None:
     return read
 
 
-def _read_float(text: str, *, endless: bool) -> float:
+def _read_number(text: str, kind: type[float] | type[int], *, endless: bool = False) -> float:
     if endless and text == "inf":
         return inf
     try:
-        value = float(text)
+        value = kind(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ValueError("a number")
+        raise ValueError("a number" if kind is float else "a whole number")
     return value
-
-
-def _read_int(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise ValueError("a whole number") from None
 
 
 def _read_bool(text: str) -> bool:

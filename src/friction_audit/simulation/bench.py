@@ -22,6 +22,7 @@ from friction_audit.simulation.settings import (
     Streams,
     count_ticks,
     make_streams,
+    require_hand,
     require_positive,
 )
 from friction_audit.simulation.simulation import Simulation, TrueMotion, Truth, require_sane
@@ -75,15 +76,8 @@ class BenchSettings:
                 "simulation: a joint with a gravity load, or one that moves by itself, cannot log the interaction "
                 "torque; expected logs_sensor=true"
             )
-        if self.driven and any(hidden.unlogged_compensation.share != 0.0 for hidden in self.hidden):
-            raise UsageError(
-                "simulation: unlogged_compensation takes a hand that moves the joint: where the motor moves it, the "
-                "sensor reads all that the motor gives; expected driven=false"
-            )
-        if self.driven and self.compensator is not None:
-            raise UsageError(
-                "simulation: a friction compensator takes a hand that moves the joint; expected driven=false"
-            )
+        if self.driven:
+            require_hand("simulation", "a hand that moves the joint", self.hidden, self.compensator)
 
     @property
     def moving(self) -> tuple[int, ...]:

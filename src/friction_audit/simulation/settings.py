@@ -1,13 +1,18 @@
 """Checks that settings share, the joint, its sensors, and the clock of a recording."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.compensators import Compensator, guard_of
 from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.simulation.effects.hidden import Hidden
 
 CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets its torques
 FEWEST_TICKS = 2
@@ -52,6 +57,21 @@ def require_order(where: str, **pairs: tuple[float, float]) -> None:
     for name, (low, high) in pairs.items():
         if not -inf < low <= high < inf:
             raise UsageError(f"{where}: {name} {low:g}, {high:g}: expected the smaller number first")
+
+
+def require_hand(where: str, hand: str, hidden: "Iterable[Hidden]", compensator: object) -> None:
+    """Refuse what takes a person's hand where motors move the joints.
+
+    Raises:
+        UsageError: If a compensation is hidden or a compensator active.
+    """
+    if any(inside.unlogged_compensation.share != 0.0 for inside in hidden):
+        raise UsageError(
+            f"{where}: unlogged_compensation takes {hand}: where motors move the joints, the sensors read all that "
+            "they give; expected driven=false"
+        )
+    if compensator is not None:
+        raise UsageError(f"{where}: a friction compensator takes {hand}; expected driven=false")
 
 
 def count_ticks(duration_s: float, rate_hz: float) -> int:
