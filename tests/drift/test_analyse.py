@@ -11,6 +11,7 @@ from friction_audit.drift.report import ArmDrift, CoefficientDrift
 from friction_audit.drift.session import JointSummary, Session
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.reporting.drift_words import arm_sentence, describe, headline, joint_sentence
 from tests.drift.made_sessions import (
     A_DAY_S,
     FIRST_S,
@@ -44,8 +45,8 @@ def test_step_of_15_percent_is_found_sized_and_dated() -> None:
     assert step.relative.low < 0.15 < step.relative.high
     assert step.relative.high - step.relative.low < 0.03
     assert found.total.value == pytest.approx(0.15, abs=0.01)
-    assert "Coulomb friction rose by 15 %" in found.message
-    assert "between 2026-03-14 and 2026-03-15" in found.message
+    assert "Coulomb friction rose by 15 %" in describe(found, make_arm_sessions(level))
+    assert "between 2026-03-14 and 2026-03-15" in describe(found, make_arm_sessions(level))
 
 
 def test_step_of_one_joint_leaves_the_others_alone() -> None:
@@ -57,8 +58,8 @@ def test_step_of_one_joint_leaves_the_others_alone() -> None:
         sessions.append(make_session(i, [make_joint(j + 1, levels[j], viscous[j]) for j in range(7)]))
     arm = analyse(sessions)
     assert [joint.joint for joint in arm.joints if joint.drift] == [3]
-    assert arm.joints[2].message.startswith("joint 3: Coulomb friction rose by 1")
-    assert arm.joints[2].message.endswith("; nothing else changed")
+    assert joint_sentence(arm, arm.joints[2]).startswith("Coulomb friction rose by 1")
+    assert joint_sentence(arm, arm.joints[2]).endswith("; nothing else changed")
 
 
 def test_slow_rise_is_a_ramp() -> None:
@@ -86,7 +87,7 @@ def test_nothing_changes() -> None:
     # A straight change is seen from (t + z) sd sqrt(12 / n) = (3.3 + 1.3) 1.05 % 0.63 on; 30 sessions of one joint do
     # not rule out autocorrelations up to 0.4, which make sqrt((1 + 0.4) / (1 - 0.4)) times that.
     assert 0.9 < found.smallest_drift / 0.0305 < np.sqrt(1.4 / 0.6)
-    assert arm.message.startswith("arm: no drift in 30 sessions: changes of ")
+    assert arm_sentence(arm).startswith("no drift in 30 sessions: changes of ")
 
 
 @pytest.mark.parametrize("at", [0, 13, 29])
@@ -97,7 +98,7 @@ def test_one_broken_estimate_is_no_drift(at: int) -> None:
     assert (found.drift, found.isolated) == (False, (at,))
     assert found.control[at].outside
     if at == 29:
-        assert "session 30 (2026-03-30) does not fit: 6" in found.message
+        assert "session 30 (2026-03-30) does not fit: 6" in describe(found, make_sessions(level))
 
 
 def rise(*, odd_at: int | None = None, back_for: int = 0, seed: int = 0) -> list[Session]:
@@ -119,7 +120,9 @@ def test_one_odd_session_does_not_hide_a_step(odd_at: int | None, seed: int) -> 
     assert found.total.high - found.total.low < 0.13
     assert found.change_points[0].low <= (15 if odd_at is None else 14) <= found.change_points[0].high
     if odd_at is not None:
-        assert f"session {odd_at + 1} (2026-03-{odd_at + 1}) does not fit: 1" in found.message
+        assert f"session {odd_at + 1} (2026-03-{odd_at + 1}) does not fit: 1" in describe(
+            found, rise(odd_at=odd_at, seed=seed)
+        )
 
 
 @pytest.mark.parametrize("back_for", [3, 5])
@@ -128,7 +131,7 @@ def test_a_joint_that_recovered_is_no_odd_session(back_for: int) -> None:
     assert (found.drift, found.shape, found.isolated) == (True, "steps", ())
     assert [point.session for point in found.change_points] == [15, 30 - back_for]
     assert found.total.low < 0.0 < found.total.high
-    assert "changed in 2 steps: rose by 1" in found.message
+    assert "changed in 2 steps: rose by 1" in describe(found, rise(back_for=back_for, seed=1))
 
 
 def test_limits_of_few_sessions_overflow_without_a_warning() -> None:
@@ -151,7 +154,7 @@ def test_too_few_sessions_say_how_many_are_needed(count: int) -> None:
     arm = analyse(make_sessions(noisy(count)))
     assert arm.joints[0].coefficients[0].shape == "too_few"
     assert not arm.drift
-    assert "at least 4 are needed" in arm.message
+    assert "at least 4 are needed" in arm_sentence(arm)
 
 
 def test_a_joint_that_never_moved_is_said_to_have_stood_still() -> None:
@@ -166,9 +169,9 @@ def test_a_joint_that_never_moved_is_said_to_have_stood_still() -> None:
     )
     sessions = [replace(one, joints=(*one.joints, still)) for one in make_sessions(noisy(6))]
     expected = "0 comparable sessions, at least 4 are needed to separate drift from scatter; did not move (6 sessions)"
-    joint = analyse(sessions).joints[1]
-    assert joint.message == f"joint 2: {expected}"
-    assert [one.message for one in joint.coefficients] == [
+    arm = analyse(sessions)
+    assert joint_sentence(arm, arm.joints[1]) == expected
+    assert [describe(one, arm.sessions) for one in arm.joints[1].coefficients] == [
         f"Coulomb friction: {expected}",
         f"viscous friction: {expected}",
     ]
@@ -211,8 +214,12 @@ def test_temperature_that_rises_with_time_cannot_be_told_from_drift() -> None:
     warmth = 20.0 + np.arange(20.0)
     found = coulomb(make_sessions(noisy(20, 1) * np.exp(-0.01 * (warmth - 20.0)), temperature=warmth))
     assert (found.drift, found.shape) == (False, "temperature")
-    assert "cannot be separated" in found.message
-    assert "while it became 16.0 K warmer" in found.message
+    assert "cannot be separated" in describe(
+        found, make_sessions(noisy(20, 1) * np.exp(-0.01 * (warmth - 20.0)), temperature=warmth)
+    )
+    assert "while it became 16.0 K warmer" in describe(
+        found, make_sessions(noisy(20, 1) * np.exp(-0.01 * (warmth - 20.0)), temperature=warmth)
+    )
 
 
 def test_coefficient_near_zero_has_no_relative_change() -> None:
@@ -221,8 +228,8 @@ def test_coefficient_near_zero_has_no_relative_change() -> None:
     assert found.drift
     assert np.isnan(found.total.value)
     assert found.change.low < 0.02 < found.change.high
-    assert "N m" in found.message
-    assert "%" not in found.message
+    assert "N m" in describe(found, make_sessions(level))
+    assert "%" not in describe(found, make_sessions(level))
 
 
 def test_warm_up_within_sessions_is_told_apart() -> None:
@@ -238,7 +245,7 @@ def test_warm_up_within_sessions_is_told_apart() -> None:
     assert not found.drift
     assert found.within.value == pytest.approx(-0.08)
     assert found.within.high < 0.0
-    assert "within a session it falls by 8 %" in found.message
+    assert "within a session it falls by 8 %" in describe(found, sessions)
 
 
 def test_days_and_sessions_are_two_clocks() -> None:
@@ -255,7 +262,7 @@ def test_days_and_sessions_are_two_clocks() -> None:
 def test_change_of_speed_with_the_drift_is_told() -> None:
     level = noisy(20) * np.where(np.arange(20) >= 10, 1.15, 1.0)
     sessions = [make_session(i, [make_joint(1, c, speed=0.4 if i >= 10 else 0.8)]) for i, c in enumerate(level)]
-    assert "the speed of motion changed with it (0.5 times)" in coulomb(sessions).message
+    assert "the speed of motion changed with it (0.5 times)" in describe(coulomb(sessions), sessions)
 
 
 def test_reference_is_the_first_sessions_or_those_asked_for() -> None:
@@ -296,7 +303,8 @@ def test_scale_changes_nothing(factor: float, seed: int) -> None:
     assert one.shape == other.shape
     assert one.p_value == other.p_value
     assert one.total.value == pytest.approx(other.total.value, rel=1e-6)
-    assert one.message.partition(";")[0] == other.message.partition(";")[0]
+    made = make_sessions(level)
+    assert headline(one, made).partition(";")[0] == headline(other, made).partition(";")[0]
 
 
 @settings(max_examples=3, deadline=None)

@@ -6,6 +6,7 @@ from friction_audit.drift.fail_on import Limit, exceeded, parse_limit, untestabl
 from friction_audit.drift.report import DriftReport
 from friction_audit.drift.settings import DriftSettings, parse_baseline
 from friction_audit.errors import UsageError
+from friction_audit.reporting.drift_words import limit_sentences
 from tests.drift.made_sessions import make_sessions, noisy
 
 
@@ -42,14 +43,14 @@ def test_what_is_no_limit_is_refused(text: str) -> None:
 
 @pytest.mark.parametrize("text", ["coulomb=10%", "joint1.coulomb=12%", "any=10%", "coulomb=0.03"])
 def test_proven_change_beyond_the_limit(stepped: DriftReport, text: str) -> None:
-    (sentence,) = exceeded(stepped, [parse_limit(text)])
+    ((sentence,), _) = limit_sentences(stepped, [parse_limit(text)])
     assert sentence.startswith("arm, joint 1: Coulomb friction rose by ")
     assert sentence.endswith(f"surely beyond the limit {text}")
 
 
 @pytest.mark.parametrize("text", ["coulomb=20%", "joint2.coulomb=10%", "coulomb=0.06"])
 def test_change_below_the_limit_or_not_proven(stepped: DriftReport, text: str) -> None:
-    assert exceeded(stepped, [parse_limit(text)]) == ()
+    assert not exceeded(stepped, [parse_limit(text)])
 
 
 def test_estimate_beyond_an_interval_across() -> None:
@@ -57,7 +58,7 @@ def test_estimate_beyond_an_interval_across() -> None:
     report = analyse_drift(make_sessions(level), DriftSettings(permutations=199))
     total = report.arms[0].joints[0].coefficients[0].total
     close = Limit(joint=None, coefficient="coulomb_nm", size=total.value - 1e-4, relative=True, text="coulomb=close")
-    (sentence,) = exceeded(report, [close])
+    ((sentence,), _) = limit_sentences(report, [close])
     assert "probably beyond" in sentence
 
 
@@ -74,13 +75,13 @@ def test_estimate_beyond_an_interval_across() -> None:
 )
 def test_a_limit_below_what_would_have_been_seen_is_not_tested(sessions: int, text: str, told: bool) -> None:
     report = analyse_drift(make_sessions(noisy(sessions)), DriftSettings(permutations=199))
-    sentences = untestable(report, [parse_limit(text)])
+    _, sentences = limit_sentences(report, [parse_limit(text)])
     assert len(sentences) == (not told)
     assert all(text in sentence for sentence in sentences)
 
 
 def test_a_proven_drift_tests_every_limit(stepped: DriftReport) -> None:
-    assert untestable(stepped, [parse_limit("coulomb=10%"), parse_limit("coulomb=15.5%")]) == ()
+    assert not untestable(stepped, [parse_limit("coulomb=10%"), parse_limit("coulomb=15.5%")])
 
 
 def test_baselines() -> None:

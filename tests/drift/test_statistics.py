@@ -21,8 +21,8 @@ from friction_audit.drift.covariates import without_temperature
 from friction_audit.drift.regression import fit_model, residual_scatter, shape_of, steps_scatter
 from friction_audit.drift.session import Series, make_series
 from friction_audit.drift.settings import DriftSettings
-from friction_audit.drift.words import percent
 from friction_audit.joint_log import Float
+from friction_audit.reporting.drift_words import percent
 from tests.drift.made_sessions import make_sessions, noisy
 
 

@@ -150,9 +150,6 @@ def drift_of(sessions: Sequence[Session], joint: int, coefficient: str, compared
         smallest_drift=2.2 * noise,
         within=number(-0.03 if joint == 1 else 0.0, 0.01),
         drift=drift,
-        message=f"changed by {100 * total:.0f} %"
-        if drift
-        else f"no change above {220 * noise:.1f} % over the sessions",
     )
 
 
@@ -179,7 +176,6 @@ def nothing_of(coefficient: str) -> CoefficientDrift:
         values=(),
         shape="too_few",
         drift=False,
-        message="no session has an estimate: the joint does not move",
     )
 
 
@@ -196,7 +192,6 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
         ordered_by="start" if dated else "name",
         autocorrelation=0.05,
         drift=count > STEP_SESSION,
-        message=f"{robot}: joints 2 and 5 drift",
         reference=tuple(range(min(REFERENCE, count))),
         left_out=left_out,
         joints=tuple(joint_of(sessions, j + 1, compared) for j in range(joints)),
@@ -207,13 +202,11 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
 def joint_of(sessions: Sequence[Session], joint: int, compared: Sequence[int]) -> JointDrift:
     found = tuple(drift_of(sessions, joint, coefficient, compared) for coefficient in LEVELS)
     drift = any(one.drift for one in found)
-    message = "; ".join(f"{one.coefficient.split('_')[0]}: {one.message}" for one in found)
     return JointDrift(
         joint=joint,
         name=sessions[0].joints[joint - 1].name,
         coefficients=found,
         drift=drift,
-        message=f"joint {joint}: {message}",
     )
 
 
@@ -250,7 +243,7 @@ def hostile() -> BatchSummary:
         )
         for one in plain.sessions
     )
-    joints = tuple(replace(joint, name=HOSTILE, message=HOSTILE) for joint in plain.joints)
+    joints = tuple(replace(joint, name=HOSTILE) for joint in plain.joints)
     bad = replace(
         plain, robot=HOSTILE, sessions=sessions, joints=joints, warnings=(HOSTILE,), left_out=((LEFT_OUT, HOSTILE),)
     )

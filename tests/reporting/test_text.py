@@ -248,7 +248,7 @@ def test_drift_has_a_table_per_arm() -> None:
 
 def test_drift_in_detail_of_many_and_of_nothing() -> None:
     verbose = batch_lines(batch_by_hand.batch(ARM), verbose=True)
-    assert any(line.startswith("joint 1: coulomb: no change above") for line in verbose)
+    assert any(line.startswith("joint 1: no drift of Coulomb friction: a change") for line in verbose)
     assert "not compared: logs/panda-1/run_009.mcap: payload 0.7 kg, the reference had none" in verbose
     many = replace(ARM, robot="[red]arm[/red]", left_out=tuple((k, "no start") for k in range(9)))
     lines = batch_lines(batch_by_hand.batch(many))

@@ -294,8 +294,8 @@ def _summarise(
 ) -> "tuple[BatchSummary, tuple[str, ...]]":
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
     from friction_audit.batch.run_batch import drift_of_arms, gather
-    from friction_audit.drift.fail_on import exceeded, untestable
     from friction_audit.reporting.drift import BatchSummary, FailedLog
+    from friction_audit.reporting.drift_words import limit_sentences
     from friction_audit.reporting.table import to_json
 
     result = gather(standing, settings, ledger)
@@ -303,11 +303,12 @@ def _summarise(
     report = drift_of_arms(result.sessions, drift, processes)
     every = {"reading": chain.reading_settings(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
     every["diagnosis"] = None if settings.diagnosis is None else asdict(settings.diagnosis)
+    beyond, unknown = limit_sentences(report, limits)
     summary = BatchSummary(
         report=report,
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
-        exceeded=exceeded(report, limits),
-        cannot_tell=untestable(report, limits),
+        exceeded=beyond,
+        cannot_tell=unknown,
         warnings=result.warnings,
         settings=to_json(every),
         command=command,

@@ -128,17 +128,15 @@ def _report(
     friction: EstimateOptions,
 ) -> int:
     """Write and print the result; return the exit code."""
-    from friction_audit.drift.fail_on import exceeded, untestable
     from friction_audit.reporting.diff import changes_table, diff_document, diff_lines, diff_notices
     from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.drift_words import limit_sentences
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.words import in_unit
 
     voice, json = shared.general.voice, shared.general.json
     warnings = (*left_out, *diff_notices(sides))
-    beyond, unknown = (
-        [in_unit(text, sides.unit) for text in find(sides.report, limits)] for find in (exceeded, untestable)
-    )
+    beyond, unknown = ([in_unit(text, sides.unit) for text in some] for some in limit_sentences(sides.report, limits))
     settings = asdict(audit_settings(shared, friction))
     document = write_document(diff_document(sides, settings, warnings, beyond, unknown))
     out.write_text(DOCUMENT, document)

@@ -11,7 +11,6 @@ from friction_audit.drift.regression import baseline_columns
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
-from friction_audit.drift.words import describe_arm, describe_joint
 from friction_audit.joint_numbers import write_joint_numbers
 
 HEAVY = (
@@ -54,9 +53,8 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         for series, verdict in zip(family, verdicts, strict=True)
     ]
     joints = _by_joint(family, coefficients, order.sessions)
-    robot = order.sessions[0].robot
     return ArmDrift(
-        robot=robot,
+        robot=order.sessions[0].robot,
         sessions=order.sessions,
         compared=alike.compared,
         reference=reference,
@@ -65,7 +63,6 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         ordered_by=order.by,
         autocorrelation=max((one.autocorrelation.first for one in verdicts if one is not None), default=0.0),
         drift=any(joint.drift for joint in joints),
-        message=describe_arm(robot, len(alike.compared), joints),
         warnings=(*alike.warnings, *odd, *warnings),
     )
 
@@ -149,6 +146,5 @@ def _by_joint(
     for number in dict.fromkeys(series.joint for series in family):
         own = tuple(drift for series, drift in zip(family, coefficients, strict=True) if series.joint == number)
         drifts = any(drift.drift for drift in own)
-        message = describe_joint(number, own)
-        joints.append(JointDrift(joint=number, name=names[number], coefficients=own, drift=drifts, message=message))
+        joints.append(JointDrift(joint=number, name=names[number], coefficients=own, drift=drifts))
     return tuple(joints)

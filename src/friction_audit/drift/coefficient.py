@@ -29,7 +29,6 @@ from friction_audit.drift.regression import (
 from friction_audit.drift.report import ChangePoint, CoefficientDrift
 from friction_audit.drift.session import NORMAL_95, Series, Session
 from friction_audit.drift.settings import DriftSettings
-from friction_audit.drift.words import describe, describe_too_few
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 
@@ -67,7 +66,7 @@ class _Described:
 def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
     """Return what can be said of a series with too few sessions: its values."""
     own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
-    drift = CoefficientDrift(
+    return CoefficientDrift(
         coefficient=series.coefficient,
         sessions=tuple(int(index) for index in series.session),
         values=_values(series, series.y),
@@ -76,9 +75,7 @@ def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
         within=change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
         drift=False,
         reasons=tuple(joint.reason for joint in own if joint.reason),
-        message="",
     )
-    return replace(drift, message=describe_too_few(drift))
 
 
 def describe_series(
@@ -106,7 +103,7 @@ def describe_series(
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
     least = Coefficient(value=smallest, low=smallest, high=smallest)
     relative_scatter = not series.logarithmic and not is_near_zero(level)
-    drift = CoefficientDrift(
+    return CoefficientDrift(
         coefficient=series.coefficient,
         sessions=tuple(int(index) for index in series.session),
         values=_values(series, y),
@@ -131,9 +128,7 @@ def describe_series(
         warmer_k=_warming(warm),
         by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
         speed_ratio=_speed_ratio(warm, found.model) if verdict.p_value <= settings.alpha else float("nan"),
-        message="",
     )
-    return replace(drift, message=describe(drift, sessions))
 
 
 def _change(series: Series, model: Model, fit: Fit, reference: Collection[int], inflation: float) -> Coefficient:

@@ -4,11 +4,10 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
+from typing import NamedTuple
 
 from friction_audit.drift.report import CoefficientDrift, DriftReport
-from friction_audit.drift.words import NAMES, UNITS, how_much, percent
 from friction_audit.errors import UsageError
-from friction_audit.friction.history import UNDETERMINED
 
 COEFFICIENT_OF = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad", "any": None}
 
@@ -69,73 +68,48 @@ def _number(text: str, where: str) -> float:
     return size
 
 
-def exceeded(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
-    """Return one sentence for each coefficient that went beyond a limit; none if all is well.
+class Judged(NamedTuple):
+    """A coefficient that a limit is meant for, with its arm and joint; None where no session has an estimate of it."""
+
+    where: str
+    found: CoefficientDrift | None
+    limit: Limit
+
+
+def exceeded(report: DriftReport, limits: Sequence[Limit]) -> list[Judged]:
+    """Return each coefficient that went beyond a limit.
 
     A limit is exceeded if drift is proven and the change from the reference to the last sessions, as estimated, is at
     least as large as the limit.
     """
-    return tuple(
-        f"{where}: {_sentence(drift, limit)}"
+    return [
+        Judged(where, found, limit)
         for limit in limits
-        for where, drift in _meant(report, limit)
-        if is_exceeded(drift, limit)
-    )
+        for where, found in _meant(report, limit)
+        if found.drift and abs((found.total if limit.relative else found.change).value) >= limit.size
+    ]
 
 
-def untestable(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
-    """Return one sentence for each coefficient whose sessions cannot show a change as small as a limit.
+def untestable(report: DriftReport, limits: Sequence[Limit]) -> list[Judged]:
+    """Return each coefficient whose sessions cannot show a change as small as a limit.
 
     A limit of 0 asks for any drift that is proven, which every test answers.
     """
-    sentences = []
+    judged = []
     for limit in limits:
         meant = list(_meant(report, limit))
-        if not meant:
-            sentences.append(f"the limit {limit.text}: no session has an estimate that it is meant for")
-        for where, drift in meant:
-            least = drift.smallest_drift if limit.relative else drift.smallest_change
-            proved = drift.drift and isfinite((drift.total if limit.relative else drift.change).value)
-            testable = proved or limit.size == 0.0 or (least <= limit.size and drift.shape != "temperature")
-            if not testable:
-                sentences.append(f"{where}: {NAMES[drift.coefficient]}: {_why(drift, least, limit)}")
-    return tuple(sentences)
+        judged += [] if meant else [Judged("", None, limit)]
+        for where, found in meant:
+            least = found.smallest_drift if limit.relative else found.smallest_change
+            proved = found.drift and isfinite((found.total if limit.relative else found.change).value)
+            if not (proved or limit.size == 0.0 or (least <= limit.size and found.shape != "temperature")):
+                judged.append(Judged(where, found, limit))
+    return judged
 
 
 def _meant(report: DriftReport, limit: Limit) -> Iterator[tuple[str, CoefficientDrift]]:
-    """Yield the coefficients that a limit is meant for, each with its arm and joint."""
     for arm in report.arms:
         for joint in arm.joints:
-            for drift in joint.coefficients:
-                if limit.joint in {None, joint.joint} and limit.coefficient in {None, drift.coefficient}:
-                    yield f"{arm.robot}, joint {joint.joint}", drift
-
-
-def _why(drift: CoefficientDrift, least: float, limit: Limit) -> str:
-    where = f"the limit {limit.text} cannot be tested"
-    if drift.shape == "temperature":
-        return f"{where}: drift and temperature cannot be separated; record sessions at like temperature"
-    if drift.drift:
-        return f"{where}: the reference is near zero, so there is no relative change; give a limit without %"
-    if drift.shape == "too_few" or not isfinite(least):
-        count = len(drift.sessions) - len(drift.isolated)
-        return f"{where} with {count} comparable session{'' if count == 1 else 's'}; record more"
-    size = f"{percent(least)} %" if limit.relative else f"{least:.2g} {UNITS[drift.coefficient]}"
-    return f"{where}: only a change of {size} or more is detectable; record more or longer sessions"
-
-
-def is_exceeded(drift: CoefficientDrift, limit: Limit) -> bool:
-    """Return whether a coefficient went beyond a limit that is meant for it."""
-    change = drift.total if limit.relative else drift.change
-    return drift.drift and abs(change.value) >= limit.size
-
-
-def _sentence(drift: CoefficientDrift, limit: Limit) -> str:
-    change = drift.total if limit.relative else drift.change
-    went = "rose" if change.value >= 0 else "fell"
-    size = how_much(drift.total if limit.relative else UNDETERMINED, drift.change, UNITS[drift.coefficient])
-    sure = min(abs(change.low), abs(change.high)) >= limit.size and change.low * change.high > 0
-    return (
-        f"{NAMES[drift.coefficient]} {went} by {size} since the reference, {'surely' if sure else 'probably'} beyond "
-        f"the limit {limit.text}"
-    )
+            for found in joint.coefficients:
+                if limit.joint in {None, joint.joint} and limit.coefficient in {None, found.coefficient}:
+                    yield f"{arm.robot}, joint {joint.joint}", found

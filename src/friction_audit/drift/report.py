@@ -83,7 +83,6 @@ class CoefficientDrift:
         by_temperature: Whether there is a change that the temperature explains.
         speed_ratio: Speed of motion at the end of a change over its start, where it went with it, else NaN.
         reasons: Why sessions have no estimate, where there are too few.
-        message: One sentence.
     """
 
     coefficient: str
@@ -111,7 +110,6 @@ class CoefficientDrift:
     by_temperature: bool = False
     speed_ratio: float = float("nan")
     reasons: tuple[str, ...] = ()
-    message: str
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -123,14 +121,12 @@ class JointDrift:
         name: Its name.
         coefficients: What became of each coefficient.
         drift: Whether one of them drifts.
-        message: One sentence.
     """
 
     joint: int
     name: str
     coefficients: tuple[CoefficientDrift, ...]
     drift: bool
-    message: str
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -147,7 +143,6 @@ class ArmDrift:
         ordered_by: ``"start"`` or ``"name"``.
         autocorrelation: Of one session's scatter with the next one's, over all joints.
         drift: Whether a joint drifts.
-        message: One sentence.
         warnings: What limits the comparison, one sentence each.
     """
 
@@ -160,7 +155,6 @@ class ArmDrift:
     ordered_by: str
     autocorrelation: float
     drift: bool
-    message: str
     warnings: tuple[str, ...] = ()
 
 

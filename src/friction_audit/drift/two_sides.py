@@ -132,7 +132,6 @@ class TwoSides:
                 name=one.name,
                 coefficients=tuple(change.found for change in one.coefficients),
                 drift=any(change.found.drift for change in one.coefficients),
-                message="",
             )
             for one in self.joints
         )
@@ -141,7 +140,7 @@ class TwoSides:
         arm = ArmDrift(
             robot=", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after)),
             sessions=sessions, compared=every, reference=every[: len(self.before)], left_out=(), joints=joints,
-            ordered_by="name", autocorrelation=NAN, drift=drift, message="",
+            ordered_by="name", autocorrelation=NAN, drift=drift,
         )  # fmt: skip
         return DriftReport(arms=(arm,))
 
@@ -331,7 +330,6 @@ def _test(name: str, sides: tuple[_Mean, _Mean]) -> CoefficientChange:
         change=change.interval(),
         total=_relative(first, second, change.freedom),
         drift=False,
-        message="",
     )
     return CoefficientChange(
         before=before, after=second.interval(), freedom=change.freedom, single_p_value=p_value, found=found

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from friction_audit.drift.report import ArmDrift, JointDrift
 from friction_audit.reporting.drawn_arm import as_drawn
-from friction_audit.reporting.drift_words import change_text, coefficient_name, drift_verdict, joint_verdict, total_text
+from friction_audit.reporting.drift_words import NAMES, change_text, drift_verdict, joint_verdict, total_text
 from friction_audit.reporting.figures.registry import Figure, figure_names, figures_of
 from friction_audit.reporting.words import count_of, joint_label
 
@@ -45,7 +45,7 @@ def _coefficients(arm: ArmDrift, joint: JointDrift) -> list[str]:
     words = []
     for found in joint.coefficients:
         steps = "".join(f", step at {change_text(arm, change)}" for change in found.change_points)
-        words.append(f"{coefficient_name(found.coefficient)} {drift_verdict(found)}, {total_text(found)}{steps}")
+        words.append(f"{NAMES[found.coefficient]} {drift_verdict(found)}, {total_text(found)}{steps}")
     return words
 
 

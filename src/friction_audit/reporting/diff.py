@@ -6,11 +6,10 @@ from typing import Any
 
 from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.drift.two_sides import CoefficientChange, Condition, JointChange, Recording, TwoSides
-from friction_audit.drift.words import NAMES, UNITS, how_much, percent
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
-from friction_audit.reporting.drift_words import total_text
+from friction_audit.reporting.drift_words import NAMES, UNITS, how_much, percent, total_text
 from friction_audit.reporting.notices import Notice
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column, to_json
 from friction_audit.reporting.terminal_table import table_lines
@@ -187,11 +186,11 @@ def _sentence(joint: JointChange) -> str:
         found = one.found
         if found.drift:
             went = "rose" if found.change.value >= 0.0 else "fell"
-            parts.append(f"{NAMES[name]} {went} by {how_much(found.total, found.change, UNITS[name])}")
+            parts.append(f"{NAMES[name]} friction {went} by {how_much(found.total, found.change, UNITS[name])}")
         elif isfinite(one.single_p_value):
             relative = isfinite(found.smallest_drift)
             least = f"{percent(found.smallest_drift)} %" if relative else f"{found.smallest_change:.2g} {UNITS[name]}"
-            parts.append(f"no change of {NAMES[name]} found, {least} is detectable")
+            parts.append(f"no change of {NAMES[name]} friction found, {least} is detectable")
     if joint.law is not None:
         law = joint.law
         ends = Coefficient(value=law.change_nm[-1], low=law.low_nm[-1], high=law.high_nm[-1])

@@ -69,4 +69,4 @@ def _shortened(found: CoefficientDrift, kind: str) -> CoefficientDrift:
         return replace(found, control=control)
     first = next((k for k, value in enumerate(found.values) if math.isfinite(value.value)), 0)
     part = slice(first, first + 1)
-    return replace(found, sessions=found.sessions[part], values=found.values[part], isolated=(), control=control)
+    return replace(found, values=found.values[part], control=control)

@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from typing import Any, NamedTuple
 
@@ -12,20 +12,21 @@ from friction_audit.drift.report import SHAPES, ArmDrift, CoefficientDrift, Cont
 from friction_audit.drift.session import JointSummary, Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import (
+    NAMES,
     TONES,
     UNITS,
     VERDICTS,
     arm_sentence,
     arm_verdict,
     change_text,
-    coefficient_name,
+    describe,
     drift_verdict,
     joint_sentence,
     joint_verdict,
+    slope_text,
     smallest_text,
     span_of,
     total_text,
-    trend_text,
 )
 from friction_audit.reporting.table import INTERVAL, JOINT, NAME, Column, Document, Get, Record, joint_column
 from friction_audit.reporting.terminal_table import table_lines
@@ -110,6 +111,10 @@ def _steps(found: CoefficientDrift) -> str:
     return ", ".join(str(_session(change)) for change in found.change_points)
 
 
+def _trend_text(found: CoefficientDrift) -> str:
+    return slope_text(found, found.trend_per_session)
+
+
 def _values(found: CoefficientDrift) -> Iterator[dict[str, Any]]:
     for index, value in zip(found.sessions, found.values, strict=True):
         yield {"session": index + 1, "value": value.value, "ci95": (value.low, value.high)}
@@ -145,74 +150,65 @@ CONTROL = Record(
 )
 PLACE = Column("session", int, "number of the session")
 VALUE = Record((PLACE, Column("value", float, "as compared"), Column("ci95", INTERVAL, "95 % interval")))
-FOUND = Record(
+
+
+def _verdict(row: CoefficientRow) -> str:
+    return drift_verdict(row.found)
+
+
+def _message(row: CoefficientRow) -> str:
+    return describe(row.found, row.arm.sessions)
+
+
+def _of_found(*columns: Column) -> tuple[Column, ...]:
+    """Return columns of a document, each read from what was found of a coefficient."""
+    return tuple(replace(one, get=f"found.{one.get or one.name}", on="j") for one in columns)
+
+
+COEFFICIENT = Record(
     (
-        Column("drift", bool, "whether it drifts", on="j"),
-        Column("verdict", VERDICTS, "in a word", drift_verdict, on="j"),
-        Column("shape", SHAPES, "what describes it", on="j"),
-        Column("message", str, "one sentence", on="j"),
-        Column("p_value", float, "that nothing changes, family-wise", on="j"),
-        Column("level", Coefficient, "level in the reference", on="j"),
-        Column("change", Coefficient, "from the reference to the last sessions", on="j"),
-        Column("relative_change", Coefficient, "the same over the level", "total", on="j"),
-        Column("trend_per_session", Coefficient, "robust slope", on="j"),
-        Column("trend_per_day", Coefficient, "robust slope", on="j"),
-        Column("trend_p_value", float, "that there is no straight trend", on="j"),
-        Column("change_points", [CHANGE_POINT], "steps", on="j"),
-        Column("smallest_change", float, "minimum detectable change (90 % power)", on="j"),
-        Column("smallest_relative_change", float, "the same over the level", "smallest_drift", on="j"),
-        Column("relative_scatter", float, "standard deviation between sessions over the level", "scatter", on="j"),
-        Column("relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within", on="j"),
-        Column(
-            "relative_change_per_k",
-            Coefficient,
-            "change with temperature that was taken out",
-            "temperature_slope",
-            on="j",
-        ),
-        Column("compared_at_temperature_c", float, "temperature of the comparison", "temperature_c", on="j"),
-        _numbers("isolated", "sessions that none of their neighbours comes near", "isolated"),
-        Column("values", [VALUE], "each session as compared", _values, on="j"),
-        Column("control", [CONTROL], "every session against the reference", on="j"),
-    )
-)
-# The same coefficients for people, a row per coefficient of a joint.
-CHANGES = Record(
-    (
-        Column(
-            "joint",
-            str,
-            get=lambda r: " " if r.place else joint_label(r.joint.joint, r.joint.name),
-            title="joint",
-            on="t",
-        ),
+        Column("joint", str, get=lambda r: " " if r.place else joint_label(r.joint.joint, r.joint.name), title="joint", on="t"),
         joint_column("joint", on="p"),
-        Column("friction", str, get="found.coefficient", form=coefficient_name, title="friction", on="tp"),
-        Column(
-            "verdict", str, get="found", form=drift_verdict, title="verdict", tone=lambda text: TONES[text], on="tp"
-        ),
+        Column("friction", str, get="found.coefficient", form=NAMES.__getitem__, title="friction", on="tp"),
+        Column("drift", bool, "whether it drifts", "found.drift", on="j"),
+        Column("verdict", VERDICTS, "in a word", _verdict, on="j"),
+        Column("verdict", str, get=_verdict, title="verdict", tone=TONES.__getitem__, on="tp"),
         Column("change", float, get="found", form=total_text, sort="found.total.value", title="change", on="tp"),
         Column("step", str, get="found", form=_steps, title="step", words=True, on="t"),
-        Column("trend", float, get="found", form=trend_text, title="trend", short="trend\n/session", on="t"),
+        Column("trend", get="found", form=_trend_text, title="trend", short="trend\n/session", on="t"),
         Column(
-            "smallest",
-            float,
-            get="found",
-            form=smallest_text,
-            sort="found.smallest_drift",
-            title="minimum detectable",
-            short="minimum\ndetect.",
-            on="tp",
+            "smallest", get="found", form=smallest_text, sort="found.smallest_drift", title="minimum detectable",
+            short="minimum\ndetect.", on="tp",
         ),
-        Column("message", str, get="found.message", title="message", on="p"),
+        Column("message", str, "one sentence", _message, title="message", on="jp"),
+        *_of_found(
+            Column("shape", SHAPES, "what describes it"),
+            Column("p_value", float, "that nothing changes, family-wise"),
+            Column("level", Coefficient, "level in the reference"),
+            Column("change", Coefficient, "from the reference to the last sessions"),
+            Column("relative_change", Coefficient, "the same over the level", "total"),
+            Column("trend_per_session", Coefficient, "robust slope"),
+            Column("trend_per_day", Coefficient, "robust slope"),
+            Column("trend_p_value", float, "that there is no straight trend"),
+            Column("change_points", [CHANGE_POINT], "steps"),
+            Column("smallest_change", float, "minimum detectable change (90 % power)"),
+            Column("smallest_relative_change", float, "the same over the level", "smallest_drift"),
+            Column("relative_scatter", float, "standard deviation between sessions over the level", "scatter"),
+            Column("relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within"),
+            Column("relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope"),
+            Column("compared_at_temperature_c", float, "temperature of the comparison", "temperature_c"),
+            Column("control", [CONTROL], "every session against the reference"),
+        ),
+        _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
+        Column("values", [VALUE], "each session as compared", lambda row: _values(row.found), on="j"),
     )
-)
+)  # fmt: skip
 ARM = Record(
     (
         Column("robot", str, "which arm"),
         Column("drift", bool, "whether a joint drifts"),
         Column("verdict", VERDICTS, "the strongest of its joints", arm_verdict),
-        Column("message", str, "one sentence"),
+        Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {arm_sentence(arm)}"),
         Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
         _numbers("compared", "sessions compared", "compared"),
         _numbers("reference", "sessions of the reference", "reference"),
@@ -240,8 +236,12 @@ def _trend(name: str) -> Callable[[JointRow], Coefficient | None]:
     return lambda row: next((one.trend_per_session for one in row.joint.coefficients if one.coefficient == name), None)
 
 
-def _by_name(row: JointRow) -> dict[str, CoefficientDrift]:
-    return {one.coefficient: one for one in row.joint.coefficients}
+def _by_name(row: JointRow) -> dict[str, CoefficientRow]:
+    return {one.coefficient: CoefficientRow(*row, one, k) for k, one in enumerate(row.joint.coefficients)}
+
+
+def _joint_message(row: JointRow) -> str:
+    return f"joint {row.joint.joint}: {joint_sentence(*row)}"
 
 
 def _change_points(row: JointRow) -> list[int]:
@@ -255,11 +255,11 @@ JOINT_DRIFT = Record(
         Column("name", str, "name in the log", "joint.name"),
         Column("drift", bool, "whether a coefficient drifts", "joint.drift"),
         Column("verdict", VERDICTS, "the strongest of its coefficients", lambda row: joint_verdict(row.joint)),
-        Column("message", str, "one sentence", "joint.message"),
+        Column("message", str, "one sentence", _joint_message),
         Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
         Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
         Column("change_points", [int], "first sessions after a step", _change_points),
-        Column("coefficients", {"*": FOUND}, "by name of the coefficient", _by_name),
+        Column("coefficients", {"*": COEFFICIENT}, "by name of the coefficient", _by_name),
     )
 )
 CURVE = Record(
@@ -527,10 +527,10 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
 def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     yield f"{arm.robot}: {sessions_text(arm)}; {arm_sentence(arm)}"
     yield "changes are from the reference to the last sessions; intervals are 95 %"
-    yield from table_lines(CHANGES.people(coefficient_rows(arm), "t"))
+    yield from table_lines(COEFFICIENT.people(coefficient_rows(arm), "t"))
     for joint in arm.joints:
         if joint.drift or verbose:
-            yield f"joint {joint.joint}: {joint_sentence(joint)}"
+            yield f"joint {joint.joint}: {joint_sentence(arm, joint)}"
             yield from (line for found in joint.coefficients for line in _details(arm, found))
     yield from _left_out(arm, verbose=verbose)
     yield from (f"note: {warning}" for warning in arm.warnings)
@@ -544,10 +544,10 @@ def sessions_text(arm: ArmDrift) -> str:
 
 def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
     """Yield the steps of a coefficient, or its slope if it drifts without one."""
-    name = coefficient_name(found.coefficient)
+    name = NAMES[found.coefficient]
     yield from (f"  {name}: step at {change_text(arm, change)}" for change in found.change_points)
     if found.drift and not found.change_points:
-        per_session = f"{format_slope(found.trend_per_session)} {UNITS.get(found.coefficient, '')} per session"
+        per_session = f"{format_slope(found.trend_per_session)} {UNITS[found.coefficient]} per session"
         yield f"  {name}: {per_session}, {format_slope(found.trend_per_day)} per day"
 
 

@@ -1,22 +1,24 @@
 """Words and numbers in which drift is reported, the same in tables, documents, figures and pages."""
 
 import math
-from collections.abc import Iterable, Mapping
+import re
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from math import isfinite
+from pathlib import PurePath
+from statistics import median
 
-from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, JointDrift
+from friction_audit.drift.change_points import REACH
+from friction_audit.drift.fail_on import Judged, Limit, exceeded, untestable
+from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
-from friction_audit.friction.history import Coefficient
+from friction_audit.drift.settings import FEWEST_SESSIONS
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.joint_numbers import write_joint_numbers
+from friction_audit.reporting import words
 from friction_audit.reporting.table import Tone
-from friction_audit.reporting.words import (
-    NOTHING,
-    format_coefficient,
-    format_date,
-    format_percent,
-    format_share,
-    format_slope,
-    scaled,
-    signed,
-)
+from friction_audit.reporting.words import NOTHING, count_of, format_date
 
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
@@ -34,104 +36,270 @@ SHAPES = {
     "temperature": "changes together with the temperature",
     "too_few": "too few sessions",
 }
-
-
-def coefficient_name(coefficient: str) -> str:
-    """Return what people call a coefficient."""
-    return NAMES.get(coefficient, coefficient)
-
-
-def coefficient_unit(coefficient: str) -> str:
-    """Return the unit of a coefficient."""
-    return UNITS.get(coefficient, "")
+LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no information
+TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
+MOST_NAMES = 3  # sessions that a sentence names
 
 
 def drift_verdict(found: CoefficientDrift) -> str:
     """Return whether a coefficient drifts: one of VERDICTS."""
-    if found.drift:
-        return DRIFT
-    return {"temperature": TEMPERATURE, "too_few": UNTESTED}.get(found.shape, STEADY)
+    return DRIFT if found.drift else {"temperature": TEMPERATURE, "too_few": UNTESTED}.get(found.shape, STEADY)
 
 
 def joint_verdict(joint: JointDrift) -> str:
-    """Return whether a joint drifts: the strongest verdict on its coefficients."""
-    return strongest(drift_verdict(found) for found in joint.coefficients)
+    """Return whether a joint drifts: the strongest verdict on its coefficients, untested without any."""
+    return min(map(drift_verdict, joint.coefficients), key=VERDICTS.index, default=UNTESTED)
 
 
 def arm_verdict(arm: ArmDrift) -> str:
     """Return whether an arm drifts: the strongest verdict on its joints."""
-    return strongest(joint_verdict(joint) for joint in arm.joints)
+    return min(map(joint_verdict, arm.joints), key=VERDICTS.index, default=UNTESTED)
 
 
-def strongest(verdicts: Iterable[str]) -> str:
-    """Return the strongest of some verdicts; without any, that nothing can be tested."""
-    return min(verdicts, key=VERDICTS.index, default=UNTESTED)
+def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
+    """Return one sentence on a coefficient over the sessions of its arm, without a full stop."""
+    parts = [headline(found, sessions)]
+    if found.shape == "too_few":  # with the reason that most sessions share
+        clauses = Counter(re.split("[:;]", reason)[0] for reason in found.reasons)
+        return "; ".join(parts + [f"{why} ({count_of(n, 'session')})" for why, n in clauses.most_common(1)])
+    if isfinite(found.speed_ratio):
+        parts.append(f"the speed of motion changed with it ({found.speed_ratio:.2g} times), compare at like speed")
+    if found.within.low > 0 or found.within.high < 0:
+        verb = _verb(found.within, "rises", "falls")
+        parts.append(f"within a session it {verb} by {_sized(found.within)}, which is no drift")
+    return "; ".join(parts + _isolated(found, sessions))
+
+
+def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
+    """Return what became of a coefficient; the sessions are read for the moments of its steps alone."""
+    name, unit = f"{NAMES[found.coefficient]} friction", UNITS[found.coefficient]
+    total, went = how_much(found.total, found.change, unit), _verb(found.change, "rose", "fell")
+    if found.shape == "too_few":
+        return f"{name}: {_too_few(len(found.sessions) - len(found.isolated))}"
+    if found.shape == "temperature":
+        return (
+            f"{name} {went} by {total} while it became {abs(found.warmer_k):.1f} K "
+            f"{'warmer' if found.warmer_k >= 0 else 'colder'}: drift and temperature cannot be separated; "
+            "sessions at like temperature would separate them"
+        )
+    if found.shape == "none":
+        like = " at like temperature" if found.by_temperature else ""
+        return f"no drift of {name}{like}: {_detectable(found)}"
+    if found.change_points and found.shape != "step_or_ramp":
+        steps = ", ".join(_step(point, unit, sessions) for point in found.change_points)
+        return f"{name} {f'changed in {len(found.change_points)} steps: ' * (found.shape == 'steps')}{steps}"
+    if found.shape == "ramp":
+        size = abs(found.level.value) if isfinite(found.total.value) else math.nan
+        trend = found.trend_per_session
+        slope = Coefficient(value=trend.value / size, low=trend.low / size, high=trend.high / size)
+        rises = f"{_verb(trend, 'rises', 'falls')} by {how_much(slope, trend, unit)}"
+        return f"{name} {rises} a session, {total} from the reference to the last sessions"
+    return (
+        f"{name} {went} by {total} from the reference to the last sessions; a step and a slow change describe it "
+        "equally well"
+    )
+
+
+def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
+    before, after = point.before, point.after
+    change = Coefficient(value=after.value - before.value, low=after.low - before.high, high=after.high - before.low)
+    first, last = _when(sessions[point.low - 1], sessions[point.high])
+    return f"{_verb(change, 'rose', 'fell')} by {how_much(point.relative, change, unit)} between {first} and {last}"
+
+
+def _when(first: Session, last: Session) -> tuple[str, str]:
+    """Return the moments of two sessions: their dates, with the time if they share a date, or their names."""
+    if first.start_s is None or last.start_s is None:
+        return PurePath(first.path).name, PurePath(last.path).name
+    one, other = (datetime.fromtimestamp(start, tz=UTC) for start in (first.start_s, last.start_s))
+    if one.date() != other.date():
+        return f"{one:%Y-%m-%d}", f"{other:%Y-%m-%d}"
+    return f"{one:%Y-%m-%d %H:%M}", f"{other:%Y-%m-%d %H:%M} UTC"
+
+
+def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
+    """Return a size with its interval, in per cent where that means something."""
+    if isfinite(relative.value):
+        return _sized(relative)
+    low, high = sorted((absolute.low, absolute.high), key=abs)
+    sign = -1.0 if absolute.value < 0 else 1.0
+    return f"{abs(absolute.value):.2g} {unit} ({sign * low:.2g} to {sign * high:.2g})"
+
+
+def _sized(relative: Coefficient) -> str:
+    sign = -1.0 if relative.value < 0 else 1.0
+    low, high = sorted((100 * sign * relative.low, 100 * sign * relative.high))
+    return f"{percent(sign * relative.value)} % ({low:.2g} to {high:.2g} %)"
+
+
+def percent(share: float) -> str:
+    """Return a share in per cent, two digits of it, more where it is large."""
+    return f"{100 * share:.2g}" if abs(100 * share) < TWO_DIGITS else f"{100 * share:.0f}"
+
+
+def _verb(change: Coefficient, rising: str, falling: str) -> str:
+    return rising if change.value >= 0 else falling
+
+
+def _detectable(found: CoefficientDrift) -> str:
+    if isfinite(found.smallest_drift) and found.smallest_drift <= LARGEST_DETECTABLE:
+        return f"a change of {percent(found.smallest_drift)} % is detectable"
+    if isfinite(found.smallest_drift) or not isfinite(found.smallest_change):
+        return "but the sessions are too few or too scattered to show any"
+    return f"a change of {found.smallest_change:.2g} {UNITS[found.coefficient]} is detectable"
+
+
+def _too_few(count: int) -> str:
+    sessions = count_of(count, "comparable session")
+    return f"{sessions}, at least {FEWEST_SESSIONS} are needed to separate drift from scatter"
+
+
+def _isolated(found: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
+    """Name the isolated sessions and how far each is off."""
+    parts = []
+    for index in found.isolated[:MOST_NAMES]:
+        start_s = sessions[index].start_s
+        date = (
+            PurePath(sessions[index].path).name
+            if start_s is None
+            else f"{datetime.fromtimestamp(start_s, tz=UTC):%Y-%m-%d}"
+        )
+        parts.append(f"session {index + 1} ({date}) does not fit: {_off(found, index)}; left out of the change")
+    if len(found.isolated) > MOST_NAMES:
+        parts.append(f"and {len(found.isolated) - MOST_NAMES} more sessions left out")
+    if found.isolated and found.isolated[-1] == found.sessions[-1]:
+        parts.append("the next session shows whether the last one is the beginning of a change")
+    return parts
+
+
+def _off(found: CoefficientDrift, index: int) -> str:
+    """Return how far a session lies from the nearest ones that count, two on each side."""
+    place = found.sessions.index(index)
+    rows = zip(found.sessions, found.values, strict=True)
+    near = [(abs(k - place), value.value) for k, (i, value) in enumerate(rows) if i not in found.isolated]
+    usual = median([value for distance, value in near if distance <= REACH] or [value for _, value in near])
+    off = found.values[place].value - usual
+    relative = isfinite(found.total.value) and usual > 0.0
+    size = f"{percent(abs(off / usual))} %" if relative else f"{abs(off):.2g} {UNITS[found.coefficient]}"
+    return f"{size} {'above' if off >= 0 else 'below'} the sessions around it"
+
+
+def joint_sentence(arm: ArmDrift, joint: JointDrift) -> str:
+    """Return one sentence on a joint, without its number in front."""
+    found = joint.coefficients
+    messages = [describe(one, arm.sessions) for one in found]
+    changed = [text for one, text in zip(found, messages, strict=True) if one.drift or one.shape == "temperature"]
+    if changed:
+        return "; ".join(changed) + ("; nothing else changed" if len(changed) < len(found) else "")
+    alike = {
+        text.removeprefix(f"{NAMES[one.coefficient]} friction: ") for one, text in zip(found, messages, strict=True)
+    }
+    if len(alike) == 1 and all(one.shape == "too_few" for one in found):
+        return alike.pop()
+    return "; ".join(messages)
 
 
 def arm_sentence(arm: ArmDrift) -> str:
-    """Return what is to be said of an arm, without its name in front."""
-    return arm.message.removeprefix(f"{arm.robot}: ")
+    """Return one sentence on an arm, without its name in front."""
+    drifting = [joint for joint in arm.joints if joint.drift]
+    together = [joint for joint in arm.joints if any(one.shape == "temperature" for one in joint.coefficients)]
+    compared = len(arm.compared)
+    if not drifting and compared < FEWEST_SESSIONS:
+        return _too_few(compared)
+    if drifting or together:
+        first = (drifting or together)[0]
+        numbers = write_joint_numbers(joint.joint for joint in drifting)
+        more = f"; joints that changed: {numbers}" if len(drifting) > 1 else ""
+        return f"joint {first.joint}: {joint_sentence(arm, first)}{more}"
+    parts = []
+    for name, word in NAMES.items():
+        sizes = [one.smallest_drift for joint in arm.joints for one in joint.coefficients if one.coefficient == name]
+        known = [size for size in sizes if isfinite(size) and size <= LARGEST_DETECTABLE]
+        if known:
+            ends = dict.fromkeys(percent(size) for size in (min(known), max(known)))
+            parts.append(f"{' to '.join(ends)} % of {word} friction")
+    least = f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""
+    return f"no drift in {compared} sessions{least}"
 
 
-def joint_sentence(joint: JointDrift) -> str:
-    """Return what is to be said of a joint, without its number in front."""
-    return joint.message.removeprefix(f"joint {joint.joint}: ")
+def limit_sentences(report: DriftReport, limits: Iterable[Limit]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
+    every = tuple(limits)
+    return tuple(map(_beyond, exceeded(report, every))), tuple(map(_untestable, untestable(report, every)))
+
+
+def _beyond(one: Judged) -> str:
+    found, limit = one.found, one.limit
+    assert found is not None
+    change = found.total if limit.relative else found.change
+    size = how_much(found.total if limit.relative else UNDETERMINED, found.change, UNITS[found.coefficient])
+    sure = min(abs(change.low), abs(change.high)) >= limit.size and change.low * change.high > 0
+    return (
+        f"{one.where}: {NAMES[found.coefficient]} friction {_verb(change, 'rose', 'fell')} by {size} since the "
+        f"reference, {'surely' if sure else 'probably'} beyond the limit {limit.text}"
+    )
+
+
+def _untestable(one: Judged) -> str:
+    found, limit = one.found, one.limit
+    if found is None:
+        return f"the limit {limit.text}: no session has an estimate that it is meant for"
+    where = f"{one.where}: {NAMES[found.coefficient]} friction: the limit {limit.text} cannot be tested"
+    least = found.smallest_drift if limit.relative else found.smallest_change
+    if found.shape == "temperature":
+        return f"{where}: drift and temperature cannot be separated; record sessions at like temperature"
+    if found.drift:
+        return f"{where}: the reference is near zero, so there is no relative change; give a limit without %"
+    if found.shape == "too_few" or not isfinite(least):
+        return f"{where} with {count_of(len(found.sessions) - len(found.isolated), 'comparable session')}; record more"
+    size = f"{percent(least)} %" if limit.relative else f"{least:.2g} {UNITS[found.coefficient]}"
+    return f"{where}: only a change of {size} or more is detectable; record more or longer sessions"
 
 
 def change_text(arm: ArmDrift, change: ChangePoint) -> str:
     """Return a step in words: ``session 13 (12 to 14), 2026-03-04: +15.2 ± 1.9 %``."""
-    low, high = change.low + 1, change.high + 1
-    span = "" if low == high else f" ({low} to {high})"
     date = format_date(arm.sessions[change.session].start_s)
     day = "" if date == NOTHING else f", {date}"
-    return f"session {change.session + 1}{span}{day}: {format_change(change.relative, change.after, change.before)}"
+    return f"session {first_after(change)}{day}: {format_change(change)}"
 
 
-def format_change(relative: Coefficient, after: Coefficient, before: Coefficient) -> str:
-    """Return a change as a percentage, and where the level is near zero from what to what."""
-    if math.isnan(relative.value):
-        return f"{format_coefficient(before)} to {format_coefficient(after)}"
-    return format_percent(relative)
+def first_after(change: ChangePoint) -> str:
+    """Return the number of the first session after a step, with its interval: ``13 (12 to 14)``."""
+    low, high = change.low + 1, change.high + 1
+    return f"{change.session + 1}{'' if low == high else f' ({low} to {high})'}"
+
+
+def format_change(change: ChangePoint) -> str:
+    """Return the size of a step as a percentage, and where the level is near zero from what to what."""
+    if math.isnan(change.relative.value):
+        return f"{words.format_coefficient(change.before)} to {words.format_coefficient(change.after)}"
+    return words.format_percent(change.relative)
 
 
 def total_text(found: CoefficientDrift) -> str:
     """Return the change from the reference to the last sessions: relative, or absolute near a level of zero."""
     if math.isnan(found.total.value) and not math.isnan(found.change.value):
-        return f"{signed(found.change)} {coefficient_unit(found.coefficient)}"
-    return format_percent(found.total)
+        return f"{words.signed(found.change)} {UNITS[found.coefficient]}"
+    return words.format_percent(found.total)
 
 
 def smallest_text(found: CoefficientDrift) -> str:
     """Return the smallest change that these sessions would have shown: relative, or absolute near a level of zero."""
     if math.isnan(found.smallest_drift) and not math.isnan(found.smallest_change):
-        return f"{found.smallest_change:.2g} {coefficient_unit(found.coefficient)}"
-    return format_share(found.smallest_drift)
+        return f"{found.smallest_change:.2g} {UNITS[found.coefficient]}"
+    return words.format_share(found.smallest_drift)
 
 
-def trend_text(found: CoefficientDrift) -> str:
-    """Return the trend per session: over the reference's level, or absolute near a level of zero."""
-    return _per(found, found.trend_per_session)
-
-
-def daily_text(found: CoefficientDrift) -> str:
-    """Return the trend per day, like ``trend_text``."""
-    return _per(found, found.trend_per_day)
-
-
-def _per(found: CoefficientDrift, slope: Coefficient) -> str:
+def slope_text(found: CoefficientDrift, slope: Coefficient) -> str:
+    """Return a trend: over the reference's level, or absolute near a level of zero."""
     if math.isnan(slope.value):
         return NOTHING
     if math.isnan(found.total.value) or not found.level.value > 0.0:
-        return f"{format_slope(slope)} {coefficient_unit(found.coefficient)}"
-    return f"{format_slope(scaled(slope, 100.0 / found.level.value))} %"
+        return f"{words.format_slope(slope)} {UNITS[found.coefficient]}"
+    return f"{words.format_slope(words.scaled(slope, 100.0 / found.level.value))} %"
 
 
 def span_of(sessions: Iterable[Session]) -> str:
     """Return from when to when sessions were recorded, or nothing where no start is known."""
-    starts = sorted(
-        session.start_s for session in sessions if format_date(session.start_s) != NOTHING and session.start_s
-    )
-    if not starts:
-        return ""
-    first, last = format_date(starts[0]), format_date(starts[-1])
-    return first if first == last else f"{first} to {last}"
+    starts = sorted(one.start_s for one in sessions if format_date(one.start_s) != NOTHING and one.start_s)
+    return " to ".join(dict.fromkeys(map(format_date, (starts[0], starts[-1])))) if starts else ""

@@ -10,8 +10,8 @@ from friction_audit.reporting.drift_words import (
     DRIFT,
     STEADY,
     TEMPERATURE,
+    UNITS,
     UNTESTED,
-    coefficient_unit,
     drift_verdict,
     total_text,
 )
@@ -114,7 +114,7 @@ def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDr
     """Draw deviations and limits: in percent, or in the coefficient's unit near a level of zero."""
     control = found.control
     relative = any(math.isfinite(point.relative.value) for point in control)
-    unit = "%" if relative else coefficient_unit(found.coefficient)
+    unit = "%" if relative else UNITS[found.coefficient]
     axes.set_ylabel(f"{coefficient_title(found.coefficient)}\n[{unit}]")
     numbers = [point.relative if relative else point.deviation for point in control]
     scale = 100.0 if relative else 1.0

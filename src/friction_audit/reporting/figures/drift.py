@@ -10,7 +10,7 @@ from friction_audit.drift.session import SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.drawn_arm import curve_sessions
-from friction_audit.reporting.drift_words import coefficient_unit
+from friction_audit.reporting.drift_words import UNITS
 from friction_audit.reporting.figures.panels import (
     add_legend,
     band,
@@ -57,7 +57,7 @@ def draw_drift(arm: ArmDrift, joint: int | None) -> "Figure":
 
 def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
     separator = " " if is_narrow(axes) else "\n"
-    axes.set_ylabel(f"{coefficient_title(found.coefficient)}{separator}[{coefficient_unit(found.coefficient)}]")
+    axes.set_ylabel(f"{coefficient_title(found.coefficient)}{separator}[{UNITS[found.coefficient]}]")
     axes.set_title(verdict_words(found), loc="right", color=FITTED if found.drift else "black")
     shade_reference(axes, arm)
     _draw_values(axes, found)

@@ -11,9 +11,10 @@ from friction_audit.errors import shortened
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting.drift_words import (
     DRIFT,
-    coefficient_name,
+    NAMES,
     drift_verdict,
     format_change,
+    headline,
     total_text,
 )
 from friction_audit.reporting.figures import panels
@@ -69,7 +70,7 @@ def of_coefficient(joint: JointDrift, coefficient: str) -> CoefficientDrift | No
 
 def coefficient_title(coefficient: str) -> str:
     """Return the name of a coefficient as a label begins."""
-    name = coefficient_name(coefficient)
+    name = NAMES[coefficient]
     return name[:1].upper() + name[1:]
 
 
@@ -80,7 +81,7 @@ def verdict_words(found: CoefficientDrift) -> str:
         return word
     if len(found.change_points) == 1:
         (change,) = found.change_points
-        return f"{format_change(change.relative, change.after, change.before)} at session {change.session + 1}"
+        return f"{format_change(change)} at session {change.session + 1}"
     return f"{total_text(found)} in all" if total_text(found) != NOTHING else DRIFT
 
 
@@ -117,7 +118,7 @@ def draw_pairs(
                 draw_panel(axes, arm, one, found)
             else:
                 axes.set_yticks([])
-                write_message(axes, found.message.partition(";")[0] if found else "not estimated")
+                write_message(axes, headline(found, arm.sessions).partition(";")[0] if found else "not estimated")
     add_legend(figure, legend)
     figure.align_ylabels()
     label_sheet(figure, arm, joints, session_label(arm))

@@ -3,7 +3,7 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, JointDrift
 from friction_audit.drift.session import Session
@@ -11,7 +11,7 @@ from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.batch_drawings import draw, page_drawings
 from friction_audit.reporting.drift import (
-    CHANGES,
+    COEFFICIENT,
     FAILED,
     BatchSummary,
     CoefficientRow,
@@ -20,17 +20,17 @@ from friction_audit.reporting.drift import (
 )
 from friction_audit.reporting.drift_words import (
     DRIFT,
+    NAMES,
     SHAPES,
     TONES,
     UNITS,
     arm_sentence,
     arm_verdict,
-    coefficient_name,
-    daily_text,
+    first_after,
     format_change,
     joint_verdict,
+    slope_text,
     span_of,
-    trend_text,
 )
 from friction_audit.reporting.figures.registry import figure_names
 from friction_audit.reporting.html.page import (
@@ -83,9 +83,19 @@ def _level(row: CoefficientRow) -> str:
     return with_unit(row.found.level, UNITS[row.found.coefficient])
 
 
-def _relative(slope: str) -> Get:
-    """Return what gets a slope over the level, by which a column is sorted."""
-    return lambda row: getattr(row.found, slope).value / row.found.level.value if row.found.level.value else math.nan
+def _shown(title: str, text: Callable[[Any], str], sort: Get) -> Column:
+    """Return a column of the page whose text is made of the whole row."""
+    return Column(title, get=lambda row: row, form=text, sort=sort, title=title, on="p")
+
+
+def _trend(title: str, name: str) -> Column:
+    """Return the column of a trend, sorted by its share of the level."""
+
+    def share(row: CoefficientRow) -> float:
+        level = row.found.level.value
+        return float(getattr(row.found, name).value / level) if level else math.nan
+
+    return _shown(title, lambda row: slope_text(row.found, getattr(row.found, name)), share)
 
 
 def _outside(row: CoefficientRow) -> str:
@@ -95,34 +105,16 @@ def _outside(row: CoefficientRow) -> str:
 
 HEAD = (
     joint_column("joint"),
-    Column("friction", str, get="found.coefficient", form=coefficient_name, title="friction", on="p"),
+    Column("friction", str, get="found.coefficient", form=NAMES.__getitem__, title="friction", on="p"),
 )
 NUMBERS = Record(
     (
         *HEAD,
-        Column(
-            "level", get=lambda row: row, form=_level, sort="found.level.value", title="level in the reference", on="p"
-        ),
-        Column(
-            "trend",
-            get="found",
-            form=trend_text,
-            sort=_relative("trend_per_session"),
-            title="trend per session",
-            on="p",
-        ),
-        Column("daily", get="found", form=daily_text, sort=_relative("trend_per_day"), title="per day", on="p"),
-        Column(
-            "outside",
-            get=lambda row: row,
-            form=_outside,
-            title="outside",
-            on="p",
-            sort=lambda row: sum(point.outside for point in row.found.control),
-        ),
-        Column(
-            "p", get=lambda row: row.found.p_value if row.found.values else math.nan, form=format_p, title="p", on="p"
-        ),
+        _shown("level in the reference", _level, "found.level.value"),
+        _trend("trend per session", "trend_per_session"),
+        _trend("per day", "trend_per_day"),
+        _shown("outside", _outside, lambda row: sum(point.outside for point in row.found.control)),
+        _shown("p", lambda row: format_p(row.found.p_value if row.found.values else math.nan), "found.p_value"),
     )
 )
 
@@ -145,31 +137,21 @@ class StepRow(NamedTuple):
     start_s: float | None
 
 
-def _first_after(row: StepRow) -> str:
-    low, high = row.change.low + 1, row.change.high + 1
-    return f"{row.change.session + 1}{'' if low == high else f' ({low} to {high})'}"
+def _side(side: str) -> Column:
+    def text(row: StepRow) -> str:
+        return with_unit(getattr(row.change, side), UNITS[row.found.coefficient])
 
-
-def _change(row: StepRow) -> str:
-    return format_change(row.change.relative, row.change.after, row.change.before)
-
-
-def _with_unit(side: str) -> Callable[[StepRow], str]:
-    return lambda row: with_unit(getattr(row.change, side), UNITS[row.found.coefficient])
+    return _shown(side, text, f"change.{side}.value")
 
 
 STEPS = Record(
     (
         *HEAD,
-        Column("session", int, get=lambda row: row, form=_first_after, sort="change.session", title="session", on="p"),
+        _shown("session", lambda row: first_after(row.change), "change.session"),
         Column("start", get="start_s", form=format_start, title="started (UTC)", on="p"),
-        Column("change", get=lambda row: row, form=_change, sort="change.relative.value", title="change", on="p"),
-        Column(
-            "before", get=lambda row: row, form=_with_unit("before"), sort="change.before.value", title="before", on="p"
-        ),
-        Column(
-            "after", get=lambda row: row, form=_with_unit("after"), sort="change.after.value", title="after", on="p"
-        ),
+        _shown("change", lambda row: format_change(row.change), "change.relative.value"),
+        _side("before"),
+        _side("after"),
     )
 )
 
@@ -189,7 +171,7 @@ def _within(row: CoefficientRow) -> tuple[int, int]:
 WITHIN = Record(
     (
         *HEAD,
-        Column("shape", str, get="found.shape", form=lambda shape: SHAPES[shape], title="described by", on="p"),
+        Column("shape", str, get="found.shape", form=SHAPES.__getitem__, title="described by", on="p"),
         Column("within", Coefficient, get="found.within", form=format_percent, title="in a session", on="p"),
         Column(
             "seen",
@@ -225,22 +207,24 @@ DIAGNOSED = Record(
         Column("effects", str, get="effects", form=_counts, title="effects", on="p"),
     )
 )
+
+
+class SessionRow(NamedTuple):
+    """A session, its place among those of its arm, and why it was not compared or what part it has in it."""
+
+    place: int
+    session: Session
+    note: str
+
+
 SESSION_NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", title="session", on="p")
 LEFT_OUT = Record(
     (
         SESSION_NUMBER,
         Column("file", str, get="session.path", title="file", code=True, on="p"),
-        Column("reason", str, get="reason", title="reason", on="p"),
+        Column("reason", str, get="note", title="reason", on="p"),
     )
 )
-
-
-class LeftOutRow(NamedTuple):
-    """A session that was not compared."""
-
-    place: int
-    session: Session
-    reason: str
 
 
 def _read_as(session: Session) -> str:
@@ -267,7 +251,7 @@ SESSIONS = Record(
         Column("start", get="session.start_s", form=format_start, title="started (UTC)", on="p"),
         Column("start_from", str, get="session.start_from", title="start from", on="p"),
         Column("duration", get="session.duration_s", form=".0f", unit="s", title="length", on="p"),
-        Column("part", str, get="part", title="part", on="p"),
+        Column("part", str, get="note", title="part", on="p"),
         Column(
             "temperature",
             get=lambda row: session_temperature(row.session),
@@ -282,14 +266,6 @@ SESSIONS = Record(
         Column("notes", str, get="session", form=_notes, title="notes", on="p"),
     )
 )
-
-
-class PartRow(NamedTuple):
-    """A session, and what part it has in the comparison."""
-
-    place: int
-    session: Session
-    part: str
 
 
 def write_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET) -> str:
@@ -408,7 +384,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...], most: 
 
 def _joint_tables(arm: ArmDrift, rows: list[CoefficientRow]) -> Iterator[Table]:
     """Yield verdicts, steps, and the numbers that they rest on."""
-    yield CHANGES.people(
+    yield COEFFICIENT.people(
         rows, caption="Change of each coefficient from the reference to the last sessions; intervals are 95 %"
     )
     steps = [
@@ -441,18 +417,18 @@ def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[Section]:
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
-    left_out = [LeftOutRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    left_out = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
     if left_out:
         yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
     count = len(arm.sessions)
-    rows = [PartRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
+    rows = [SessionRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
     cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
     caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
     yield SESSIONS.people(rows, caption=caption, folded=count > ACROSS)
     for name, unit in UNITS.items():
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
-            kind = f"{coefficient_name(name)} coefficient"
+            kind = f"{NAMES[name]} coefficient"
             which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
             columns = (SESSION_NUMBER, *(_of_joint(joint, name) for joint in joints))
             caption = f"{which}, with its 95 % interval [{unit}]{cut}"
@@ -466,7 +442,7 @@ def _part(arm: ArmDrift, k: int) -> str:
 def _of_joint(joint: JointDrift, name: str) -> Column:
     """Return the column of a coefficient of a joint in the table of sessions."""
 
-    def value(row: PartRow) -> Coefficient:
+    def value(row: SessionRow) -> Coefficient:
         summary = next((one for one in row.session.joints if one.joint == joint.joint), None)
         return UNDETERMINED if summary is None else summary.coefficients.get(name, UNDETERMINED)
 
