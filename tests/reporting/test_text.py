@@ -16,7 +16,7 @@ from friction_audit.reporting.compare import claim_lines, compare_lines, count_l
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message, remainder_words
 from friction_audit.reporting.drift import batch_lines
-from friction_audit.reporting.drift_words import change_text, span_of, total_text, trend_text
+from friction_audit.reporting.drift_words import change_text, slope_text, span_of, total_text
 from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.info import InfoEntry, TopicSummary, info_lines, summarize_log
 from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines
@@ -262,7 +262,7 @@ def test_near_a_level_of_zero_drift_is_absolute() -> None:
     change = Coefficient(value=0.02, low=0.01, high=0.03)
     zero = replace(RISE, total=UNDETERMINED, change=change, smallest_drift=math.nan)
     assert total_text(zero) == "+0.020 ± 0.010 N m"
-    assert trend_text(zero) == "+0.0027 ± 0.0003 N m"
+    assert slope_text(zero, zero.trend_per_session) == "+0.0027 ± 0.0003 N m"
     step = replace(STEP.change_points[0], relative=UNDETERMINED)
     assert change_text(ARM, step).endswith("2026-03-21: 0.1520 ± 0.0023 to 0.1748 ± 0.0023")
     sharp = replace(STEP.change_points[0], low=12, high=12)

@@ -152,6 +152,10 @@ PLACE = Column("session", int, "number of the session")
 VALUE = Record((PLACE, Column("value", float, "as compared"), Column("ci95", INTERVAL, "95 % interval")))
 
 
+def _joint(row: CoefficientRow) -> str:
+    return " " if row.place else joint_label(row.joint.joint, row.joint.name)
+
+
 def _verdict(row: CoefficientRow) -> str:
     return drift_verdict(row.found)
 
@@ -167,7 +171,7 @@ def _of_found(*columns: Column) -> tuple[Column, ...]:
 
 COEFFICIENT = Record(
     (
-        Column("joint", str, get=lambda r: " " if r.place else joint_label(r.joint.joint, r.joint.name), title="joint", on="t"),
+        Column("joint", str, get=_joint, title="joint", on="t"),
         joint_column("joint", on="p"),
         Column("friction", str, get="found.coefficient", form=NAMES.__getitem__, title="friction", on="tp"),
         Column("drift", bool, "whether it drifts", "found.drift", on="j"),

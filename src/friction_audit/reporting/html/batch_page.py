@@ -114,7 +114,7 @@ NUMBERS = Record(
         _trend("trend per session", "trend_per_session"),
         _trend("per day", "trend_per_day"),
         _shown("outside", _outside, lambda row: sum(point.outside for point in row.found.control)),
-        _shown("p", lambda row: format_p(row.found.p_value if row.found.values else math.nan), "found.p_value"),
+        Column("p", get=lambda row: row.found.p_value if row.found.values else None, form=format_p, title="p", on="p"),
     )
 )
 
