@@ -40,20 +40,12 @@ class ColumnsOnDemand:
             return ColumnsOnDemand(len(self), [partial(self._column, number) for number in numbers])
         return np.stack([self._column(number)[rows] for number in numbers], axis=-1)
 
-    def __add__(self, other: Any) -> "ColumnsOnDemand":  # noqa: ANN401 - an array, or on demand as well
-        """Return the sum with another channel, on demand."""
-        return ColumnsOnDemand(len(self), [partial(_sum, self, other, number) for number in range(self.shape[1])])
-
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Float:  # noqa: ANN401
         """Return all columns, for what needs them at once."""
         whole = np.empty(self.shape, order="F")
         for number in range(self.shape[1]):
             whole[:, number] = self._column(number)
         return whole
-
-    def copy(self) -> Float:
-        """Return all columns."""
-        return np.asarray(self)
 
     def setflags(self, **_: bool) -> None:
         """Do nothing: a column that is made belongs to who asked for it."""
@@ -88,10 +80,6 @@ def block_means(column: Float, samples: int) -> Float:
 def coarse_block(t: Float) -> int:
     """Return how many samples of a log lie in a block of COARSE_HZ."""
     return max(1, min(round(1.0 / median_step(t) / COARSE_HZ), len(t) // 2))
-
-
-def _sum(one: Any, other: Any, number: int) -> Float:  # noqa: ANN401 - arrays, or on demand
-    return np.asarray(one[:, number] + other[:, number])
 
 
 def is_on_demand(channel: object) -> bool:

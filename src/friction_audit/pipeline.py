@@ -76,19 +76,14 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     """
     from friction_audit.friction.estimate import Found, estimate_friction, estimate_joint, join_joints
     from friction_audit.friction.torque_regression import CUTOFF_HZ
-    from friction_audit.preprocessing.segmentation import (
-        join_cycles,
-        segment_cycles,
-        segment_joint,
-        smooth_velocity,
-    )
+    from friction_audit.preprocessing import segmentation
 
     log = log.take_window(settings.t_start_s, settings.t_stop_s)
     hand = settings.cycles.cycles_from == "hand"
     interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
     dead_torque = log.source.dead_torque
     if hand:
-        cycles = segment_cycles(interaction, settings.cycles)
+        cycles = segmentation.segment_cycles(interaction, settings.cycles)
         friction = estimate_friction(interaction, cycles, settings.friction, dead_torque)
         return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
 
@@ -98,15 +93,15 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     def work(column: int) -> "tuple[EnergyCycles, Found]":
         """Find the cycles and the friction of a joint while its signals are in memory."""
         one = interaction.holding(column)
-        velocity = smooth_velocity(one, settings.cycles, column)
-        own = segment_joint(one, settings.cycles, column, velocity)
+        velocity = segmentation.smooth_velocity(one, settings.cycles, column)
+        own = segmentation.segment_joint(one, settings.cycles, column, velocity)
         same = velocity if settings.cycles.cutoff_hz == CUTOFF_HZ else None
         friction = estimate_joint(one, own, settings.friction, dead_torque, column, same)
         give_back()
         return own, friction
 
     every, found = zip(*per_joint(work, len(interaction.joint_numbers)), strict=True)
-    cycles, friction = join_cycles(every), join_joints(found, settings.friction)
+    cycles, friction = segmentation.join_cycles(every), join_joints(found, settings.friction)
     return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
 
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -168,13 +168,6 @@ def read_options(reading: opt.ReadingOptions, selection: opt.SelectionOptions) -
         t_start_s=selection.t_start,
         t_end_s=selection.t_end,
     )
-
-
-def joint_by_joint(options: "ReadOptions") -> "ReadOptions":
-    """Return the options that read the columns of a large table when they are needed."""
-    from friction_audit.io.readers.reader import JointByJoint
-
-    return JointByJoint(**{one.name: getattr(options, one.name) for one in fields(options)})
 
 
 def torque_settings(torque: opt.TorqueOptions, robot: str) -> "TorqueSettings":

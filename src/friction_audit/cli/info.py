@@ -1,6 +1,6 @@
 """``friction-audit info``."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -93,10 +93,9 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[TopicSummary, ...]"
 
     if stamp_of(path).size <= LARGE_BYTES:
         return chain.read(path, options, voice)
-    given = {one.name: getattr(options, one.name) for one in fields(options)}
     if options.has_window:
-        return chain.read(path, FirstLook(**given), voice)
-    part = chain.read(path, FirstLook(**given | {"t_end_s": FIRST_S}), voice)
+        return chain.read(path, FirstLook.of(options), voice)
+    part = chain.read(path, FirstLook.of(options, t_end_s=FIRST_S), voice)
     counts = {topic.name: topic.messages for topic in topics}
     rows = counts.get(part.source.topic or path.name)
     held = "" if rows is None else f"; the file has {rows} {'messages' if part.source.topic else 'rows'}"

@@ -55,7 +55,7 @@ def extract_interaction(
         q=kept.q,
         dq=kept.dq,
         torque=balance.full(log.t, columns),
-        compensation=active[0] + active[1] if len(active) > 1 else active[0] if active else None,
+        compensation=np.add(*active) if len(active) > 1 else active[0] if active else None,
         hand_speed=_hand_speed(log, settings, grids) if hand else None,
         gravity_direction=direction,
         gravity_index=index,

@@ -131,7 +131,7 @@ def read_on_time(log: JointLog, lag: Float) -> JointLog:
         log: The log.
         lag: How much later each velocity comes, shape (j,). [s]
     """
-    dq = log.dq.copy()
+    dq = np.array(log.dq, order="F")
     for joint in map(int, np.flatnonzero(lag)):
         q, late = log.q[:, joint], lag[joint]
         after, before = np.minimum(log.t + late, log.t[-1]), np.maximum(log.t - late, log.t[0])

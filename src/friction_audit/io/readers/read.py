@@ -17,15 +17,7 @@ from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.reader import (
-    TAKE_A_PART,
-    JointByJoint,
-    Reader,
-    ReadOptions,
-    TooLargeError,
-    Topic,
-    refuse_lfs_pointer,
-)
+from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
@@ -56,10 +48,10 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
     Raises:
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
-    if isinstance(options, JointByJoint):
+    if options.joint_by_joint:
         with suppress(WholeLogError):
             return _read_log(path, options)
-        options = options.at_once()
+        options = ReadOptions.of(options)
     return _read_log(path, options)
 
 

@@ -8,6 +8,7 @@ from importlib import import_module
 from math import inf
 from pathlib import Path
 from types import ModuleType
+from typing import Any, ClassVar, Self
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.files import starts_with
@@ -123,6 +124,14 @@ class ReadOptions:
     t_start_s: float | None = None
     t_end_s: float | None = None
 
+    hashed: ClassVar[bool] = True
+    joint_by_joint: ClassVar[bool] = False
+
+    @classmethod
+    def of(cls, other: "ReadOptions", **changed: Any) -> Self:  # noqa: ANN401
+        """Return the same options, some of them changed, as those of this class."""
+        return cls(**{one.name: getattr(other, one.name) for one in fields(other)} | changed)
+
     def __post_init__(self) -> None:
         """Raise UsageError if the factor is not above zero, a channel does not exist, or the part holds no time."""
         wrong = []
@@ -137,16 +146,6 @@ class ReadOptions:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
         if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
             raise UsageError(f"--t-start {self.t_start_s:g} --t-end {self.t_end_s:g}: expected an end after the start")
-
-    @property
-    def hashed(self) -> bool:
-        """True if the content of the file is hashed."""
-        return True
-
-    @property
-    def joint_by_joint(self) -> bool:
-        """True if the columns of a large table are read when they are needed."""
-        return False
 
     @property
     def has_window(self) -> bool:
@@ -167,10 +166,7 @@ class ReadOptions:
 class FirstLook(ReadOptions):
     """Options with which the part asked for is read alone, of a log of any size, without the hash of the file."""
 
-    @property
-    def hashed(self) -> bool:
-        """False: the hash takes the whole file."""
-        return False
+    hashed = False
 
     def reads_part(self, whole_bytes: float) -> bool:  # noqa: ARG002
         """Return True if a part is asked for."""
@@ -180,14 +176,7 @@ class FirstLook(ReadOptions):
 class JointByJoint(ReadOptions):
     """Options with which the columns of a large table are read when they are needed, instead of all at once."""
 
-    @property
-    def joint_by_joint(self) -> bool:
-        """True."""
-        return not self.has_window and self.time_scale == 1.0
-
-    def at_once(self) -> ReadOptions:
-        """Return the options that read all at once."""
-        return ReadOptions(**{one.name: getattr(self, one.name) for one in fields(self)})
+    joint_by_joint = True
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -76,8 +76,9 @@ class ColumnTable(Table):
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
-        if options.joint_by_joint and rows * row_bytes > ON_DEMAND_BYTES and columns.joint is None:
-            part = None if columns.degrees else self.read_on_demand(columns)
+        plain = not (options.has_window or columns.degrees) and options.time_scale == 1.0 and columns.joint is None
+        if options.joint_by_joint and plain and rows * row_bytes > ON_DEMAND_BYTES:
+            part = self.read_on_demand(columns)
             if part is not None:
                 return part
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
