@@ -121,7 +121,6 @@ def write_results(
 
 
 def _write_tables(summary: "BatchSummary", folder: Path) -> None:
-    """Write the document and the tables of all sessions."""
     from friction_audit.io.files import whole_file
     from friction_audit.io.writers.tables import write_rows
     from friction_audit.reporting.drift import session_columns, write_batch_document

@@ -107,7 +107,6 @@ class RunningOptions:
     ] = False
 
     def __post_init__(self) -> None:
-        """Refuse both at once."""
         if self.workers is not None and self.scheduler is not None:
             raise UsageError(
                 f"--workers {self.workers} --scheduler {self.scheduler}: a cluster has its own workers; give one"
@@ -176,7 +175,6 @@ def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, .
 
 
 def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFile]":
-    """Return the logs, before anything is made."""
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.batch.manifest import read_manifest
 
@@ -258,7 +256,6 @@ def _catch_up(
 
 
 def _load() -> None:
-    """Import what is needed once all logs are read."""
     from friction_audit.drift.analyse import load
 
     load()
@@ -292,7 +289,6 @@ def _summarise(
     command: str,
     processes: "LocalExecutor",
 ) -> "tuple[BatchSummary, tuple[str, ...]]":
-    """Return what the sessions say together, and what was noticed about the logs as a whole."""
     from friction_audit.batch.run_batch import drift_of_arms, gather
     from friction_audit.reporting.drift import BatchSummary, FailedLog
     from friction_audit.reporting.drift_words import limit_sentences

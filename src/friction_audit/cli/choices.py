@@ -78,8 +78,6 @@ def option(
 
 
 def _offer_some(names: Sequence[str]) -> Callable[[str], list[str]]:
-    """Offer the names that do not stand before the last comma."""
-
     def offer(incomplete: str) -> list[str]:
         chosen, comma, begun = incomplete.rpartition(",")
         left = (name for name in names if name not in chosen.split(","))

@@ -54,7 +54,6 @@ def dump_config(context: typer.Context) -> str:
 
 
 def _options(context: typer.Context) -> dict[str, Any]:
-    """Return the command's options by their long name without dashes."""
     options = [p for p in context.command.params if p.param_type_name == "option" and p.name not in NOT_IN_FILES]
     return {max(option.opts, key=len).removeprefix("--"): option for option in options}
 
@@ -69,7 +68,6 @@ def _read(path: Path) -> dict[str, Any]:
 
 
 def _translate(values: dict[str, Any], path: Path, options: dict[str, Any]) -> dict[str, Any]:
-    """Return the file's values by parameter name, as the command line would give them."""
     named = {key.replace("_", "-"): value for key, value in values.items()}
     unknown = [shortened(printable(key), LONGEST_KEY) for key in named if key not in options]
     if unknown:

@@ -170,7 +170,6 @@ class Course:
 
 @contextmanager
 def _course(lengths: Sequence[float]) -> Iterator[Course]:
-    """Show a bar of stages, how long it has been, and how long it will take."""
     from rich.progress import BarColumn, ProgressColumn, SpinnerColumn, Task, TaskProgressColumn, TimeElapsedColumn
     from rich.text import Text
 
@@ -186,7 +185,6 @@ def _course(lengths: Sequence[float]) -> Iterator[Course]:
 
 @contextmanager
 def _counter(name: str) -> Iterator[Count]:
-    """Show a bar with the number of pieces done, those that failed, and the time left."""
     from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
 
     failures = "{task.fields[failed]}"

@@ -31,7 +31,6 @@ DIRECTORY = "(folder)"
 
 
 def _list_dialects(wanted: bool) -> None:
-    """Print the dialects, as a table for people and for ``cut``."""
     if wanted:
         from friction_audit.io.writers.write_log import WRITERS
 

@@ -120,7 +120,6 @@ def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
 
 
 def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:
-    """Write the augmented model of the joints."""
     if out.folder is None:
         return
     from friction_audit.diagnosis.augmented_model import augment_models

@@ -127,7 +127,6 @@ def _report(
     shared: LogOptions,
     friction: EstimateOptions,
 ) -> int:
-    """Write and print the result; return the exit code."""
     from friction_audit.reporting.diff import changes_table, diff_document, diff_lines, diff_notices
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.drift_words import limit_sentences

@@ -105,7 +105,6 @@ def command(
 
 
 def _estimate(source: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Estimate":
-    """Estimate the friction of a log, which must be a torque."""
     settings = audit_settings(shared, friction)
     with chain.loading("friction_audit.friction.estimate"):
         log = chain.read_torque(source, shared, voice)

@@ -80,7 +80,6 @@ def write_figures(
 def _content(
     results: Mapping[str, object], tasks: Sequence[Task], formats: Sequence[str], unit: str, number: int
 ) -> list[bytes]:
-    """Draw one of the figures: the content of its files."""
     from friction_audit.reporting.figures.panels import label_in_unit
     from friction_audit.reporting.figures.style import figure_bytes
 

@@ -135,6 +135,5 @@ def _keyword(parameter: inspect.Parameter) -> inspect.Parameter:
 
 
 def _fill(group: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - a dataclass
-    """Take the group's fields out of the values."""
     taken = {f.name: _fill(f.type, values) if is_dataclass(f.type) else values.pop(f.name) for f in fields(group)}
     return group(**taken)

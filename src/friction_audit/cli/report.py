@@ -118,7 +118,6 @@ def command(
 
 
 def _lengths(sections: Sequence[str], written: int) -> list[float]:
-    """Return how long the steps take, compared with each other."""
     made = {"read", "friction", *(sections or SECTIONS)}
     return [*(length for part, length in LENGTHS.items() if part in made), DRAWING, *[WRITING] * written]
 

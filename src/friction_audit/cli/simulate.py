@@ -163,7 +163,6 @@ def _find_scenario(name: str | None) -> "Scenario":
 def _choose_output(
     out: Path | None, dialect: str | None, truth: Path | None, *, overwrite: bool
 ) -> "tuple[Path, Writer]":
-    """Refuse outputs that could not be written, before anything long is done."""
     from friction_audit.io.writers.write_log import choose_writer
 
     if out is None:
@@ -211,7 +210,6 @@ def changed(settings: Any, change: ChangeOptions, model: Path | None = None, **a
 
 
 def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
-    """Print the scenarios, the settings of one of them, or the effects."""
     if json:
         raise UsageError("--json: the lists are for people; leave it out")
     lines: Sequence[str] = ()

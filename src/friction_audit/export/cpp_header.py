@@ -74,7 +74,6 @@ def table_name(term: FittedTerm, joint: int) -> str:
 
 
 def _table(term: FittedTerm, joint: int) -> str:
-    """Return the table of a term, empty if it needs none."""
     table = term.effect.cpp_table(term.values)
     if table is None:
         return ""

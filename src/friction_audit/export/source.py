@@ -106,7 +106,6 @@ def laws_of(
 
 
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
-    """Return what a document of ``estimate`` says, its keys as in its schema."""
     keys = (("regression", "inertia_kg_m2"), ("coulomb_nm", "value"), ("viscous_nms_per_rad", "value"))
     try:
         chosen = document["settings"]["torque_chosen"]

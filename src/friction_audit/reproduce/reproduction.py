@@ -104,6 +104,5 @@ def simulate_figures(
 
 
 def _count(reproductions: Sequence[Reproduction], seeds: int) -> list[tuple[Scenario, int]]:
-    """Return the scenarios that are needed, each with its number of seeds."""
     most = {name: min(seeds, each.most_seeds) for each in reproductions for name in each.scenarios}
     return [(scenario, most[scenario.name]) for scenario in PAPER_SCENARIOS if scenario.name in most]

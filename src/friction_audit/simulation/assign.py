@@ -169,7 +169,6 @@ def assign(settings: Settings, path: str, text: str, joints: tuple[int, ...] | N
 
 
 def _find(name: str, known: tuple[str, ...]) -> str:
-    """Return the one path that a name stands for."""
     found = [path for path in known if path == name] or [path for path in known if path.endswith(f".{name}")]
     if len(found) == 1:
         return found[0]
@@ -247,7 +246,6 @@ def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
 
 
 def _can_be_made(kind: type) -> bool:
-    """Return True if a kind has usual values for everything."""
     if not is_dataclass(kind):
         return True
     return all(item.default is not MISSING or item.default_factory is not MISSING for item in fields(kind))

@@ -71,7 +71,6 @@ def _simple(joint: "JointModel", where: str) -> JointParameters:
 
 
 def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, HiddenEffect]:
-    """Return the hidden effects that a joint's other terms are, by name."""
     groups: dict[str, HiddenEffect] = {}
     for term in joint.terms:
         if term.name in NOMINAL:

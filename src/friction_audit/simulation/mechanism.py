@@ -38,8 +38,6 @@ HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Joint:
-    """A joint as the mechanics read it."""
-
     inertia_kg_m2: float
     coulomb_nm: float
     viscous_nms_per_rad: float

@@ -131,7 +131,6 @@ def _among_the_others(settings: HandGuidedPanda, moved: TrueMotion, arm: Arm) ->
 
 
 def _widened(column: Float, place: int) -> Float:
-    """Return the column of one joint among zeros, shape (n + 1, 7)."""
     wide = np.zeros((len(column), JOINTS))
     wide[:, place] = column[:, 0]
     return wide

@@ -95,7 +95,6 @@ _AS_MEASURED = replace(PANDA_SENSORS[0], slow_noise_share=0.0)
 
 
 def _experiment(compensator: EnergyCompensator | None, sensors: Sensors = _AS_MEASURED) -> BenchSettings:
-    """Return the experiment with a single joint of the robot."""
     joint = JointParameters(inertia_kg_m2=0.15, coulomb_nm=0.311, viscous_nms_per_rad=0.6)
     return BenchSettings(
         joints=(joint,), sensors=(sensors,), operator=_PERSON, compensator=compensator, duration_s=40.0

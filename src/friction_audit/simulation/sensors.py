@@ -123,8 +123,6 @@ def _per_joint(settings: "Settings", column: Callable[[int], Float]) -> Float:
 
 
 def _late(settings: "Settings", signal: Float, form: int) -> Float:
-    """Return a signal after its delay lines."""
-
     def column(j: int) -> Float:
         hidden = settings.hidden[j].time_delay
         return time_delay.delayed(signal[:, j], hidden.delay_s if hidden.form == form else 0.0, 1.0 / CONTROL_RATE_HZ)
@@ -138,7 +136,6 @@ def _gravity_errors(settings: "Settings", q: Float) -> Float:
 
 
 def _compensator_channels(settings: "Settings", motion: TrueMotion) -> dict[str, Float]:
-    """Return what an active compensator logs."""
     if settings.compensator is None:
         return {}
     guarded = {"tau_passivity": motion.passivity_nm} if any_guards(settings.compensator) else {}

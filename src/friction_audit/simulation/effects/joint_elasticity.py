@@ -32,7 +32,6 @@ class JointElasticity(HiddenEffect):
     form: int = LINEAR
 
     def __post_init__(self) -> None:
-        """Check the compliance."""
         if 0.0 < self.compliance_rad_per_nm < LEAST_COMPLIANCE:
             raise UsageError(
                 f"joint_elasticity: compliance_rad_per_nm {self.compliance_rad_per_nm:g}: expected 0, a rigid joint, "

@@ -42,5 +42,4 @@ def reading_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
 
 
 def _settled(group: TorqueDrift, duration: float) -> float:
-    """Return the (negative) share of the way that the exponential covers in the recording."""
     return math.expm1(-duration / group.settling_s)

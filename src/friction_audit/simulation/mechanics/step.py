@@ -146,7 +146,6 @@ def _take(state: Record, body: Record, c: int, way: float, h: float) -> None:
 
 @compiled()
 def _drift(states: Record, body: Record, h: float) -> None:
-    """Move on by h with the accelerations found."""
     if h <= 0.0:
         return
     for c in range(body.count):

@@ -37,7 +37,6 @@ class HandPath:
     pause_s: tuple[float, float] = (0.2, 0.7)  # shortest and longest pause between two strokes [s]
 
     def __post_init__(self) -> None:
-        """Check signs, the order of the pairs and the rotation."""
         require_positive(WHERE, sideways=self.sideways, turning_rad_s=self.turning_rad_s, slowest_m_s=self.speed_m_s[0])
         require_within(WHERE, SHORTEST_M, inf, reach_m=self.reach_m)
         require_within(WHERE, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])

@@ -89,7 +89,6 @@ def _plan(settings: SlowSweep, duration_s: float, rng: np.random.Generator) -> t
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
-    """Yield excursions that leave 0 and come back to it, without end."""
     speeds = np.geomspace(*settings.speeds_rad_s, settings.steps)
     sides = cycle(settings.range_rad)
     while True:
