@@ -66,12 +66,10 @@ def information_of(
 ) -> Information:
     """Simulate the joint along all candidates once, and take apart what the columns of the effects say of each.
 
-    Args:
-        joint: The joint.
-        candidates: What it may do.
-        truths: Effects of which one is there, by name.
-        certain: Effects that are there in any case.
-        competing: Effects that compete.
+    One of the ``truths`` is there, by name, and the ``certain`` effects in any case.
+
+    Raises:
+        AnalysisError: If no candidate shows any effect.
     """
 
     def torque_of(terms: Iterable[FittedTerm]) -> Float:
@@ -121,14 +119,9 @@ def information_of(
 def value_of_separation(about: Information, counts: Float) -> float:
     """Return the compound T-criterion of a design."""
     names, found = about.separation(counts)
-    weight = np.array([[_weight(one, other, about.truths) for other in names] for one in about.truths])
-    return float(np.sum(weight * found / (found + ENOUGH)))
-
-
-def _weight(one: str, other: str, truths: Sequence[str]) -> float:
-    if one == other or other in effect_of(one).indistinguishable:
-        return 0.0
-    return 1.0 if other in truths else OTHERS
+    weight = np.array([1.0 if name in about.truths else OTHERS for name in names])
+    same = [[name in (one, *effect_of(one).indistinguishable) for name in names] for one in about.truths]
+    return float(np.sum(np.where(same, 0.0, weight) * found / (found + ENOUGH)))
 
 
 def value_for_coefficients(about: Information, counts: Float) -> float:

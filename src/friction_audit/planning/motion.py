@@ -75,13 +75,8 @@ def limits_of(
 ) -> Limits:
     """Return the limits of a joint: those of the arm, tightened to those of a hand, replaced by what is asked for.
 
-    Args:
-        joint: The joint.
-        start_rad: Where the motion starts. [rad]
-        urdf: File of the arm, or None.
-        panda: Whether the arm is a Panda, where no file is given.
-        range_rad: Lowest and highest position as asked for, relative to the start. [rad]
-        asked: Speed, acceleration and jerk as asked for, by the names of ``Limits``; None where the arm decides.
+    The arm is that of a URDF, or a Panda, or unknown. The range is relative to the start; speed, acceleration and jerk
+    are asked for by the names of ``Limits``, None where the arm decides.
 
     Raises:
         UsageError: If the URDF has no such joint or no motion keeps the limits.

@@ -111,11 +111,7 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     To decide between effects and to diagnose it is T-optimal, there for all effects that a joint alone can show at a
     usual size; for Coulomb and viscous friction it is D-optimal.
 
-    Args:
-        task: What it needs; with a purpose.
-        limits: Limits of the joint.
-        duration_s: Longest duration. [s]
-        check: Whether to simulate the motion and what `diagnose` or `estimate` would answer.
+    The check simulates the motion and what `diagnose` or `estimate` would answer.
 
     Raises:
         AnalysisError: If the time is too short.

@@ -24,10 +24,6 @@ class Recording(NamedTuple):
     files: tuple[str, ...]
 
 
-def _numbers(answer: Answer) -> dict[str, float]:
-    return {key: value for key, value in answer.numbers.items() if not isinstance(value, str)}
-
-
 def _answer_words(answer: Answer) -> str:
     names = " and ".join(" or ".join(one) for one in answer.sets)
     verdict = answer.verdict.replace("_", " ")
@@ -72,7 +68,12 @@ SEPARATED = Record(
 ANSWER = Record(
     (
         Column("effect", str, "if this effect is there", title="if the joint has", on="jt"),
-        Column("numbers", {"*": float}, "as simulated; empty where it does nothing in this motion", _numbers),
+        Column(
+            "numbers",
+            {"*": float},
+            "as simulated; empty where it does nothing in this motion",
+            lambda answer: {key: value for key, value in answer.numbers.items() if not isinstance(value, str)},
+        ),
         Column("verdict", VERDICTS, "verdict of `diagnose`"),
         Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
         Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
