@@ -78,6 +78,8 @@ class ColumnTable(Table):
         is_part = options.reads_part(rows * row_bytes)
         plain = not (options.has_window or columns.degrees) and options.time_scale == 1.0 and columns.joint is None
         if options.joint_by_joint and plain and rows * row_bytes > ON_DEMAND_BYTES:
+            # The clock, and the channels of two joints with as much again to work with.
+            refuse_too_large(self.path, rows * np.float64().itemsize * (1 + 4 * len(columns.channels)), packed)
             part = self.read_on_demand(columns)
             if part is not None:
                 return part
