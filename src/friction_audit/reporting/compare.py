@@ -251,17 +251,13 @@ CLAIM = Record(
         Column("ours", str, "our result, in words", title="ours", words=True, on="jt"),
         Column("value", float, "the number that decides", on="j"),
         Column(
-            "holds",
-            bool,
-            "whether the claim holds",
-            form=lambda holds: "yes" if holds else "NO",
-            title="holds",
+            "holds", bool, "whether the claim holds", form=lambda holds: "yes" if holds else "NO", title="holds",
             on="jt",
         ),
         Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
         Column("note", str, "what to know about it, or empty", on="j"),
     )
-)
+)  # fmt: skip
 DRAWN = Record((FIGURE.columns[0], Column("title", str, "its title"), FIGURE.columns[1]))
 REPRODUCE = Document(
     "reproduce",

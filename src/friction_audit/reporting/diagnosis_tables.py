@@ -53,13 +53,12 @@ EVIDENCE = Record(
     (
         Column("name", str, "the effect, or another one in its place"),
         Column(
-            "two_ln_bayes_factor",
-            float,
+            "two_ln_bayes_factor", float,
             "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
         ),
         Column("correlation", float, "of the two torques"),
     )
-)
+)  # fmt: skip
 
 
 class EffectRow(NamedTuple):

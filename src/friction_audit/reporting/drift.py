@@ -217,16 +217,14 @@ ARM = Record(
         _numbers("compared", "sessions compared", "compared"),
         _numbers("reference", "sessions of the reference", "reference"),
         Column(
-            "left_out",
-            [Record((PLACE, Column("reason", str, "why")))],
-            "sessions not compared, with the reason",
+            "left_out", [Record((PLACE, Column("reason", str, "why")))], "sessions not compared, with the reason",
             lambda arm: [{"session": index + 1, "reason": reason} for index, reason in arm.left_out],
         ),
         Column("ordered_by", str, "`start` or `name`"),
         Column("autocorrelation", float, "of one session's scatter with the next one's"),
         Column("warnings", [str], "what limits the comparison"),
     )
-)
+)  # fmt: skip
 
 
 class JointRow(NamedTuple):
@@ -279,10 +277,7 @@ SESSION_JOINT = Record(
         NAME,
         Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
         Column(
-            "viscous",
-            Coefficient,
-            "estimate",
-            lambda one: one.coefficients.get("viscous_nms_per_rad"),
+            "viscous", Coefficient, "estimate", lambda one: one.coefficients.get("viscous_nms_per_rad"),
             unit="N m s/rad",
         ),
         Column("cycles", int, "cycles that count"),
@@ -292,16 +287,13 @@ SESSION_JOINT = Record(
         Column("relative_change_within_session", {"*": Coefficient}, "from the first to the last third", "within"),
         Column("reason", str, "why there is no estimate", null=True),
         Column(
-            "verdict",
-            str,
-            "of `diagnose`, null if it was not asked",
-            lambda one: diagnose_verdict(one) or None,
+            "verdict", str, "of `diagnose`, null if it was not asked", lambda one: diagnose_verdict(one) or None,
             null=True,
         ),
         Column("effects", [str], "effects that it named"),
         Column("curve", CURVE, "torque against speed"),
     )
-)
+)  # fmt: skip
 
 
 class SessionRow(NamedTuple):

@@ -47,10 +47,7 @@ HISTORY = Record(
         Column("coulomb_high", unit="N m", on="f"),
         Column("viscous", float, "viscous friction of the last cycles", unit="N m s/rad"),
         Column(
-            "viscous_nms_per_rad_ci95",
-            INTERVAL,
-            "its 95 % interval",
-            lambda h: _pairs(h, "viscous{}_nms_per_rad"),
+            "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "viscous{}_nms_per_rad"),
             on="j",
         ),
         Column("viscous_low", unit="N m s/rad", on="f"),
@@ -66,7 +63,7 @@ HISTORY = Record(
     summary="friction coefficients of a joint after a cycle that counts, from the last cycles, with 95 % intervals",
     time="stop_s",
     arrays=True,
-)
+)  # fmt: skip
 
 
 def _value(coefficient: Coefficient) -> str:
@@ -102,12 +99,8 @@ FRICTION = Record(
         Column("cycles", int, title="cycles", on="p"),
         Column("rejected_cycles", int, title="rejected", on="p"),
         Column(
-            "condition_number",
-            float,
-            "of the scaled regression matrix",
-            title="condition number",
-            short="cond.\nnumber",
-            on=ALL,
+            "condition_number", float, "of the scaled regression matrix", title="condition number",
+            short="cond.\nnumber", on=ALL,
         ),
         Column("correlation", float, "between the two coefficients"),
         Column("coulomb", Coefficient, get="regression.coulomb", form=_value, title="regr.\nCoulomb", on="t"),
@@ -122,7 +115,7 @@ FRICTION = Record(
     ),
     name="coefficients",
     summary="friction coefficients of a joint over the whole log, with 95 % intervals",
-)
+)  # fmt: skip
 CYCLES = Record(
     (
         Column("cycle", int, get=lambda own: np.arange(1, len(own.joint) + 1)),

@@ -22,12 +22,7 @@ JOINT = Record(
         Column("static", float, "friction at the onset of motion", unit="N m", on="j"),
         Column("coulomb", float, "Coulomb friction", "fitted.coulomb_nm", unit="N m", title="Coulomb", on="jt"),
         Column(
-            "viscous",
-            float,
-            "viscous friction",
-            "fitted.viscous_nms_per_rad",
-            unit="N m s/rad",
-            title="viscous",
+            "viscous", float, "viscous friction", "fitted.viscous_nms_per_rad", unit="N m s/rad", title="viscous",
             on="jt",
         ),
         Column("quadratic_nms2_per_rad2", float, "damping of dq |dq|", "fitted.quadratic_nms2_per_rad2", on="j"),
@@ -39,7 +34,7 @@ JOINT = Record(
         Column("highest_speed", float, "of the fit", lambda one: float(one.law.speeds.max()), unit="rad/s", on="j"),
         Column("left_out", [str], "terms that the file cannot hold", "law.left_out", on="j"),
     )
-)
+)  # fmt: skip
 GAP = Record(
     (
         Column("joint", int, "number", title="joint", on="jt"),

@@ -103,8 +103,7 @@ MODEL = Record(
 PASSIVITY = Record(
     (
         Column(
-            "violations",
-            int,
+            "violations", int,
             "samples with the energy ledger below zero by more than two samples and the payback exchange",
         ),
         Column("violations_since_activation", int, "the same of the ledger from the activation on"),
@@ -117,7 +116,7 @@ PASSIVITY = Record(
         Column("active_fraction", float, "share of the time for which the passivity controller acted"),
         Column("hidden", bool, "whether the reserve hides over-compensation"),
     )
-)
+)  # fmt: skip
 STEP = Record(
     (
         Column("step", float, "when friction changed", unit="s"),
@@ -174,22 +173,12 @@ JOINT_REPLAY = Record(
             "removed", float, get=_stable("dissipation_removed"), unit="%", form=_percent, title="removed", on=PEOPLE
         ),
         Column(
-            "later",
-            float,
-            get=_stable("dissipation_removed_updated"),
-            unit="%",
-            form=_percent,
-            title="removed, coefficients updated",
-            short="later",
-            on=PEOPLE,
+            "later", float, get=_stable("dissipation_removed_updated"), unit="%", form=_percent,
+            title="removed, coefficients updated", short="later", on=PEOPLE,
         ),
         _number(
-            "peak_torque_without",
-            "largest interaction torque",
-            "N m",
-            title="peak torque without",
-            short="peak\nwithout",
-            on=ALL,
+            "peak_torque_without", "largest interaction torque", "N m", title="peak torque without",
+            short="peak\nwithout", on=ALL,
         ),
         _number(
             "peak_torque_with", "with the compensator", "N m", title="peak torque with", short="peak\nwith", on=ALL
@@ -200,21 +189,12 @@ JOINT_REPLAY = Record(
         _number("peak_rate", "its largest rate", "N m/s"),
         _number("limited_fraction", "share of the samples at a limit"),
         Column(
-            "cycles_to_converge",
-            int,
-            "cycles before the compensation is right",
-            "numbers.cycles_to_converge",
+            "cycles_to_converge", int, "cycles before the compensation is right", "numbers.cycles_to_converge",
             null=True,
         ),
         Column(
-            "cycles_to_converge",
-            int,
-            get=lambda one: one,
-            form=_converged,
-            sort="numbers.cycles_to_converge",
-            title="cycles to converge",
-            short="conv.\ncycles",
-            on=PEOPLE,
+            "cycles_to_converge", int, get=lambda one: one, form=_converged, sort="numbers.cycles_to_converge",
+            title="cycles to converge", short="conv.\ncycles", on=PEOPLE,
         ),
         _number("diverged", "when the loop diverged, or null", "s"),
         Column("joint_model", MODEL, "with a model file: the model of the joint", "model", on="j", null=True),
@@ -233,7 +213,7 @@ JOINT_REPLAY = Record(
     ),
     name="replay_joints",
     summary="numbers of a compensator on a joint, over the whole log",
-)
+)  # fmt: skip
 SIGNALS = Record(
     (
         Column("time", unit="s"),

@@ -15,6 +15,7 @@ from friction_audit.reporting.drift_words import (
     drift_verdict,
     total_text,
 )
+from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.panels import add_legend, band, label_panel, limits, mark_zero, new_figure
 from friction_audit.reporting.figures.sessions import (
     COEFFICIENTS,
@@ -28,16 +29,6 @@ from friction_audit.reporting.figures.sessions import (
     of_coefficient,
     shade_reference,
 )
-from friction_audit.reporting.figures.style import (
-    COLUMN_IN,
-    DISSIPATED,
-    FILTERED,
-    FITTED,
-    MUTED,
-    SHEET_IN,
-    Look,
-    figure_style,
-)
 from friction_audit.reporting.words import NOTHING, count_of
 
 if TYPE_CHECKING:
@@ -45,20 +36,20 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKS = {
-    DRIFT: (FITTED, "s", "changed"),
-    TEMPERATURE: (DISSIPATED, "^", "changes with temperature"),
-    STEADY: (FILTERED, "o", "no drift found"),
+    DRIFT: (theme.FITTED, "s", "changed"),
+    TEMPERATURE: (theme.DISSIPATED, "^", "changes with temperature"),
+    STEADY: (theme.FILTERED, "o", "no drift found"),
 }  # colour, marker and label of each verdict that comes with a change
 UNDETECTABLE = "not detectable with 90 % power"
 NARROWEST = 5.0  # percent either side of no change that a panel shows at least
 FARTHEST = 2.0  # times the changes and their intervals that the undetectable may stretch a panel; there it is cut
 
 
-@figure_style()
+@theme.figure_style()
 def draw_changes(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
     joints = chosen_joints(arm, joint)
-    figure = new_figure(SHEET_IN if joint is None else COLUMN_IN, 0.85 + max(0.24 * len(joints), 0.6))
+    figure = new_figure(theme.SHEET_IN if joint is None else theme.COLUMN_IN, 0.85 + max(0.24 * len(joints), 0.6))
     panels = figure.subplots(1, 2, sharey=True)
     for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
         label_panel(axes, coefficient_title(coefficient))
@@ -87,7 +78,7 @@ def _draw_change(axes: "Axes", place: int, found: CoefficientDrift) -> None:
     """Draw the change with its interval over what would not be detected."""
     if math.isfinite(found.smallest_drift):
         width = 200.0 * found.smallest_drift
-        look: Look = {"color": LEFT_OUT, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
+        look: theme.Look = {"color": LEFT_OUT, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
         axes.barh(place, width, left=-width / 2, height=0.7, **look)
     colour, marker, label = MARKS[drift_verdict(found)]
     axes.hlines(place, 100.0 * found.total.low, 100.0 * found.total.high, color=colour, lw=1.0)
@@ -99,7 +90,7 @@ def _write_reason(axes: "Axes", place: int, found: CoefficientDrift | None) -> N
     """Write into the line why there is no percentage."""
     words = "not testable" if found is None else total_text(found)
     text = drift_verdict(found) if found is not None and words == NOTHING else words
-    axes.annotate(text, (0.02, place), xycoords=("axes fraction", "data"), va="center", fontsize=6.5, color=MUTED)
+    axes.annotate(text, (0.02, place), xycoords=("axes fraction", "data"), va="center", fontsize=6.5, color=theme.MUTED)
 
 
 LEGEND = ("limits of a steady joint", "within the limits", "outside", "reference sessions")
@@ -122,7 +113,7 @@ def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDr
     place = np.array([point.session + 1 for point in control])
     outside = np.array([point.outside for point in control])
     words = f"{count_of(int(outside.sum()), 'session')} outside" if outside.any() else "all within"
-    axes.set_title(words, loc="right", color=FITTED if outside.any() else "black")
+    axes.set_title(words, loc="right", color=theme.FITTED if outside.any() else "black")
     shade_reference(axes, arm)
     many = len(place) > MOST_MARKED
     band(axes, place, low, high, LEFT_OUT, LEGEND[0], step=None if many else "mid", alpha=0.16)
@@ -132,8 +123,8 @@ def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDr
     reach = FARTHEST * float(np.nanmedian(np.abs(bounds))) if np.isfinite(bounds).any() else 0.0
     reach = max(reach, float(np.nanmax(np.abs(value))))
     axes.set_ylim(limits(value, np.clip(bounds, -reach, reach), near=math.inf, smallest=1e-9))
-    line: Look = {"lw": 0.7} if many else {"lw": 0.4, "marker": "o", "ms": 2.6, "mew": 0.0}
-    axes.plot(place, value, color=FILTERED, label=LEGEND[1], **line)
+    line: theme.Look = {"lw": 0.7} if many else {"lw": 0.4, "marker": "o", "ms": 2.6, "mew": 0.0}
+    axes.plot(place, value, color=theme.FILTERED, label=LEGEND[1], **line)
     if outside.any():
-        mark: Look = {"ls": "none", "marker": "s", "ms": 1.6 if many else 3.4, "mew": 0.0, "zorder": 4}
-        axes.plot(place[outside], value[outside], color=FITTED, label=LEGEND[2], **mark)
+        mark: theme.Look = {"ls": "none", "marker": "s", "ms": 1.6 if many else 3.4, "mew": 0.0, "zorder": 4}
+        axes.plot(place[outside], value[outside], color=theme.FITTED, label=LEGEND[2], **mark)

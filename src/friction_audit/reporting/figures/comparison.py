@@ -10,28 +10,8 @@ import numpy as np
 from friction_audit.compensation.comparison.methods import BEST, NONE, PAPER
 from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Point, Row
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures.panels import (
-    add_legend,
-    draw_curve,
-    every_nth,
-    label_panel,
-    mark_zero,
-    new_figure,
-    smooth,
-)
-from friction_audit.reporting.figures.style import (
-    BORDER,
-    COLUMN_IN,
-    DASHED,
-    DISSIPATED,
-    FILTERED,
-    FITTED,
-    GREEN,
-    MUTED,
-    REJECTED,
-    SHADE,
-    figure_style,
-)
+from friction_audit.reporting.figures import panels as parts
+from friction_audit.reporting.figures import style as theme
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,15 +26,15 @@ class Style(NamedTuple):
 
 
 LOOKS = {
-    "none": Style(MUTED, (0, (1, 1))),
-    "sigmoid": Style(DISSIPATED, DASHED),
-    "lugre": Style(REJECTED, (0, (4, 1.2, 1, 1.2))),
+    "none": Style(theme.MUTED, (0, (1, 1))),
+    "sigmoid": Style(theme.DISSIPATED, theme.DASHED),
+    "lugre": Style(theme.REJECTED, (0, (4, 1.2, 1, 1.2))),
     "disturbance_observer": Style("#56b4e9", (0, (6, 1))),
-    "torque_regulation": Style(GREEN, "-."),
-    "energy": Style(FITTED, "-"),
-    "oracle": Style(FILTERED, (0, (1, 0.6))),
+    "torque_regulation": Style(theme.GREEN, "-."),
+    "energy": Style(theme.FITTED, "-"),
+    "oracle": Style(theme.FILTERED, (0, (1, 0.6))),
 }
-LOST: dict[str, Any] = {"color": BORDER, "marker": "x", "ls": ""}  # where a loop was lost
+LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where a loop was lost
 
 
 def draw_comparison(comparison: Comparison) -> "dict[str, Figure]":
@@ -65,23 +45,25 @@ def draw_comparison(comparison: Comparison) -> "dict[str, Figure]":
     return {**figures, "summary": draw_summary(comparison)}
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_energies(comparison: Comparison) -> "Figure":
     """Draw the net energies of all methods over time, in one panel as in the paper."""
     rows = comparison.of_role(PAPER)
-    figure = new_figure(COLUMN_IN, 2.9)
+    figure = parts.new_figure(theme.COLUMN_IN, 2.9)
     axes = figure.subplots()
-    mark_zero(axes)
+    parts.mark_zero(axes)
     for row in rows:
         look, course = LOOKS[row.method], row.course
-        draw_curve(axes, course.t, course.energy_j, 2000, color=look.colour, ls=look.dashes, lw=0.9, label=row.label)
+        parts.draw_curve(
+            axes, course.t, course.energy_j, 2000, color=look.colour, ls=look.dashes, lw=0.9, label=row.label
+        )
         if course.is_lost:
             axes.plot(course.t[-1], course.energy_j[-1], ms=5, mew=1.2, zorder=6, label="loop lost", **LOST)
-    axes.axvline(rows[0].course.from_s, color=MUTED, lw=0.6, ls=":", label="end of 2nd cycle")
+    axes.axvline(rows[0].course.from_s, color=theme.MUTED, lw=0.6, ls=":", label="end of 2nd cycle")
     axes.margins(x=0.01)
-    label_panel(axes, y="Net energy input [J]")
+    parts.label_panel(axes, y="Net energy input [J]")
     axes.set_xlabel("Time [s]")
-    add_legend(figure)
+    parts.add_legend(figure)
     return figure
 
 
@@ -100,19 +82,19 @@ def _panels(figure: "Figure", count: int, across: int, **shared: bool) -> "list[
     return list(grid.flat[:count])
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_loops(comparison: Comparison) -> "Figure":
     """Draw torque over velocity after the second cycle, a panel for every method over the curve without any."""
     rows, joint = comparison.of_role(PAPER), comparison.loaded_joint
-    figure = new_figure(COLUMN_IN, 0.3 + 1.3 * -(-len(rows) // ACROSS))
+    figure = parts.new_figure(theme.COLUMN_IN, 0.3 + 1.3 * -(-len(rows) // ACROSS))
     for axes, row in zip(_panels(figure, len(rows), ACROSS, sharex=True, sharey=True), rows, strict=True):
-        mark_zero(axes, x=True, lw=0.3, zorder=0)
+        parts.mark_zero(axes, x=True, lw=0.3, zorder=0)
         if row is not rows[0]:
             axes.plot(*_loop(rows[0], joint), color=GROUND, lw=0.5, zorder=1)
         axes.plot(*_loop(row, joint), color=LOOKS[row.method].colour, lw=0.6, zorder=2)
-        label_panel(axes, fill(row.label, LONGEST_TITLE), across=3)
+        parts.label_panel(axes, fill(row.label, LONGEST_TITLE), across=3)
         if row.course.is_lost:
-            axes.text(0.04, 0.96, "loop lost", transform=axes.transAxes, va="top", fontsize=6.5, color=BORDER)
+            axes.text(0.04, 0.96, "loop lost", transform=axes.transAxes, va="top", fontsize=6.5, color=theme.BORDER)
     figure.supxlabel(f"Velocity of joint {joint + 1} [rad/s]")
     figure.supylabel("Interaction torque [N m]")
     return figure
@@ -125,8 +107,8 @@ def _loop(row: Row, joint: int) -> tuple[Float, Float]:
     if not part.any():
         return np.empty(0), np.empty(0)
     t = course.t[part]
-    thin = every_nth(len(t), 3000)
-    return smooth(t, course.dq[part, joint])[thin], smooth(t, course.interaction_nm[part, joint])[thin]
+    thin = parts.every_nth(len(t), 3000)
+    return parts.smooth(t, course.dq[part, joint])[thin], parts.smooth(t, course.interaction_nm[part, joint])[thin]
 
 
 WIDE = 8.0  # largest over smallest value from which the axis is logarithmic
@@ -134,19 +116,19 @@ MARKERS, SHADES = ("o", "s", "^", "v", "D"), (1.0, 0.75, 0.75, 0.45, 0.45)
 MILLI = 1000.0
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_sweeps(comparison: Comparison) -> "Figure":
     """Draw the energy slope over the setting, a panel for every method, and shade where a loop was lost."""
     none = comparison.row(NONE, PAPER)
     methods = list(dict.fromkeys(curve.method for curve in comparison.curves))
-    figure = new_figure(COLUMN_IN, 0.2 + 1.5 * -(-len(methods) // 2))
+    figure = parts.new_figure(theme.COLUMN_IN, 0.2 + 1.5 * -(-len(methods) // 2))
     for axes, method in zip(_panels(figure, len(methods), 2, sharey=True), methods, strict=True):
         sweeps = [curve for curve in comparison.curves if curve.method == method]
-        mark_zero(axes)
+        parts.mark_zero(axes)
         if none is not None:
             slope = MILLI * none.interval(lambda outcome: outcome.energy_slope_w).value
-            axes.axhline(slope, color=MUTED, lw=0.6, ls=(0, (1, 1)), zorder=1)
-        label_panel(axes, sweeps[0].label)  # before the scale, whose ticks are its own
+            axes.axhline(slope, color=theme.MUTED, lw=0.6, ls=(0, (1, 1)), zorder=1)
+        parts.label_panel(axes, sweeps[0].label)  # before the scale, whose ticks are its own
         _draw_sweeps(axes, sweeps)
         axes.set_xlabel(sweeps[0].axis)
     figure.supylabel("Slope of the net energy [mW]")
@@ -173,11 +155,11 @@ def _draw_sweeps(axes: "Axes", sweeps: Sequence[Curve]) -> None:
             axes.plot(lost.value, MILLI * neighbour.energy_slope_w.value, ms=3.5, mew=0.8, zorder=4, **LOST)
     if not any(sweep.points[-1].stable for sweep in sweeps):
         start = max(lost_for_good(sweep.points) for sweep in sweeps)
-        axes.axvspan(start, max(values), facecolor=SHADE, edgecolor="none", zorder=0)
+        axes.axvspan(start, max(values), facecolor=theme.SHADE, edgecolor="none", zorder=0)
         middle = (start * max(values)) ** 0.5 if logarithmic else 0.5 * (start + max(values))
         axes.text(
             middle, 0.5, "loop lost", transform=axes.get_xaxis_transform(), ha="center", va="center", rotation=90,
-            fontsize=6, color=MUTED,
+            fontsize=6, color=theme.MUTED,
         )  # fmt: skip
     if len(sweeps) > 1:
         axes.legend(
@@ -201,12 +183,12 @@ SHIFTS = {PAPER: -0.14, BEST: 0.14}  # where a role's marker stands, in rows
 SHAPES = {PAPER: ("o", "full", "the setting of the paper's order"), BEST: ("D", "none", "best stable tuning")}
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_summary(comparison: Comparison) -> "Figure":
     """Draw the setting of the paper's order and the best one of every method, with 95 % intervals."""
     rows = [row for row in comparison.rows if row.role in SHIFTS]
     labels = list(dict.fromkeys(row.label for row in rows))
-    figure = new_figure(COLUMN_IN, 0.9 + 0.27 * len(labels))
+    figure = parts.new_figure(theme.COLUMN_IN, 0.9 + 0.27 * len(labels))
     left, right = figure.subplots(1, 2, sharey=True)
     for row in rows:
         alone = sum(other.label == row.label for other in rows) == 1
@@ -215,14 +197,14 @@ def draw_summary(comparison: Comparison) -> "Figure":
         _draw_interval(left, row, place, Interval(*(MILLI * end for end in slope)))
         _draw_interval(right, row, place, row.interval(lambda outcome: outcome.rms_torque_nm))
     for axes, title in ((left, "(a) slope [mW]"), (right, "(b) rms torque [N m]")):
-        mark_zero(axes, x=True, y=False)
-        label_panel(axes, title, across=4)
+        parts.mark_zero(axes, x=True, y=False)
+        parts.label_panel(axes, title, across=4)
         axes.set_ylim(len(labels) - 0.5, -0.5)
         axes.set_yticks(range(len(labels)), labels)
         axes.tick_params(axis="y", length=0)
     for shape, filling, label in SHAPES.values():
-        left.plot([], [], shape, color=MUTED, fillstyle=filling, ms=3.5, mew=0.8, label=label)
-    add_legend(figure)
+        left.plot([], [], shape, color=theme.MUTED, fillstyle=filling, ms=3.5, mew=0.8, label=label)
+    parts.add_legend(figure)
     return figure
 
 
@@ -236,5 +218,5 @@ def _draw_interval(axes: "Axes", row: Row, place: float, shown: Interval) -> Non
     if row.lost_s:
         axes.text(
             0.97, place, f"{1 - row.stable_share:.0%} lost", transform=axes.get_yaxis_transform(), ha="right",
-            va="center", fontsize=5.5, color=BORDER,
+            va="center", fontsize=5.5, color=theme.BORDER,
         )  # fmt: skip

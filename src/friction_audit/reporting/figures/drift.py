@@ -11,16 +11,7 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.drawn_arm import curve_sessions
 from friction_audit.reporting.drift_words import UNITS
-from friction_audit.reporting.figures.panels import (
-    add_legend,
-    band,
-    grid,
-    is_narrow,
-    label_panel,
-    limits,
-    mark_zero,
-    write_message,
-)
+from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures.sessions import (
     LEFT_OUT,
     MOST_MARKED,
@@ -56,7 +47,7 @@ def draw_drift(arm: ArmDrift, joint: int | None) -> "Figure":
 
 
 def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
-    separator = " " if is_narrow(axes) else "\n"
+    separator = " " if parts.is_narrow(axes) else "\n"
     axes.set_ylabel(f"{coefficient_title(found.coefficient)}{separator}[{UNITS[found.coefficient]}]")
     axes.set_title(verdict_words(found), loc="right", color=FITTED if found.drift else "black")
     shade_reference(axes, arm)
@@ -117,7 +108,7 @@ def _draw_levels(axes: "Axes", found: CoefficientDrift) -> None:
     """Draw the level before and after each step, and the interval of its place."""
     for low, high, level in stretches(found):
         axes.plot((low, high), (level.value, level.value), color=FITTED, lw=1.2, label=HELD, zorder=4)
-        band(axes, np.array([low, high]), np.full(2, level.low), np.full(2, level.high), FITTED, BAND)
+        parts.band(axes, np.array([low, high]), np.full(2, level.low), np.full(2, level.high), FITTED, BAND)
     for change in found.change_points:
         low, middle, high = (_border(found, k) for k in (change.low, change.session, change.high))
         axes.axvline(middle, color=FITTED, lw=0.9, ls=(0, (2, 1.5)), label=STEP, zorder=3)
@@ -145,7 +136,7 @@ def _draw_trend(axes: "Axes", found: CoefficientDrift) -> None:
     lw, ls = (1.2, "-") if found.drift else (0.8, DASHED)
     axes.plot(place, line, color=FITTED, label=TREND, zorder=4, lw=lw, ls=ls)
     if np.isfinite(low + high).all():
-        band(axes, place, low, high, FITTED, BAND)
+        parts.band(axes, place, low, high, FITTED, BAND)
 
 
 def trend_line(found: CoefficientDrift) -> tuple[Float, Float, Float, Float]:
@@ -173,7 +164,7 @@ def value_limits(found: CoefficientDrift) -> tuple[float, float] | None:
     value, low, high = columns(found.values)
     levels = [one for change in found.change_points for one in (change.before.value, change.after.value)]
     smallest = max(SMALLEST_SHARE * float(np.nanmax(np.abs(value))), 1e-9)
-    return limits(np.append(value, levels), np.concatenate([low, high]), near=NEAR, smallest=smallest)
+    return parts.limits(np.append(value, levels), np.concatenate([low, high]), near=NEAR, smallest=smallest)
 
 
 SPREAD = "range of the reference"
@@ -193,10 +184,10 @@ def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw the curves of one joint at column width, or of every joint on a sheet."""
     joints = chosen_joints(arm, joint)
     sheet = joint is None
-    figure, panels = grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=4, head_in=0.75)
+    figure, panels = parts.grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=4, head_in=0.75)
     for axes, one in zip(panels, joints, strict=True):
         _draw_curves(axes, arm, one)
-    add_legend(figure)
+    parts.add_legend(figure)
     label_sheet(figure, arm, joints, "Velocity [rad/s]")
     figure.supylabel("Interaction torque [N m]")
     return figure
@@ -204,7 +195,7 @@ def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
 
 def _draw_curves(axes: "Axes", arm: ArmDrift, joint: JointDrift) -> None:
     """Draw the first session, the mean of the reference and the last session of one joint."""
-    label_panel(axes, joint_name(joint))
+    parts.label_panel(axes, joint_name(joint))
     drawn = curve_sessions(arm)
     first, reference, last = drawn if drawn is not None else (0, (), 0)
     curves = (
@@ -218,11 +209,11 @@ def _draw_curves(axes: "Axes", arm: ArmDrift, joint: JointDrift) -> None:
         if mean is not None:
             axes.plot(mean.speed, mean.torque, color=colour, ls=dash, lw=width, label=label)
             if len(sessions) > 1:
-                band(axes, mean.speed, mean.low, mean.high, colour, SPREAD)
+                parts.band(axes, mean.speed, mean.low, mean.high, colour, SPREAD)
     if axes.lines:
-        mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
+        parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
     else:
-        write_message(axes, "no session moves this joint", characters=36, instead=True)
+        parts.write_message(axes, "no session moves this joint", characters=36, instead=True)
 
 
 def mean_curve(curves: list[SpeedCurve]) -> Mean | None:

@@ -6,36 +6,9 @@ import numpy as np
 
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures.panels import (
-    Numbers,
-    add_legend,
-    band,
-    break_at_gaps,
-    cutoff_hz,
-    draw_curve,
-    grid,
-    label_panel,
-    limits,
-    median_rate_hz,
-    new_figure,
-    pairs,
-    smooth,
-    thin_extremes,
-    write_message,
-)
+from friction_audit.reporting.figures import panels as parts
+from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.series import JointSeries, choose_series, estimated, shade_cycles
-from friction_audit.reporting.figures.style import (
-    BORDER,
-    COLUMN_IN,
-    DASHED,
-    DISSIPATED,
-    FILTERED,
-    FITTED,
-    RAW,
-    SHEET_IN,
-    ZOOMED,
-    figure_style,
-)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,19 +20,19 @@ POINTS = 6000  # of a curve: a page is 2100 dots wide at 300 dots per inch, so n
 GAP_PERIODS = 20  # sampling periods without a sample after which no line is drawn
 
 
-@figure_style()
-def draw_signals(estimate: "Estimate", joint: Numbers) -> "Figure":
+@theme.figure_style()
+def draw_signals(estimate: "Estimate", joint: parts.Numbers) -> "Figure":
     """Draw velocity and torque of one joint above each other, or every joint that moved on a sheet, a row for each."""
     joints, sheet, note = choose_series(estimate, joint)
-    figure, rows = pairs(len(joints), sheet=sheet)
+    figure, rows = parts.pairs(len(joints), sheet=sheet)
     for row, series in zip(rows, joints, strict=True):
         signals = ((series.dq, "Velocity [rad/s]", series.title), (series.torque, "Torque [N m]", ""))
         for axes, (signal, label, title) in zip(row, signals, strict=True):
             shade_cycles(axes, series)
             _draw_signal(axes, series.t, signal)
             axes.set_xlim(series.t[0], series.t[-1])
-            label_panel(axes, title, y=label)
-    add_legend(figure)
+            parts.label_panel(axes, title, y=label)
+    parts.add_legend(figure)
     figure.align_ylabels()
     figure.supxlabel(f"Time [s]{note}")
     return figure
@@ -67,11 +40,14 @@ def draw_signals(estimate: "Estimate", joint: Numbers) -> "Figure":
 
 def _draw_signal(axes: "Axes", t: Float, signal: Float) -> None:
     """Draw a signal raw and filtered, with gaps where the log has some."""
-    filtered = f"filtered, {cutoff_hz(t):.3g} Hz"
-    for values, colour, width, label in ((signal, RAW, 0.5, "raw"), (smooth(t, signal), FILTERED, 0.7, filtered)):
-        stamps, kept = thin_extremes(t, values, POINTS)
-        longest_s = GAP_PERIODS / median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
-        whole = break_at_gaps(stamps, kept, longest_s)
+    filtered = f"filtered, {parts.cutoff_hz(t):.3g} Hz"
+    for values, colour, width, label in (
+        (signal, theme.RAW, 0.5, "raw"),
+        (parts.smooth(t, signal), theme.FILTERED, 0.7, filtered),
+    ):
+        stamps, kept = parts.thin_extremes(t, values, POINTS)
+        longest_s = GAP_PERIODS / parts.median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
+        whole = parts.break_at_gaps(stamps, kept, longest_s)
         axes.plot(stamps, whole, color=colour, lw=width, label=label, rasterized=True)
 
 
@@ -79,19 +55,19 @@ CYCLES_ZOOMED = 40  # cycles of a long log that are drawn apart: the shortest ar
 SMALLEST_ENERGY_J = 0.01  # half height of the panel of a joint that stands still
 
 
-@figure_style()
-def draw_energy(estimate: "Estimate", joint: Numbers) -> "Figure":
+@theme.figure_style()
+def draw_energy(estimate: "Estimate", joint: parts.Numbers) -> "Figure":
     """Draw the net energy of one joint or of those that moved on a sheet; of a long log its first cycles apart."""
     joints, sheet, note = choose_series(estimate, joint)
     if any(series.is_crowded for series in joints):
         figure = _draw_long(joints)
     else:
-        figure, panels = grid([1.4 if sheet else 1.8] * len(joints), sheet=sheet, across=2, head_in=0.6)
+        figure, panels = parts.grid([1.4 if sheet else 1.8] * len(joints), sheet=sheet, across=2, head_in=0.6)
         for axes, series in zip(panels, joints, strict=True):
             _draw_cycles(axes, series)
-            label_panel(axes, series.title)
-            write_message(axes, series.not_determined)
-    add_legend(figure, ("net energy", "dissipated, per cycle", "zero velocity"))
+            parts.label_panel(axes, series.title)
+            parts.write_message(axes, series.not_determined)
+    parts.add_legend(figure, ("net energy", "dissipated, per cycle", "zero velocity"))
     figure.supxlabel(f"Time [s]{note}")
     figure.supylabel("Net energy [J]")
     return figure
@@ -100,20 +76,20 @@ def draw_energy(estimate: "Estimate", joint: Numbers) -> "Figure":
 def _draw_long(joints: tuple[JointSeries, ...]) -> "Figure":
     """Draw the whole log and its first cycles: side by side on a sheet, below each other for one joint."""
     alone = len(joints) == 1
-    figure = new_figure(*((COLUMN_IN, 3.6) if alone else (SHEET_IN, 0.6 + 1.15 * len(joints))))
+    figure = parts.new_figure(*((theme.COLUMN_IN, 3.6) if alone else (theme.SHEET_IN, 0.6 + 1.15 * len(joints))))
     rows = figure.subplots(2, 1, squeeze=False).T if alone else figure.subplots(len(joints), 2, squeeze=False)
     for (whole, zoomed), series in zip(rows, joints, strict=True):
         part = series.first_cycles(CYCLES_ZOOMED)
         _draw_net_energy(whole, series)
-        label_panel(whole, series.title)
-        write_message(whole, series.not_determined)
+        parts.label_panel(whole, series.title)
+        parts.write_message(whole, series.not_determined)
         if not len(part.cycles.joint):
             zoomed.remove()
             continue
         where = f"part drawn {'below' if alone else 'on the right'}"
-        whole.axvspan(part.t[0], part.t[-1], facecolor=ZOOMED, linewidth=0, zorder=0, label=where)
+        whole.axvspan(part.t[0], part.t[-1], facecolor=theme.ZOOMED, linewidth=0, zorder=0, label=where)
         _draw_cycles(zoomed, part)
-        label_panel(zoomed, f"cycles 1 to {len(part.cycles.joint)} of {len(series.cycles.joint)}")
+        parts.label_panel(zoomed, f"cycles 1 to {len(part.cycles.joint)} of {len(series.cycles.joint)}")
     return figure
 
 
@@ -127,9 +103,11 @@ def _draw_cycles(axes: "Axes", series: JointSeries) -> None:
     edges, stairs = dissipated_stairs(series)
     # The last step holds until the log ends.
     held = np.append(edges, max(series.t[-1], edges[-1])), np.append(stairs, stairs[-1])
-    axes.step(*held, where="post", color=DISSIPATED, lw=0.9, label="dissipated, per cycle")
+    axes.step(*held, where="post", color=theme.DISSIPATED, lw=0.9, label="dissipated, per cycle")
     borders = np.concatenate([cycles.start[:1], cycles.stop])
-    axes.plot(series.t[borders], energy[borders], "o", color=BORDER, ms=2.0, mew=0, zorder=5, label="zero velocity")
+    axes.plot(
+        series.t[borders], energy[borders], "o", color=theme.BORDER, ms=2.0, mew=0, zorder=5, label="zero velocity"
+    )
 
 
 def _draw_net_energy(axes: "Axes", series: JointSeries) -> Float:
@@ -137,7 +115,7 @@ def _draw_net_energy(axes: "Axes", series: JointSeries) -> Float:
     axes.set_xlim(series.t[0], series.t[-1])
     if np.ptp(energy) < SMALLEST_ENERGY_J:
         axes.set_ylim(-SMALLEST_ENERGY_J, SMALLEST_ENERGY_J)
-    draw_curve(axes, series.t, energy, 20_000, color=FILTERED, lw=0.9, label="net energy")
+    parts.draw_curve(axes, series.t, energy, 20_000, color=theme.FILTERED, lw=0.9, label="net energy")
     return energy
 
 
@@ -153,11 +131,11 @@ NEAR = 1.5  # times the range of the values that bands may reach beyond it; ther
 SMALLEST_SHARE, SMALLEST_RANGE = 0.02, 1e-6  # of the value, and of all: a panel is never higher resolved
 
 
-@figure_style()
-def draw_coefficients(estimate: "Estimate", joint: Numbers) -> "Figure":
+@theme.figure_style()
+def draw_coefficients(estimate: "Estimate", joint: parts.Numbers) -> "Figure":
     """Draw Coulomb and viscous friction of one joint above each other, or every joint on a sheet, a row for each."""
     joints, sheet, note = choose_series(estimate, joint, estimated)
-    figure, rows = pairs(len(joints), sheet=sheet)
+    figure, rows = parts.pairs(len(joints), sheet=sheet)
     windows = sorted({min(series.friction.window, series.friction.cycles) for series in joints})
     cycles = " to ".join(str(one) for one in dict.fromkeys((windows[0], windows[-1])))
     window = "last cycle" if cycles == "1" else f"last {cycles} cycles"
@@ -166,14 +144,14 @@ def draw_coefficients(estimate: "Estimate", joint: Numbers) -> "Figure":
         friction, history = series.friction, series.friction.history
         coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
         viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
-        label_panel(row[0], series.title, y="Coulomb [N m]")
-        label_panel(row[1], "", y="Viscous [N m s/rad]")
+        parts.label_panel(row[0], series.title, y="Coulomb [N m]")
+        parts.label_panel(row[1], "", y="Viscous [N m s/rad]")
         for axes, values, whole in zip(row, (coulomb, viscous), (friction.coulomb, friction.viscous), strict=True):
             axes.set_xlim(series.t[0], series.t[-1])
             ends = y_limits(*values, whole)
             if ends is None:
                 axes.set_yticks([])
-                write_message(axes, series.not_determined or _absence(friction, axes.get_ylabel()))
+                parts.write_message(axes, series.not_determined or _absence(friction, axes.get_ylabel()))
                 continue
             axes.set_ylim(*ends)
             bounds = np.concatenate([*values[1:], [whole.low, whole.high]])
@@ -182,7 +160,7 @@ def draw_coefficients(estimate: "Estimate", joint: Numbers) -> "Figure":
     for axes in figure.axes:
         for found in axes.collections:
             found.set_label("95 %, cut at the edge" if cut else "95 %")
-    add_legend(figure, (window, "95 %", "95 %, cut at the edge"))
+    parts.add_legend(figure, (window, "95 %", "95 %, cut at the edge"))
     figure.align_ylabels()
     figure.supxlabel(f"Time [s]{note}")
     return figure
@@ -195,12 +173,12 @@ def _draw_coefficient(
     if np.isfinite(values[0]).any():
         middle, low, high = (np.append(column, column[-1]) for column in values)
         t = np.maximum.accumulate(t)
-        axes.step(t, middle, where="post", color=FILTERED, label=window)
-        band(axes, t, low, high, FILTERED, "95 %", step="post", alpha=0.22)
+        axes.step(t, middle, where="post", color=theme.FILTERED, label=window)
+        parts.band(axes, t, low, high, theme.FILTERED, "95 %", step="post", alpha=0.22)
     if np.isfinite(whole.value):
-        axes.axhline(whole.value, color=FITTED, lw=0.9, ls=DASHED, label="whole log")
+        axes.axhline(whole.value, color=theme.FITTED, lw=0.9, ls=theme.DASHED, label="whole log")
     if np.isfinite(whole.low + whole.high):
-        axes.axhspan(whole.low, whole.high, color=FITTED, alpha=0.18, lw=0, label="95 %, whole log")
+        axes.axhspan(whole.low, whole.high, color=theme.FITTED, alpha=0.18, lw=0, label="95 %, whole log")
 
 
 def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple[float, float] | None:
@@ -218,7 +196,7 @@ def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple
     shown = np.concatenate([value[settled], [whole.value, whole.low, whole.high]])
     largest = float(np.nanmax(np.abs(shown), initial=0.0))
     smallest = max(SMALLEST_SHARE * largest, SMALLEST_RANGE)
-    return limits(shown, np.concatenate([low, high]), near=NEAR, smallest=smallest)
+    return parts.limits(shown, np.concatenate([low, high]), near=NEAR, smallest=smallest)
 
 
 def _absence(friction: JointFriction, label: str) -> str:

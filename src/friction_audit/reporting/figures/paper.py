@@ -7,31 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures.panels import (
-    add_legend,
-    draw_arrow,
-    draw_curve,
-    draw_dots,
-    draw_raw_and_filtered,
-    every_nth,
-    label_panel,
-    mark_zero,
-    new_figure,
-    smooth,
-)
+from friction_audit.reporting.figures import panels as parts
+from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.series import shade_stretches
-from friction_audit.reporting.figures.style import (
-    BORDER,
-    COLUMN_IN,
-    DASHED,
-    DISSIPATED,
-    FILTERED,
-    FITTED,
-    RAW,
-    SHEET_IN,
-    Look,
-    figure_style,
-)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,78 +61,82 @@ def _shade(axes: "Axes", course: Course) -> None:
 def _draw_energy(axes: "Axes", course: Course, title: str = "") -> None:
     """Draw the net energy with the ends of its cycles marked."""
     _shade(axes, course)
-    mark_zero(axes)
-    draw_curve(axes, course.t, course.energy_j, DRAWN, color=FILTERED, label="net energy $E_m$")
-    look: Look = {"color": BORDER, "ms": 2.4, "mew": 0, "zorder": 5, "label": "end of a cycle"}
+    parts.mark_zero(axes)
+    parts.draw_curve(axes, course.t, course.energy_j, DRAWN, color=theme.FILTERED, label="net energy $E_m$")
+    look: theme.Look = {"color": theme.BORDER, "ms": 2.4, "mew": 0, "zorder": 5, "label": "end of a cycle"}
     axes.plot(course.ends_s, course.ends_j, "o", **look)
-    label_panel(axes, title, y="Energy [J]")
+    parts.label_panel(axes, title, y="Energy [J]")
 
 
 def _draw_steps(axes: "Axes", course: Course, signal: Float, y: str, colour: str, title: str = "") -> None:
     """Draw a coefficient or a damping of shape (n,)."""
     _shade(axes, course)
-    draw_curve(axes, course.t, signal, DRAWN, color=colour)
-    label_panel(axes, title, y=y)
+    parts.draw_curve(axes, course.t, signal, DRAWN, color=colour)
+    parts.label_panel(axes, title, y=y)
 
 
 def _draw_loop(axes: "Axes", course: Course, title: str) -> None:
     """Draw interaction torque over velocity, as measured and filtered, with arrows in the direction of time."""
-    draw_dots(axes, course.dq, course.interaction_nm, RAW, "raw", zorder=1)
-    dq, torque = smooth(course.t, course.dq), smooth(course.t, course.interaction_nm)
-    thin = every_nth(len(course.t), DRAWN)
-    axes.plot(dq[thin], torque[thin], color=FILTERED, lw=0.6, label="filtered, 10 Hz", zorder=2)
+    parts.draw_dots(axes, course.dq, course.interaction_nm, theme.RAW, "raw", zorder=1)
+    dq, torque = parts.smooth(course.t, course.dq), parts.smooth(course.t, course.interaction_nm)
+    thin = parts.every_nth(len(course.t), DRAWN)
+    axes.plot(dq[thin], torque[thin], color=theme.FILTERED, lw=0.6, label="filtered, 10 Hz", zorder=2)
     for fastest in (int(np.argmax(dq)), int(np.argmin(dq))):
         slow = np.sign(dq[fastest]) * dq < ARROWS_AT * abs(dq[fastest])
         for place in (fastest - int(np.argmax(slow[fastest::-1])), fastest + int(np.argmax(slow[fastest:]))):
             tail, head = max(place - ARROW_SAMPLES, 0), min(place + ARROW_SAMPLES, len(dq) - 1)
-            draw_arrow(axes, (dq[tail], torque[tail]), (dq[head], torque[head]), FITTED, 0.9)
-    label_panel(axes, title, y="Interaction torque [N m]")
+            parts.draw_arrow(axes, (dq[tail], torque[tail]), (dq[head], torque[head]), theme.FITTED, 0.9)
+    parts.label_panel(axes, title, y="Interaction torque [N m]")
     axes.set_xlabel("Velocity [rad/s]")
 
 
 def _finish(figure: "Figure", last: "Axes") -> "Figure":
     last.set_xlabel("Time [s]")
-    add_legend(figure)
+    parts.add_legend(figure)
     figure.align_ylabels()
     return figure
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> "Figure":
     """Draw the net energy input and its two parts, kinetic and dissipated energy, shape (n,) each (Fig. 3). [J]"""
-    figure = new_figure(COLUMN_IN, 2.4)
+    figure = parts.new_figure(theme.COLUMN_IN, 2.4)
     axes = figure.subplots()
     _draw_energy(axes, course)
-    draw_curve(axes, course.t, kinetic_j, DRAWN, color=FITTED, ls=DASHED, label="kinetic $E_s$")
-    draw_curve(axes, course.t, dissipated_j, DRAWN, color=DISSIPATED, ls="-.", label="dissipated $E_{dissp}$")
-    box: Look = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
+    parts.draw_curve(axes, course.t, kinetic_j, DRAWN, color=theme.FITTED, ls=theme.DASHED, label="kinetic $E_s$")
+    parts.draw_curve(
+        axes, course.t, dissipated_j, DRAWN, color=theme.DISSIPATED, ls="-.", label="dissipated $E_{dissp}$"
+    )
+    box: theme.Look = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
     for number, end in enumerate(zip(course.ends_s, course.ends_j, strict=True), start=1):
         name = rf"$E^{number}_{{cyclic}}$"
         axes.annotate(name, end, (3, -10), textcoords="offset points", fontsize=6.5, bbox=box)
     return _finish(figure, axes)
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
     """Draw the net energy, and the coefficient with the true one of shape (n,) (Fig. 6). [N m s/rad]"""
-    figure = new_figure(COLUMN_IN, 3.0)
+    figure = parts.new_figure(theme.COLUMN_IN, 3.0)
     above, below = figure.subplots(2, 1, sharex=True)
     _draw_energy(above, course, "(a)")
-    draw_curve(below, course.t, viscous_nms_per_rad, DRAWN, color=FITTED, ls=DASHED, label="true friction")
-    _draw_steps(below, course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", FILTERED, "(b)")
+    parts.draw_curve(
+        below, course.t, viscous_nms_per_rad, DRAWN, color=theme.FITTED, ls=theme.DASHED, label="true friction"
+    )
+    _draw_steps(below, course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", theme.FILTERED, "(b)")
     below.lines[-1].set_label("compensated")
     return _finish(figure, below)
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_overcompensation(bare: Course, guarded: Course) -> "Figure":
     """Draw the net energy without and with the passivity controller, and its damping (Fig. 7)."""
-    figure = new_figure(COLUMN_IN, 3.9)
+    figure = parts.new_figure(theme.COLUMN_IN, 3.9)
     top, middle, bottom = figure.subplots(3, 1, sharex=True)
     _draw_energy(top, bare, "(a) without passivity controller")
     _draw_energy(middle, guarded, "(b) with it")
     label = "Damping\n[N m s/rad]"
-    _draw_steps(bottom, guarded, guarded.damping_nms_per_rad, label, FITTED, "(c) adaptive damping")
+    _draw_steps(bottom, guarded, guarded.damping_nms_per_rad, label, theme.FITTED, "(c) adaptive damping")
     return _finish(figure, bottom)
 
 
@@ -165,8 +147,8 @@ def _draw_signals(above: "Axes", below: "Axes", course: Course) -> None:
         (below, course.interaction_nm, "Torque\n[N m]"),
     ):
         _shade(axes, course)
-        draw_raw_and_filtered(axes, course.t, signal, DRAWN, lw=0.8)
-        label_panel(axes, "(a)" if axes is above else "", y=label)
+        parts.draw_raw_and_filtered(axes, course.t, signal, DRAWN, lw=0.8)
+        parts.label_panel(axes, "(a)" if axes is above else "", y=label)
 
 
 def _share_time(panels: "Sequence[Axes]") -> "Axes":
@@ -176,10 +158,10 @@ def _share_time(panels: "Sequence[Axes]") -> "Axes":
     return panels[-1]
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_uncompensated(course: Course) -> "Figure":
     """Draw velocity and torque, the net energy, and the torque over the velocity (Fig. 8)."""
-    figure = new_figure(COLUMN_IN, 5.6)
+    figure = parts.new_figure(theme.COLUMN_IN, 5.6)
     panels = figure.subplots(4, 1, height_ratios=(1, 1, 1.2, 2))
     _draw_signals(panels[0], panels[1], course)
     _draw_energy(panels[2], course, "(b)")
@@ -187,74 +169,74 @@ def draw_uncompensated(course: Course) -> "Figure":
     return _finish(figure, _share_time(panels[:3]))
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_plateaus(raw: Course, aided: Course) -> "Figure":
     """Draw torque over velocity without and with compensation, dashed and solid as in the paper (Fig. 9)."""
-    figure = new_figure(COLUMN_IN, 2.5)
+    figure = parts.new_figure(theme.COLUMN_IN, 2.5)
     axes = figure.subplots()
-    mark_zero(axes, x=True)
-    axes.plot(raw.dq, raw.interaction_nm, color=FITTED, ls=DASHED, lw=1.0, label="combined friction")
-    axes.plot(aided.dq, aided.interaction_nm, color=FILTERED, lw=1.0, label="compensated")
-    label_panel(axes, y="Interaction torque [N m]")
+    parts.mark_zero(axes, x=True)
+    axes.plot(raw.dq, raw.interaction_nm, color=theme.FITTED, ls=theme.DASHED, lw=1.0, label="combined friction")
+    axes.plot(aided.dq, aided.interaction_nm, color=theme.FILTERED, lw=1.0, label="compensated")
+    parts.label_panel(axes, y="Interaction torque [N m]")
     _finish(figure, axes)
     axes.set_xlabel("Velocity [rad/s]")
     return figure
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_compensated(course: Course) -> "Figure":
     """Draw velocity and torque, the net energy, and both coefficients (Fig. 10)."""
-    figure = new_figure(COLUMN_IN, 5.2)
+    figure = parts.new_figure(theme.COLUMN_IN, 5.2)
     panels = figure.subplots(5, 1)
     _draw_signals(panels[0], panels[1], course)
     _draw_energy(panels[2], course, "(b)")
-    panels[2].axhline(course.ends_j[1], color=FITTED, lw=0.7, ls=DASHED, label="$E^2_{cyclic}$")
-    _draw_steps(panels[3], course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", FILTERED, "(c)")
-    _draw_steps(panels[4], course, course.coulomb_nm, "Coulomb\n[N m]", DISSIPATED)
+    panels[2].axhline(course.ends_j[1], color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
+    _draw_steps(panels[3], course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", theme.FILTERED, "(c)")
+    _draw_steps(panels[4], course, course.coulomb_nm, "Coulomb\n[N m]", theme.DISSIPATED)
     return _finish(figure, _share_time(panels))
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_compensated_loop(course: Course, without: Course) -> "Figure":
     """Draw torque over velocity on the axes of the uncompensated joint (Fig. 11)."""
-    figure = new_figure(COLUMN_IN, 2.5)
+    figure = parts.new_figure(theme.COLUMN_IN, 2.5)
     axes = figure.subplots()
     _draw_loop(axes, course, "")
     reach = 1.05 * float(abs(without.interaction_nm).max())
     axes.set_ylim(-reach, reach)
-    add_legend(figure)
+    parts.add_legend(figure)
     return figure
 
 
-@figure_style(mathematics=True)
+@theme.figure_style(mathematics=True)
 def draw_whole_arm(courses: Sequence[Course]) -> "Figure":
     """Draw a row for every joint: velocity and torque, net energy, both coefficients (Fig. 12)."""
-    figure = new_figure(SHEET_IN, 0.9 + 0.92 * len(courses))
+    figure = parts.new_figure(theme.SHEET_IN, 0.9 + 0.92 * len(courses))
     rows = figure.subplots(len(courses), 3, squeeze=False, sharex=True)
     for number, (row, course) in enumerate(zip(rows, courses, strict=True), start=1):
         t, (left, middle, right) = course.t, row
         torque = course.interaction_nm
         curves = (
-            (left, torque, {"color": RAW, "lw": 0.4, "label": "torque", "rasterized": True}),
-            (left, smooth(t, torque), {"color": FILTERED, "lw": 0.6, "label": "filtered, 10 Hz"}),
-            (left, course.dq, {"color": FITTED, "lw": 0.7, "label": "velocity"}),
-            (middle, course.energy_j, {"color": FILTERED}),
-            (right, course.coulomb_nm, {"color": DISSIPATED, "label": "Coulomb"}),
-            (right, course.viscous_nms_per_rad, {"color": FILTERED, "ls": DASHED, "label": "viscous"}),
+            (left, torque, {"color": theme.RAW, "lw": 0.4, "label": "torque", "rasterized": True}),
+            (left, parts.smooth(t, torque), {"color": theme.FILTERED, "lw": 0.6, "label": "filtered, 10 Hz"}),
+            (left, course.dq, {"color": theme.FITTED, "lw": 0.7, "label": "velocity"}),
+            (middle, course.energy_j, {"color": theme.FILTERED}),
+            (right, course.coulomb_nm, {"color": theme.DISSIPATED, "label": "Coulomb"}),
+            (right, course.viscous_nms_per_rad, {"color": theme.FILTERED, "ls": theme.DASHED, "label": "viscous"}),
         )
         for axes in row:
             _shade(axes, course)
-            mark_zero(axes)
-            label_panel(axes, across=6)
+            parts.mark_zero(axes)
+            parts.label_panel(axes, across=6)
         for axes, signal, look in curves:
-            draw_curve(axes, t, signal, DRAWN_ON_SHEET, **look)
-        dots: Look = {"color": BORDER, "ms": 2.0, "mew": 0, "zorder": 5, "label": "end of a cycle"}
+            parts.draw_curve(axes, t, signal, DRAWN_ON_SHEET, **look)
+        dots: theme.Look = {"color": theme.BORDER, "ms": 2.0, "mew": 0, "zorder": 5, "label": "end of a cycle"}
         middle.plot(course.ends_s, course.ends_j, "o", **dots)
         left.set_ylabel(f"joint {number}")
     titles = ("(a) velocity [rad/s], torque [N m]", "(b) net energy [J]", "(c) coefficients [N m], [N m s/rad]")
     for axes, title in zip(rows[0], titles, strict=True):
         axes.set_title(title, loc="left")
     figure.supxlabel("Time [s]")
-    add_legend(figure)
+    parts.add_legend(figure)
     figure.align_ylabels()
     return figure

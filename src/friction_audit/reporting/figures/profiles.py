@@ -11,32 +11,8 @@ from friction_audit.diagnosis.profiles import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import effect_numbers, plain_names, where_words
-from friction_audit.reporting.figures.panels import (
-    Numbers,
-    add_legend,
-    choose,
-    every_nth,
-    grid,
-    is_narrow,
-    joint_title,
-    label_panel,
-    limits,
-    mark_zero,
-    new_figure,
-)
-from friction_audit.reporting.figures.style import (
-    BLUE,
-    BORDER,
-    COLUMN_IN,
-    DASHED,
-    DISSIPATED,
-    MUTED,
-    REJECTED,
-    SHEET_IN,
-    ZOOMED,
-    Look,
-    figure_style,
-)
+from friction_audit.reporting.figures import panels as parts
+from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.verdicts import AUGMENTED, write_verdict
 
 if TYPE_CHECKING:
@@ -89,22 +65,24 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
     return found or [Row(joint, joint.profiles[0] if joint.profiles else None, None)]
 
 
-@figure_style()
-def draw_residual(found: "Diagnosis", joint: Numbers) -> "Figure":
+@theme.figure_style()
+def draw_residual(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
     """Draw the residual before and after along every axis that shows an effect; a sheet has that of the largest."""
-    joints, sheet, note = choose(found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable")
+    joints, sheet, note = parts.choose(
+        found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable"
+    )
     rows = [row for one in joints for row in (rows_of(one)[:1] if sheet else rows_of(one))]
     if sheet:
-        figure = new_figure(SHEET_IN, 0.75 + 1.4 * len(rows))
+        figure = parts.new_figure(theme.SHEET_IN, 0.75 + 1.4 * len(rows))
         panels = iter(figure.subplots(len(rows), 2, squeeze=False, sharey="row").ravel())
         counts = [2] * len(rows)
     else:
         counts = [1 if row.after is None else 2 for row in rows]
-        figure = new_figure(COLUMN_IN, 0.75 + 1.55 * sum(counts))
+        figure = parts.new_figure(theme.COLUMN_IN, 0.75 + 1.55 * sum(counts))
         panels = iter(figure.subplots(sum(counts), 1, squeeze=False).ravel())
     for row, count in zip(rows, counts, strict=True):
         _draw_row([next(panels) for _ in range(count)], row)
-    add_legend(figure)
+    parts.add_legend(figure)
     corners = sorted({round(one.traces.corner_hz, 6) for one in joints if one.traces is not None})
     ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys((*corners[:1], *corners[-1:])))
     figure.supylabel(f"Measured less model{f', low-pass {ends} Hz' if corners else ''} [N m]")
@@ -121,7 +99,7 @@ def _draw_row(panels: "list[Axes]", row: Row) -> None:
         return
     names = plain_names(" and ".join(effect.name for effect in joint.added))
     contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
-    titles = (f"{joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
+    titles = (f"{parts.joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
     drawn = [one for one in zip((row.before, row.after), residuals, titles, strict=True) if one[0] is not None]
     ends = np.array([limits_for(residual, profile) for profile, residual, _ in drawn if profile is not None])
@@ -132,7 +110,7 @@ def _draw_row(panels: "list[Axes]", row: Row) -> None:
         # What is left needs no place unless it is more than noise.
         shown = joint.verdict == "unexplained" or (profile is row.before and joint.added)
         lines = [fill(text, CHARACTERS) for text in (title, where_words(profile) if shown else "") if text]
-        label_panel(axes, "\n".join(lines), across=4)
+        parts.label_panel(axes, "\n".join(lines), across=4)
         name_axis(axes, profile)
         axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
 
@@ -142,7 +120,7 @@ def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
     means = np.concatenate([profile.forwards, profile.backwards])
     half = STANDARD_ERRORS * np.nan_to_num(np.concatenate([profile.forwards_se, profile.backwards_se]))
     shown = np.concatenate([means - half, means + half, [0.0]])
-    ends = limits(shown, np.quantile(samples, (OUTSIDE, 1.0 - OUTSIDE)), near=NEAR, smallest=SMALLEST_NM)
+    ends = parts.limits(shown, np.quantile(samples, (OUTSIDE, 1.0 - OUTSIDE)), near=NEAR, smallest=SMALLEST_NM)
     assert ends is not None
     return ends
 
@@ -157,20 +135,20 @@ def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque
         dq: Velocity of every sample, shape (m,). [rad/s]
         torque: What is drawn of every sample, shape (m,). [N m]
     """
-    mark_zero(axes)
+    parts.mark_zero(axes)
     reach = np.stack([profile.centre - profile.edges[:-1], profile.edges[1:] - profile.centre])
     directions = (
-        ("forwards", dq > 0, ">", BLUE, profile.forwards, profile.forwards_se),
-        ("backwards", dq <= 0, "<", DISSIPATED, profile.backwards, profile.backwards_se),
+        ("forwards", dq > 0, ">", theme.BLUE, profile.forwards, profile.forwards_se),
+        ("backwards", dq <= 0, "<", theme.DISSIPATED, profile.backwards, profile.backwards_se),
     )
     for name, which, marker, colour, mean, error in directions:
-        kept = every_nth(int(which.sum()), MOST_DOTS)
+        kept = parts.every_nth(int(which.sum()), MOST_DOTS)
         axes.plot(along[which][kept], torque[which][kept], ".", color=colour, ms=1.2, mew=0, alpha=0.35, zorder=2)
         axes.errorbar(profile.centre, mean, xerr=reach, fmt="none", elinewidth=0.6, ecolor=colour, zorder=3)
         half = STANDARD_ERRORS * np.where(np.isfinite(error), error, 0.0)
         axes.errorbar(
-            profile.centre, mean, half, fmt=marker, color=colour, ms=3.2, mec=BORDER, mew=0.4, elinewidth=0.8,
-            ecolor=BORDER, capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
+            profile.centre, mean, half, fmt=marker, color=colour, ms=3.2, mec=theme.BORDER, mew=0.4, elinewidth=0.8,
+            ecolor=theme.BORDER, capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
         )  # fmt: skip
 
 
@@ -186,20 +164,20 @@ def name_axis(axes: "Axes", profile: Profile) -> None:
         axes.set_xlim(0.0, float(profile.edges[-1]))
 
 
-@figure_style()
-def draw_effects(found: "Diagnosis", joint: Numbers) -> "Figure":
+@theme.figure_style()
+def draw_effects(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
     """Draw a panel per effect of one joint at column width, parameters below, or of every joint on a sheet."""
-    joints, sheet, note = choose(found.discrepancy.joints, joint, lambda one: one.effects, "no effect named")
+    joints, sheet, note = parts.choose(found.discrepancy.joints, joint, lambda one: one.effects, "no effect named")
     panels: list[Callable[[Axes], None]] = []
     heights: list[float] = []
     for one in joints:
         drawn = [panel for effect in one.effects for panel in _effect_panels(one, effect, sheet=sheet)]
         panels += drawn or [partial(write_verdict, joint=one)]
         heights += [1.55 if sheet else 2.3 for _ in drawn] or [0.9]
-    figure, grid_axes = grid(heights, sheet=sheet, across=3, head_in=0.75)
+    figure, grid_axes = parts.grid(heights, sheet=sheet, across=3, head_in=0.75)
     for axes, draw in zip(grid_axes, panels, strict=True):
         draw(axes)
-    add_legend(figure)
+    parts.add_legend(figure)
     figure.supylabel("Torque of the effect [N m]")
     figure.supxlabel(note.strip())
     return figure
@@ -209,7 +187,7 @@ def _effect_panels(joint: JointDiagnosis, effect: NamedEffect, *, sheet: bool) -
     if effect.name != CONTACT_EVENT or joint.contacts is None:
         return [partial(_draw_effect, joint=joint, effect=effect)]
     t, residual, spans = joint.contacts.t, joint.contacts.residual_nm, joint.contacts.spans_s
-    title = f"{joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}"
+    title = f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}"
     panels = [partial(_draw_contacts, joint=joint, title=title, ends=(float(t[0]), float(t[-1])))]
     if not sheet:
         largest = max(spans, key=lambda span: np.nanmax(np.abs(residual[(t >= span[0]) & (t <= span[1])]), initial=0.0))
@@ -223,32 +201,32 @@ def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> No
     traces, own = joint.traces, wave_of(effect)
     assert traces is not None
     shown = traces.measured - traces.after + effect.torque
-    label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}")
+    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}")
     along = traces.along[effect.curve.axis] if own is None else own.values
     curve = effect.curve if own is None else own.curve
     draw_profile(axes, curve, along, traces.dq, shown)
     _draw_fitted(axes, traces, effect, along)
     axes.set_ylim(*limits_for(shown, curve))
     name_axis(axes, curve)
-    if is_narrow(axes):
+    if parts.is_narrow(axes):
         axes.annotate(
             fill(effect_numbers(effect), 56), (0.0, 0.0), (0.0, -28.0), xycoords="axes fraction",
-            textcoords="offset points", va="top", fontsize=6.0, color=MUTED,
+            textcoords="offset points", va="top", fontsize=6.0, color=theme.MUTED,
         )  # fmt: skip
 
 
 def _draw_fitted(axes: "Axes", traces: Traces, effect: NamedEffect, along: Float) -> None:
     """Draw the fitted torque along the axis, a line for each direction."""
-    for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, DASHED, "backwards")):
+    for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, theme.DASHED, "backwards")):
         x, y = mean_along(along[which], effect.torque[which])
-        axes.plot(x, y, color=BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
+        axes.plot(x, y, color=theme.BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
 
 
 def mean_along(along: Float, torque: Float, points: int = POINTS) -> tuple[Float, Float]:
     """Return the mean of a quantity and of a torque, shape (m,) each, over stretches with equally many samples."""
     order = np.argsort(along, kind="stable")
-    parts = [part for part in np.array_split(order, points) if len(part)]
-    return np.array([along[part].mean() for part in parts]), np.array([torque[part].mean() for part in parts])
+    pieces = [part for part in np.array_split(order, points) if len(part)]
+    return np.array([along[part].mean() for part in pieces]), np.array([torque[part].mean() for part in pieces])
 
 
 ASIDE_S = 1.0  # what is shown before and after the largest contact
@@ -260,14 +238,14 @@ def _draw_contacts(axes: "Axes", joint: JointDiagnosis, title: str, ends: tuple[
     contacts, traces = joint.contacts, joint.traces
     assert contacts is not None
     assert traces is not None
-    label_panel(axes, title)
-    mark_zero(axes)
+    parts.label_panel(axes, title)
+    parts.mark_zero(axes)
     label = f"measured less model, below {traces.corner_hz:.3g} Hz"
     axes.plot(contacts.t, contacts.residual_nm, color=AUGMENTED, lw=0.6, label=label)
     least = LEAST_WIDTH * (ends[1] - ends[0])
     for start, stop in contacts.spans_s:
         more = 0.5 * max(least - (stop - start), 0.0)
-        look: Look = {"facecolor": ZOOMED, "edgecolor": REJECTED, "lw": 0.4, "zorder": 0}
+        look: theme.Look = {"facecolor": theme.ZOOMED, "edgecolor": theme.REJECTED, "lw": 0.4, "zorder": 0}
         axes.axvspan(start - more, stop + more, label="contact", **look)
     axes.set_xlim(*ends)
     axes.set_xlabel("Time [s]")

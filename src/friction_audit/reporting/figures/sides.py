@@ -6,17 +6,8 @@ import numpy as np
 
 from friction_audit.drift.two_sides import JointChange, TwoSides
 from friction_audit.joint_log import Float
+from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures.drift import mean_curve
-from friction_audit.reporting.figures.panels import (
-    add_legend,
-    band,
-    choose,
-    grid,
-    joint_title,
-    label_panel,
-    mark_zero,
-    write_message,
-)
 from friction_audit.reporting.figures.style import FILTERED, FITTED, figure_style
 
 if TYPE_CHECKING:
@@ -34,8 +25,8 @@ def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
     for axes, one in panels:
         for place, (label, colour) in enumerate(SIDES):
             _draw_side(axes, one, place, label, colour)
-        mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
-    add_legend(figure)
+        parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
+    parts.add_legend(figure)
     figure.supxlabel(f"Velocity [rad/s]{note}")
     figure.supylabel("Interaction torque [N m]")
     return figure
@@ -47,13 +38,13 @@ def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
     figure, panels, note = _panels(sides, joint)
     for axes, one in panels:
         if one.law is None:
-            write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
+            parts.write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
             continue
         law = one.law
-        band(axes, law.speed_rad_s, law.low_nm, law.high_nm, FILTERED, "95 % interval")
+        parts.band(axes, law.speed_rad_s, law.low_nm, law.high_nm, FILTERED, "95 % interval")
         axes.plot(law.speed_rad_s, law.change_nm, color=FILTERED, lw=1.1, label="after less before")
-        mark_zero(axes)
-    add_legend(figure)
+        parts.mark_zero(axes)
+    parts.add_legend(figure)
     figure.supxlabel(f"Speed [rad/s]{note}")
     figure.supylabel("Friction torque, after less before [N m]")
     return figure
@@ -61,10 +52,10 @@ def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
 
 def _panels(sides: TwoSides, joint: int | None) -> "tuple[Figure, list[tuple[Axes, JointChange]], str]":
     """Return a figure, the panel of each joint with something to draw, and a line on the others."""
-    joints, sheet, note = choose(sides.joints, joint, _reach, "no curve and no estimate")
-    figure, panels = grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
+    joints, sheet, note = parts.choose(sides.joints, joint, _reach, "no curve and no estimate")
+    figure, panels = parts.grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
     for axes, one in zip(panels, joints, strict=True):
-        label_panel(axes, joint_title(one.joint, one.name))
+        parts.label_panel(axes, parts.joint_title(one.joint, one.name))
     return figure, list(zip(panels, joints, strict=True)), note
 
 
@@ -79,7 +70,7 @@ def _draw_side(axes: "Axes", joint: JointChange, place: int, label: str, colour:
     if mean is not None:
         axes.plot(mean.speed, mean.torque, color=colour, lw=1.1, label=label)
         if np.any(mean.high > mean.low):
-            band(axes, mean.speed, mean.low, mean.high, colour, f"{label}, range of the recordings")
+            parts.band(axes, mean.speed, mean.low, mean.high, colour, f"{label}, range of the recordings")
         return
     coulomb, viscous = ((one.before, one.after)[place].value for one in joint.coefficients)
     speed: Float = np.array([-1.0, -1e-9, np.nan, 1e-9, 1.0]) * _reach(joint)  # no line crosses zero

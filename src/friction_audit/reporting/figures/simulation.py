@@ -9,32 +9,9 @@ import numpy as np
 from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap, Traces
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import plain_names
-from friction_audit.reporting.figures.panels import (
-    Numbers,
-    add_legend,
-    break_at_gaps,
-    choose,
-    is_narrow,
-    joint_title,
-    label_panel,
-    limits,
-    mark_zero,
-    new_figure,
-    thin_extremes,
-)
+from friction_audit.reporting.figures import panels as parts
+from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.series import choose_series
-from friction_audit.reporting.figures.style import (
-    BORDER,
-    COLUMN_IN,
-    DASHED,
-    FILTERED,
-    MUTED,
-    RAW,
-    SHADE,
-    SHEET_IN,
-    Look,
-    figure_style,
-)
 from friction_audit.reporting.figures.verdicts import AUGMENTED, NOMINAL, write_verdict
 
 if TYPE_CHECKING:
@@ -63,20 +40,22 @@ class Piece(NamedTuple):
     place: float
 
 
-@figure_style()
-def draw_simulation(found: "Diagnosis", joint: Numbers) -> "Figure":
+@theme.figure_style()
+def draw_simulation(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
     """Draw one joint at column width, panels above each other, or every joint tested on a sheet, a row for each."""
-    joints, sheet, note = choose(found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable")
+    joints, sheet, note = parts.choose(
+        found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable"
+    )
     across = 3 if any(one.simulation is not None for one in joints) else 2
     if sheet:
-        figure = new_figure(SHEET_IN, 0.75 + 1.25 * len(joints))
+        figure = parts.new_figure(theme.SHEET_IN, 0.75 + 1.25 * len(joints))
         rows = figure.subplots(len(joints), across, squeeze=False, sharex="row").tolist()
     else:
-        figure = new_figure(COLUMN_IN, 0.75 + 1.3 * across)
+        figure = parts.new_figure(theme.COLUMN_IN, 0.75 + 1.3 * across)
         rows = figure.subplots(across, 1, squeeze=False, sharex=True).T.tolist()
     for row, one in zip(rows, joints, strict=True):
         _draw_joint(row, found, one, alone=len(joints) == 1)
-    add_legend(figure)
+    parts.add_legend(figure)
     figure.supxlabel(f"Time within the held-out cycles shown [s]{note}")
     figure.align_ylabels()
     return figure
@@ -96,27 +75,29 @@ def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis,
     with_effects = f"with {names}" if joint.added else ""
     filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
     (series,) = choose_series(found.estimate, joint.joint).joints
-    raw = thin_extremes(*lay_out(pieces, series.t, series.driving_torque), POINTS)
-    panels[0].plot(*raw, color=RAW, lw=0.5, label="measured, raw", zorder=1)
-    measured = _draw(panels[0], pieces, traces.t, traces.measured, color=FILTERED, lw=1.0, label=filtered, zorder=2)
+    raw = parts.thin_extremes(*lay_out(pieces, series.t, series.driving_torque), POINTS)
+    panels[0].plot(*raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
+    measured = _draw(
+        panels[0], pieces, traces.t, traces.measured, color=theme.FILTERED, lw=1.0, label=filtered, zorder=2
+    )
     models = _draw_models(panels[0], pieces, traces.t, (traces.before, traces.after), with_effects)
-    panels[0].set_ylim(limits(np.concatenate([measured, *models]), raw[1], near=FARTHEST_RAW, smallest=SMALLEST))
-    mark_zero(panels[1])
+    panels[0].set_ylim(parts.limits(np.concatenate([measured, *models]), raw[1], near=FARTHEST_RAW, smallest=SMALLEST))
+    parts.mark_zero(panels[1])
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
     _draw_models(panels[1], pieces, traces.t, residuals, with_effects)
     if motion is not None:
-        look: Look = {"color": BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
+        look: theme.Look = {"color": theme.BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
         measured = _draw(panels[2], pieces, motion.t, motion.measured, **look)
         nominal, *augmented = _draw_models(
             panels[2], pieces, motion.t, (motion.nominal, motion.augmented), with_effects
         )
         shown = np.concatenate([measured, *augmented])
-        panels[2].set_ylim(limits(shown, nominal, near=FARTHEST_NOMINAL, smallest=SMALLEST))
+        panels[2].set_ylim(parts.limits(shown, nominal, near=FARTHEST_NOMINAL, smallest=SMALLEST))
     for axes, label in zip(drawn, LABELS, strict=False):
         for one, following in pairwise(pieces):
-            axes.axvspan(one.place + one.stop - one.start, following.place, color=SHADE, lw=0, zorder=0)
+            axes.axvspan(one.place + one.stop - one.start, following.place, color=theme.SHADE, lw=0, zorder=0)
         axes.set_xlim(0.0, pieces[-1].place + pieces[-1].stop - pieces[-1].start)
-        label_panel(axes, joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
+        parts.label_panel(axes, parts.joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
     label_cycles(panels[1], pieces)
 
 
@@ -156,7 +137,7 @@ def lay_out(pieces: Sequence[Piece], t: Float, signal: Float) -> tuple[Float, Fl
     for piece in pieces:
         inside = (t >= piece.start) & (t <= piece.stop)
         x.append(np.append(t[inside] - piece.start + piece.place, np.nan))
-        y.append(np.append(break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual), np.nan))
+        y.append(np.append(parts.break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual), np.nan))
     return np.concatenate(x), np.concatenate(y)
 
 
@@ -170,7 +151,7 @@ def _draw_models(
     axes: "Axes", pieces: Sequence[Piece], t: Float, curves: tuple[Float, Float], with_effects: str
 ) -> list[Float]:
     """Draw a curve of the nominal model and, where effects were added, of the augmented one; return what is drawn."""
-    look: Look = {"color": NOMINAL, "lw": 0.8, "ls": DASHED, "label": "nominal model", "zorder": 3}
+    look: theme.Look = {"color": NOMINAL, "lw": 0.8, "ls": theme.DASHED, "label": "nominal model", "zorder": 3}
     drawn = [_draw(axes, pieces, t, curves[0], **look)]
     if with_effects:
         drawn.append(_draw(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=with_effects, zorder=4))
@@ -182,9 +163,9 @@ def label_cycles(axes: "Axes", pieces: Sequence[Piece]) -> None:
     middles = [piece.place + 0.5 * (piece.stop - piece.start) for piece in pieces]
     room = min((following - one for one, following in pairwise(middles)), default=np.inf)
     wide = room >= LEAST_ROOM * (pieces[-1].place + pieces[-1].stop - pieces[-1].start)
-    words = "from " if wide and is_narrow(axes) else ""
+    words = "from " if wide and parts.is_narrow(axes) else ""
     for piece, middle in zip(pieces, middles, strict=True):
         axes.annotate(
             f"{words}{piece.start:.1f} s", (middle, 1.0), xycoords=("data", "axes fraction"), ha="center", va="bottom",
-            fontsize=5.5, color=MUTED,
+            fontsize=5.5, color=theme.MUTED,
         )  # fmt: skip

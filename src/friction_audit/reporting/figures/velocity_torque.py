@@ -6,22 +6,7 @@ import numpy as np
 
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures.panels import (
-    CUTOFF_HZ,
-    MOST_POINTS,
-    Numbers,
-    add_legend,
-    cutoff_hz,
-    draw_arrow,
-    draw_dots,
-    every_nth,
-    grid,
-    is_narrow,
-    label_panel,
-    median_rate_hz,
-    smooth,
-    write_message,
-)
+from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures.series import JointSeries, choose_series
 from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW, figure_style
 
@@ -49,12 +34,12 @@ class Loop(NamedTuple):
 
 
 @figure_style()
-def draw_velocity_torque(estimate: "Estimate", joint: Numbers) -> "Figure":
+def draw_velocity_torque(estimate: "Estimate", joint: parts.Numbers) -> "Figure":
     """Draw one joint at column width, or every joint that moved on a sheet."""
     joints, sheet, note = choose_series(estimate, joint)
-    figure, panels = grid([1.75 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.5)
+    figure, panels = parts.grid([1.75 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.5)
     formulas = [_draw_panel(axes, series, sheet=sheet) for axes, series in zip(panels, joints, strict=True)]
-    add_legend(figure, formula=None if sheet else formulas[0])
+    parts.add_legend(figure, formula=None if sheet else formulas[0])
     figure.supxlabel(f"Velocity [rad/s]{note}")
     compensated = joints[0].compensation is not None
     figure.supylabel("Interaction and compensator torque [N m]" if compensated else "Interaction torque [N m]")
@@ -70,12 +55,12 @@ def draw_panel(axes: "Axes", estimate: "Estimate", joint: int) -> None:
 
 def _draw_panel(axes: "Axes", series: JointSeries, *, sheet: bool) -> str | None:
     """Draw one joint; return the fitted curve's formula if there is one."""
-    thinned = every_nth(len(series.t))
+    thinned = parts.every_nth(len(series.t))
     raw = "raw" if thinned.step == 1 else f"raw, 1 sample in {thinned.step}"
-    draw_dots(axes, series.dq[thinned], series.driving_torque[thinned], RAW, raw)
+    parts.draw_dots(axes, series.dq[thinned], series.driving_torque[thinned], RAW, raw)
     curve = filtered_curve(series)
     loop = filtered_loop(series, curve)
-    filtered = f"filtered, {cutoff_hz(series.t):.3g} Hz{'' if loop.every == 1 else f', 1 cycle in {loop.every}'}"
+    filtered = f"filtered, {parts.cutoff_hz(series.t):.3g} Hz{'' if loop.every == 1 else f', 1 cycle in {loop.every}'}"
     axes.plot(loop.dq, loop.torque, color=FILTERED, lw=0.35, rasterized=True, label=filtered)
     _add_arrows(axes, series, curve)
     reach = float(np.abs(series.dq).max())
@@ -90,21 +75,21 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, sheet: bool) -> str | None
         label = "fitted friction" if sheet else formula
         axes.plot(dq, fitted + centre, color=FITTED, lw=1.3, zorder=4, label=label)
     axes.set_xlim(*np.array([-1.0, 1.0]) * max(SMALLEST_SPEED_RAD_S, 1.05 * reach))
-    label_panel(axes, series.title, across=None if is_narrow(axes) else 3)
-    write_message(axes, series.not_determined, characters=24 if sheet else 40)
+    parts.label_panel(axes, series.title, across=None if parts.is_narrow(axes) else 3)
+    parts.write_message(axes, series.not_determined, characters=24 if sheet else 40)
     return formula
 
 
 def filtered_curve(series: JointSeries) -> tuple[Float, Float]:
     """Return velocity [rad/s] and torque [N m] after the filter, shape (n,) each."""
-    return smooth(series.t, series.dq), smooth(series.t, series.driving_torque)
+    return parts.smooth(series.t, series.dq), parts.smooth(series.t, series.driving_torque)
 
 
 def filtered_loop(series: JointSeries, curve: tuple[Float, Float]) -> Loop:
     """Return the filtered curve, thinned to smooth lines; of a long log every k-th cycle, gaps between them as NaN."""
-    step = max(1, int(median_rate_hz(series.t) / (POINTS_PER_PERIOD * CUTOFF_HZ)))
+    step = max(1, int(parts.median_rate_hz(series.t) / (POINTS_PER_PERIOD * parts.CUTOFF_HZ)))
     dq, torque = (signal[::step] for signal in curve)
-    every = max(-(-len(dq) // MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
+    every = max(-(-len(dq) // parts.MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
     if every <= 1:
         return Loop(dq, torque, 1)
     every |= 1  # odd, so that strokes there and strokes back are both shown
@@ -173,4 +158,4 @@ def _add_arrows(axes: "Axes", series: JointSeries, curve: tuple[Float, Float]) -
         tail, head = np.searchsorted(length, share * length[-1] + np.array([0.0, ARROW_LENGTH]))
         head = min(int(head), len(dq) - 1)
         ends = [(float(dq[k]), float(torque[k])) for k in (tail, head)]
-        draw_arrow(axes, ends[0], ends[1], FILTERED, 0.5)
+        parts.draw_arrow(axes, ends[0], ends[1], FILTERED, 0.5)

@@ -7,16 +7,7 @@ import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.reporting.diagnosis_words import joint_message, plain_names
-from friction_audit.reporting.figures.panels import (
-    Numbers,
-    choose,
-    chosen_joints,
-    grid,
-    is_narrow,
-    joint_title,
-    label_panel,
-    write_message,
-)
+from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures.style import FITTED, GREEN, MUTED, SHADE, figure_style
 
 if TYPE_CHECKING:
@@ -30,9 +21,9 @@ NOMINAL, AUGMENTED = FITTED, GREEN
 
 def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
     """Fill a panel with the verdict on a joint that has nothing to draw there."""
-    label_panel(axes, joint_title(joint.joint, joint.name))
+    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     sentence = plain_names(f"{joint.verdict.replace('_', ' ')}: {joint_message(joint).partition(';')[0]}")
-    write_message(axes, sentence, characters=52 if is_narrow(axes) else 36, instead=True)
+    parts.write_message(axes, sentence, characters=52 if parts.is_narrow(axes) else 36, instead=True)
 
 
 def _name_rows(axes: "Axes", names: Sequence[str]) -> None:
@@ -46,11 +37,11 @@ ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
 
 
 @figure_style()
-def draw_ladder(found: "Diagnosis", joint: Numbers) -> "Figure":
+def draw_ladder(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
     """Draw the residual after each effect of one joint at column width, or of every joint tested on a sheet."""
-    joints, sheet, note = choose(found.discrepancy.joints, joint, lambda one: one.ladder, "not testable")
+    joints, sheet, note = parts.choose(found.discrepancy.joints, joint, lambda one: one.ladder, "not testable")
     heights = [0.45 + 0.21 * max(len(one.ladder), 3) for one in joints]
-    figure, panels = grid(heights, sheet=sheet, across=2, head_in=0.75)
+    figure, panels = parts.grid(heights, sheet=sheet, across=2, head_in=0.75)
     for axes, one in zip(panels, joints, strict=True):
         _draw_steps(axes, one)
     figure.supxlabel(f"Residual torque on held-out cycles, rms [N m]{note}")
@@ -59,7 +50,7 @@ def draw_ladder(found: "Diagnosis", joint: Numbers) -> "Figure":
 
 def draw_panel(axes: "Axes", found: "Diagnosis", joint: int) -> None:
     """Draw the residual after each effect of one joint into axes, and name them."""
-    (one,) = chosen_joints(found.discrepancy.joints, joint)
+    (one,) = parts.chosen_joints(found.discrepancy.joints, joint)
     _draw_steps(axes, one)
     axes.set_xlabel("Residual torque on held-out cycles, rms [N m]")
 
@@ -77,7 +68,7 @@ def _draw_steps(axes: "Axes", joint: JointDiagnosis) -> None:
     axes.axvline(values[last], color=MUTED, lw=0.7, ls=":")
     for place, value in zip(places, values, strict=True):
         axes.annotate(f"{value:.3g}", (value, place), (2, 0), textcoords="offset points", va="center", fontsize=6.5)
-    label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {explained_words(joint)}", across=4)
+    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {explained_words(joint)}", across=4)
     _name_rows(axes, ["nominal model", *steps, "noise floor"])
     axes.set_xlim(0.0, ROOM * max(values))
 

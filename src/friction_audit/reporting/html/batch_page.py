@@ -174,18 +174,14 @@ WITHIN = Record(
         Column("shape", str, get="found.shape", form=SHAPES.__getitem__, title="described by", on="p"),
         Column("within", Coefficient, get="found.within", form=format_percent, title="in a session", on="p"),
         Column(
-            "seen",
-            get=_within,
-            form=lambda seen: f"{seen[0]} of {seen[1]}" if seen[1] else "",
-            sort=lambda row: _within(row)[0],
-            title="seen in",
-            on="p",
+            "seen", get=_within, form=lambda seen: f"{seen[0]} of {seen[1]}" if seen[1] else "",
+            sort=lambda row: _within(row)[0], title="seen in", on="p",
         ),
         Column("slope", Coefficient, get="found.temperature_slope", form=format_percent, title="per K", on="p"),
         Column("temperature", get="found.temperature_c", form=".1f", unit="°C", title="at", on="p"),
         Column("scatter", get="found.scatter", form=format_share, title="scatter", on="p"),
     )
-)
+)  # fmt: skip
 
 
 def _counts(names: Sequence[str]) -> str:
@@ -253,19 +249,15 @@ SESSIONS = Record(
         Column("duration", get="session.duration_s", form=".0f", unit="s", title="length", on="p"),
         Column("part", str, get="note", title="part", on="p"),
         Column(
-            "temperature",
-            get=lambda row: session_temperature(row.session),
-            form=".1f",
-            unit="°C",
-            title="temperature",
-            on="p",
+            "temperature", get=lambda row: session_temperature(row.session), form=".1f", unit="°C",
+            title="temperature", on="p",
         ),
         Column("read_as", str, get="session", form=_read_as, title="recorded and read as", on="p"),
         Column("payload", str, get="session.conditions.payload", title="payload", on="p"),
         Column("file", str, get="session.path", title="file", code=True, on="p"),
         Column("notes", str, get="session", form=_notes, title="notes", on="p"),
     )
-)
+)  # fmt: skip
 
 
 def write_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET) -> str:
