@@ -8,7 +8,7 @@ import pytest
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
-from friction_audit.reporting.figures import velocity_torque
+from friction_audit.reporting.figures import panels
 from friction_audit.reporting.figures.over_time import (
     dissipated_stairs,
     draw_coefficients,
@@ -86,7 +86,7 @@ def test_arrows_run_along_two_neighbouring_cycles_that_count(single: Estimate) -
 
 
 def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(velocity_torque, "MOST_POINTS", 1000)
+    monkeypatch.setattr(panels, "MOST_POINTS", 1000)
     (series,) = choose_series(single, 1).joints
     loop = filtered_loop(series, filtered_curve(series))
     assert loop.every > 1

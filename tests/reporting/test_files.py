@@ -13,9 +13,10 @@ import pytest
 
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.io.writers.tables import to_frame, write_rows
-from friction_audit.reporting import diagnosis, drift, estimate, replay
+from friction_audit.reporting import diagnosis, drift_sessions, estimate, replay
 from friction_audit.reporting.diagnosis import diagnose_tables
-from friction_audit.reporting.drift import BatchSummary, session_columns
+from friction_audit.reporting.drift import BatchSummary
+from friction_audit.reporting.drift_sessions import session_columns
 from friction_audit.reporting.report import LogReport, report_tables
 from tests.reporting import batch_by_hand
 from tests.reporting import log_report_by_hand as by_hand
@@ -111,7 +112,7 @@ def test_indistinguishable_effects_are_words_of_one_column() -> None:
 def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:
     """Write the table of sessions in both forms, which hold the same, and return it."""
     for kind in ("csv", "parquet"):
-        write_rows(*session_columns(summary), path / f"sessions.{kind}", kind)
+        write_rows(*session_columns(summary.arms), path / f"sessions.{kind}", kind)
     frame: pd.DataFrame = pq.read_table(path / "sessions.parquet").to_pandas()
     assert len(pd.read_csv(path / "sessions.csv")) == len(frame)
     return frame
@@ -121,7 +122,7 @@ def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:
 def test_sessions_have_a_row_per_joint_and_coefficient(
     summary: BatchSummary, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(drift, "ROWS_AT_ONCE", 100)
+    monkeypatch.setattr(drift_sessions, "ROWS_AT_ONCE", 100)
     frame = sessions_of(summary, tmp_path)
     assert len(frame) == sum(2 * len(session.joints) for session in summary.sessions)
     assert not frame.duplicated(["robot", "session", "joint", "coefficient"]).any()

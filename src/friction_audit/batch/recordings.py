@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from friction_audit.batch.work import session_of
+from friction_audit.drift.covariates import Recording
 from friction_audit.drift.session import COEFFICIENTS, Conditions, JointSummary, Session
 from friction_audit.drift.summarise import BY_REGRESSION
-from friction_audit.drift.two_sides import Recording
 from friction_audit.errors import InputError
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate

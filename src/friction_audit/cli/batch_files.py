@@ -123,13 +123,14 @@ def write_results(
 def _write_tables(summary: "BatchSummary", folder: Path) -> None:
     from friction_audit.io.files import whole_file
     from friction_audit.io.writers.tables import write_rows
-    from friction_audit.reporting.drift import session_columns, write_batch_document
+    from friction_audit.reporting.drift import write_batch_document
+    from friction_audit.reporting.drift_sessions import session_columns
 
     with whole_file(folder / DOCUMENT, overwrite=True) as draft, draft.open("w", encoding="utf-8") as file:
         file.writelines(write_batch_document(summary))
     for name, kind in ((CSV, "csv"), (PARQUET, "parquet")):
         with whole_file(folder / name, overwrite=True) as draft:
-            write_rows(*session_columns(summary), draft, kind)
+            write_rows(*session_columns(summary.arms), draft, kind)
 
 
 def _code(summary: "BatchSummary") -> int:

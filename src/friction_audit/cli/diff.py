@@ -26,8 +26,9 @@ from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 
 if TYPE_CHECKING:
+    from friction_audit.drift.covariates import Recording
     from friction_audit.drift.fail_on import Limit
-    from friction_audit.drift.two_sides import Recording, TwoSides
+    from friction_audit.drift.two_sides import TwoSides
     from friction_audit.reporting.notices import Notice
 
 EXAMPLES = """Examples:

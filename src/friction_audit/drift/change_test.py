@@ -17,6 +17,7 @@ from friction_audit.drift.session import Series
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.joint_log import Float
 
+Places = NDArray[np.int64]
 SHORTEST_SEGMENT = 2  # sessions before and after a step
 MOST_STEPS = 80  # places of a step that are tried; more cost time, and neighbours give nearly the same
 SHORTEST_EPISODE = 10  # sessions of a change that comes and goes: shorter ones resemble autocorrelated scatter
@@ -110,9 +111,7 @@ def make_directions(series: Series) -> Directions:
     )
 
 
-def orthogonal(
-    shapes: Float, *, split: NDArray[np.int64], back: NDArray[np.int64], base: Float, y: Float, weight: Float
-) -> Directions:
+def orthogonal(shapes: Float, *, split: Places, back: Places, base: Float, y: Float, weight: Float) -> Directions:
     """Whiten shapes, base and y, and take the base out of the others."""
     basis, _ = np.linalg.qr(base * weight[:, None])
     whitened = shapes * weight[:, None]
@@ -174,15 +173,10 @@ def studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Autocorrelation:
-    """Of the scatter: sessions in a row that err together look like drift.
+    """Of the scatter: sessions in a row that err together look like drift."""
 
-    Attributes:
-        first: Correlation of one session's scatter with the next one's; 0 where chance would do.
-        growth: By how much it makes the largest statistic larger, at the upper limit of what it may be.
-    """
-
-    first: float = 0.0
-    growth: float = 1.0
+    first: float = 0.0  # correlation of one session's scatter with the next one's; 0 where chance would do
+    growth: float = 1.0  # how much larger it makes the largest statistic, at the upper limit of what it may be
 
     @property
     def inflation(self) -> float:
@@ -276,7 +270,7 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> FamilyTes
         kind: estimate_autocorrelation([own for own, its in zip(every, kinds, strict=True) if its == kind], rng)
         for kind in dict.fromkeys(kinds)
     }
-    maxima, ramp_maxima = _permute(every, [series.place for series in family], rng, orders, width, settings.seed)
+    maxima, ramp_maxima = _permute(every, [series.place for series in family], rng, width, settings)
     observed, ramp = [], []
     for k, (directions, kind) in enumerate(zip(every, kinds, strict=True)):
         real, freedom = np.abs(studentise(directions.residual[None, :], directions)), directions.freedom
@@ -293,17 +287,13 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> FamilyTes
 
 
 def _permute(
-    family: Sequence[Directions],
-    places: Sequence[Float],
-    rng: np.random.Generator,
-    orders: int,
-    width: int,
-    seed: int,
+    family: Sequence[Directions], places: Sequence[Float], rng: np.random.Generator, width: int, settings: DriftSettings
 ) -> tuple[Float, Float]:
     """Return the largest statistic without drift in each order, of all shapes and of the ramps, shape (orders, s) each.
 
     Where sessions are too few for random orders, ``rng`` draws normal scatter.
     """
+    orders, seed = settings.permutations, settings.seed
     largest, largest_ramp = np.empty((orders, len(family))), np.empty((orders, len(family)))
 
     def keep(rows: slice, k: int, drawn: Float) -> None:

@@ -2,8 +2,8 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,6 +16,8 @@ LEAST_RANGE_K = 2.0  # temperatures that vary less are alike
 FEWEST = 6  # with fewer sessions a slope over the temperature leaves no degrees of freedom for the drift
 ENOUGH_KNOWN = 0.75  # share of the sessions that know their temperature; the others are then set aside
 CONFOUNDED = 0.8  # share of a change that the temperature follows too: beyond it the two cannot be separated
+
+INVALID = ("drive", "torque", "gravity", "friction model")  # where these differ, so does what is estimated
 
 # What must be the same, by its name for people.
 LIKE: tuple[tuple[str, Callable[[Session], object]], ...] = (
@@ -170,3 +172,69 @@ def shared(column: Float, other: Float) -> float:
     if np.ptp(other) == 0.0 or np.ptp(column) == 0.0:
         return 0.0
     return float(np.corrcoef(column, other)[0, 1] ** 2)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Recording:
+    """A session with what a comparison of two needs besides.
+
+    Attributes:
+        session: Its coefficients, conditions and curves.
+        joints: Number of joints of its log, also those that were not estimated.
+        unit: Of the torque: ``"N m"``, ``"A"`` or ``"mA"``.
+        method: Estimator and friction model.
+        correlation: Between the two coefficients, by number of the joint.
+    """
+
+    session: Session
+    joints: int
+    unit: str
+    method: str
+    correlation: Mapping[int, float] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Condition:
+    """A condition that differs between the sides, of one joint or of all (None)."""
+
+    name: str
+    before: str
+    after: str
+    joint: int | None = None
+
+    @property
+    def invalid(self) -> bool:
+        """Whether the two sides are estimates of different things."""
+        return self.name in INVALID
+
+
+def differences(before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
+    """Yield the conditions that differ, those that forbid a comparison first."""
+    values = {name: [{str(of(one.session)) for one in side} for side in (before, after)] for name, of in LIKE}
+    values["friction model"] = [{one.method for one in side} for side in (before, after)]
+    del values["joints"]
+    for name, sides in sorted(values.items(), key=lambda one: one[0] not in INVALID):
+        if sides[0] != sides[1]:
+            words = [", ".join(sorted(side)) for side in sides]
+            yield Condition(name=name, before=words[0], after=words[1])
+    rates = [float(np.median([one.session.conditions.rate_hz for one in side])) for side in (before, after)]
+    if not 1.0 / RATE_RATIO <= rates[1] / rates[0] <= RATE_RATIO:
+        yield Condition(name="rate", before=f"{rates[0]:.4g} Hz", after=f"{rates[1]:.4g} Hz")
+    for number in sorted({joint.joint for one in before for joint in one.session.joints}):
+        yield from _of_joint(number, before, after)
+
+
+def _of_joint(number: int, before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
+    """Yield speed and temperature of a joint where they differ."""
+    own = [[found for one in side for found in one.session.joints if found.joint == number] for side in (before, after)]
+    speeds = [np.array([found.speed_rad_s for found in side if np.isfinite(found.speed_rad_s[1])]) for side in own]
+    if all(len(side) for side in speeds):
+        (low, _, high), (other_low, _, other_high) = (np.median(side, axis=0) for side in speeds)
+        if low > other_high or other_low > high:
+            ranges = [f"{a:.2g} to {b:.2g} rad/s" for a, b in ((low, high), (other_low, other_high))]
+            yield Condition(name="speed", before=ranges[0], after=ranges[1], joint=number)
+    warmth = [[found.temperature_c for found in side if found.temperature_c is not None] for side in own]
+    if all(warmth):
+        first, second = (float(np.mean(side)) for side in warmth)
+        if abs(first - second) >= LEAST_RANGE_K:
+            yield Condition(name="temperature", before=f"{first:.1f} °C", after=f"{second:.1f} °C", joint=number)

@@ -1,15 +1,15 @@
 """Recordings before and after -> the change of each joint's friction: coefficients, friction law, conditions."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from scipy.special import stdtr, stdtrit
 
-from friction_audit.drift.covariates import LEAST_RANGE_K, LIKE, RATE_RATIO
+from friction_audit.drift.covariates import Condition, Recording, differences
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
-from friction_audit.drift.session import COEFFICIENTS, JointSummary, Session, SpeedCurve
+from friction_audit.drift.session import COEFFICIENTS, JointSummary, SpeedCurve
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
@@ -18,43 +18,9 @@ from friction_audit.joint_log import Float
 from friction_audit.joint_numbers import write_joint_numbers
 
 SETTINGS = DriftSettings()  # the level of the tests and the power of the smallest change, as in a batch
-INVALID = ("drive", "torque", "gravity", "friction model")  # where these differ, so does what is estimated
+UNITS = ((1.0, 0.0), (0.0, 1.0))  # combinations that are one coefficient alone
 SPEEDS = 25  # points of the friction law
 TOP_SPEED_RAD_S = 1.0  # of the law where no side has a curve: that of a hand
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Recording:
-    """A session with what a comparison of two needs besides.
-
-    Attributes:
-        session: Its coefficients, conditions and curves.
-        joints: Number of joints of its log, also those that were not estimated.
-        unit: Of the torque: ``"N m"``, ``"A"`` or ``"mA"``.
-        method: Estimator and friction model.
-        correlation: Between the two coefficients, by number of the joint.
-    """
-
-    session: Session
-    joints: int
-    unit: str
-    method: str
-    correlation: Mapping[int, float] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Condition:
-    """A condition that differs between the sides, of one joint or of all (None)."""
-
-    name: str
-    before: str
-    after: str
-    joint: int | None = None
-
-    @property
-    def invalid(self) -> bool:
-        """Whether the two sides are estimates of different things."""
-        return self.name in INVALID
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -189,7 +155,7 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
         after=tuple(after),
         joints=tuple(joints),
         one_sided=tuple((number, number in numbers[0]) for number in sorted(numbers[0] ^ numbers[1])),
-        conditions=tuple(_differences(before, after)),
+        conditions=tuple(differences(before, after)),
         twice=tuple(one.session.path for one in after if one.session.sha256 in content),
     )
 
@@ -213,9 +179,7 @@ def _compare_joint(number: int, before: Sequence[Recording], after: Sequence[Rec
     ]
     reasons = dict.fromkeys(found.reason for side in own for _, found in side if found.reason)
     curves = [tuple(found.curve for _, found in side) for side in own]
-    tested = [
-        _test(name, _sides(own, parts)) for name, parts in zip(COEFFICIENTS, ((1.0, 0.0), (0.0, 1.0)), strict=True)
-    ]
+    tested = [_test(name, _sides(own, parts)) for name, parts in zip(COEFFICIENTS, UNITS, strict=True)]
     return JointChange(
         joint=number,
         name=own[0][0][1].name,
@@ -363,13 +327,8 @@ def _concluded(change: CoefficientChange, p_value: float, level: float) -> Coeff
     error = half / _critical(change.freedom)
     smallest = (_critical(change.freedom, level) + float(stdtrit(change.freedom, SETTINGS.power))) * error
     relative = smallest / change.before.value if np.isfinite(change.found.total.value) else NAN
-    found = replace(
-        change.found,
-        p_value=p_value,
-        drift=p_value <= SETTINGS.alpha,
-        smallest_change=smallest,
-        smallest_drift=relative,
-    )
+    drift = p_value <= SETTINGS.alpha
+    found = replace(change.found, p_value=p_value, drift=drift, smallest_change=smallest, smallest_drift=relative)
     return replace(change, found=found)
 
 
@@ -388,35 +347,3 @@ def _law(
     if not np.isfinite(table).all():
         return None
     return LawChange(speed_rad_s=speeds, change_nm=table[0], low_nm=table[1], high_nm=table[2])
-
-
-def _differences(before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
-    """Yield the conditions that differ, those that forbid a comparison first."""
-    values = {name: [{str(of(one.session)) for one in side} for side in (before, after)] for name, of in LIKE}
-    values["friction model"] = [{one.method for one in side} for side in (before, after)]
-    del values["joints"]
-    for name, sides in sorted(values.items(), key=lambda one: one[0] not in INVALID):
-        if sides[0] != sides[1]:
-            words = [", ".join(sorted(side)) for side in sides]
-            yield Condition(name=name, before=words[0], after=words[1])
-    rates = [float(np.median([one.session.conditions.rate_hz for one in side])) for side in (before, after)]
-    if not 1.0 / RATE_RATIO <= rates[1] / rates[0] <= RATE_RATIO:
-        yield Condition(name="rate", before=f"{rates[0]:.4g} Hz", after=f"{rates[1]:.4g} Hz")
-    for number in sorted({joint.joint for one in before for joint in one.session.joints}):
-        yield from _of_joint(number, before, after)
-
-
-def _of_joint(number: int, before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
-    """Yield speed and temperature of a joint where they differ."""
-    own = [[found for one in side for found in one.session.joints if found.joint == number] for side in (before, after)]
-    speeds = [np.array([found.speed_rad_s for found in side if np.isfinite(found.speed_rad_s[1])]) for side in own]
-    if all(len(side) for side in speeds):
-        (low, _, high), (other_low, _, other_high) = (np.median(side, axis=0) for side in speeds)
-        if low > other_high or other_low > high:
-            ranges = [f"{a:.2g} to {b:.2g} rad/s" for a, b in ((low, high), (other_low, other_high))]
-            yield Condition(name="speed", before=ranges[0], after=ranges[1], joint=number)
-    warmth = [[found.temperature_c for found in side if found.temperature_c is not None] for side in own]
-    if all(warmth):
-        first, second = (float(np.mean(side)) for side in warmth)
-        if abs(first - second) >= LEAST_RANGE_K:
-            yield Condition(name="temperature", before=f"{first:.1f} °C", after=f"{second:.1f} °C", joint=number)

@@ -4,8 +4,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
+from friction_audit.drift.covariates import Condition, Recording
 from friction_audit.drift.session import COEFFICIENTS
-from friction_audit.drift.two_sides import CoefficientChange, Condition, JointChange, Recording, TwoSides
+from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSides
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
