@@ -245,18 +245,11 @@ def _simulate(
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class FamilyTest:
-    """What the test of an arm says of each of its s series.
+    """What the test of an arm says of each of its s series."""
 
-    Attributes:
-        p_value: Of the largest statistic, family-wise, shape (s,).
-        ramp_p_value: Of the ramps alone, family-wise, shape (s,).
-        critical: Score that is exceeded without drift with probability alpha, in any series.
-        autocorrelation: Of the scatter of each series.
-    """
-
-    p_value: Float
-    ramp_p_value: Float
-    critical: float
+    p_value: Float  # of the largest statistic, family-wise, shape (s,)
+    ramp_p_value: Float  # of the ramps alone, family-wise, shape (s,)
+    critical: float  # score that is exceeded without drift with probability alpha, in any series
     autocorrelation: tuple[Autocorrelation, ...]
 
 

@@ -26,7 +26,7 @@ from friction_audit.reporting.drift_words import (
     smallest_text,
     span_of,
     total_text,
-)
+)  # fmt: skip
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import count_of, enumerate_words, format_slope, joint_label
@@ -147,20 +147,31 @@ def _of_found(*columns: Column) -> tuple[Column, ...]:
 
 COEFFICIENT = Record(
     (
-        Column("joint", str, get=lambda r: " " if r.place else joint_label(r.joint.joint, r.joint.name), title="joint", on="t"),
+        Column(
+            "joint", str, get=lambda row: " " if row.place else joint_label(row.joint.joint, row.joint.name),
+            title="joint", on="t",
+        ),
         joint_column("joint", on="p"),
         Column("friction", str, get="found.coefficient", form=NAMES.__getitem__, title="friction", on="tp"),
         Column("drift", bool, "whether it drifts", "found.drift", on="j"),
         Column("verdict", VERDICTS, "in a word", _verdict, on="j"),
         Column("verdict", str, get=_verdict, title="verdict", tone=TONES.__getitem__, on="tp"),
         Column("change", float, get="found", form=total_text, sort="found.total.value", title="change", on="tp"),
-        Column("step", str, get="found", form=lambda found: ", ".join(str(_session(change)) for change in found.change_points), title="step", words=True, on="t"),
-        Column("trend", get="found", form=lambda found: slope_text(found, found.trend_per_session), title="trend", short="trend\n/session", on="t"),
+        Column(
+            "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
+            title="step", words=True, on="t",
+        ),
+        Column(
+            "trend", get="found", form=lambda found: slope_text(found, found.trend_per_session), title="trend",
+            short="trend\n/session", on="t",
+        ),
         Column(
             "smallest", get="found", form=smallest_text, sort="found.smallest_drift", title="minimum detectable",
             short="minimum\ndetect.", on="tp",
         ),
-        Column("message", str, "one sentence", lambda row: describe(row.found, row.arm.sessions), title="message", on="jp"),
+        Column(
+            "message", str, "one sentence", lambda row: describe(row.found, row.arm.sessions), title="message", on="jp"
+        ),
         *_of_found(
             Column("shape", SHAPES, "what describes it"),
             Column("p_value", float, "that nothing changes, family-wise"),
