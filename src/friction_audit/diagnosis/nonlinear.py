@@ -190,7 +190,7 @@ def _local_maxima(points: Sequence[tuple[float, Block]], block: Block) -> list[t
             for name, level in zip(names, levels, strict=True)
         ]
         best &= np.any(np.abs(place - np.array(at)[:, None]) > 1, axis=0)
-    return [points[k] for k in np.flatnonzero(best)]
+    return [point for point, largest in zip(points, best.tolist(), strict=True) if largest]
 
 
 def _minimum(
