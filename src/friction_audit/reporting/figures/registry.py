@@ -5,7 +5,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.errors import UsageError
-from friction_audit.reporting.figures.panels import label_in_unit
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -205,6 +204,8 @@ def draw_result(
         reason = f"expected one of {', '.join(own)}" if figure is None else f"into axes goes {', '.join(panels)} alone"
         raise UsageError(f"plot: {kind}: {reason}")
     estimate = result if of == "estimate" else result.estimate
+    from friction_audit.reporting.figures.panels import label_in_unit  # loads numerics, which the help does not need
+
     if axes is None:
         drawn: MatplotlibFigure | Axes = figure.draw(result, joint)
     else:
