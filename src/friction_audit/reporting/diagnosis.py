@@ -10,27 +10,7 @@ from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.result import JointDiagnosis, Profile
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
-from friction_audit.reporting.diagnosis_tables import (
-    CHECK,
-    EFFECT,
-    FINDING,
-    JOINT_DIAGNOSIS,
-    NEGLIGIBLE,
-    PARAMETER,
-    STEP,
-    effect_rows,
-    finding_rows,
-    steps_of,
-    untestable_rows,
-)
-from friction_audit.reporting.diagnosis_words import (
-    decide_words,
-    effect_numbers,
-    joint_message,
-    negligible_words,
-    nominal_model,
-    where_effect,
-)
+from friction_audit.reporting import diagnosis_tables, diagnosis_words
 from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.notices import diagnose_notices, physics_of
 from friction_audit.reporting.table import Column, Document, Record, Table, to_json
@@ -92,7 +72,7 @@ DIAGNOSE: Document = Document(
     "diagnose",
     3,
     "Which effects the model of each joint misses, and how much of the residual they explain",
-    Record((SOURCE, SETTINGS, WARNINGS, Column("joints", [JOINT_DIAGNOSIS], "per joint"))),
+    Record((SOURCE, SETTINGS, WARNINGS, Column("joints", [diagnosis_tables.JOINT_DIAGNOSIS], "per joint"))),
 )
 
 
@@ -114,22 +94,34 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIO
     )
 
 
-TABLES = (JOINT_DIAGNOSIS, EFFECT, NEGLIGIBLE, PARAMETER, CHECK, STEP, BIN, RESIDUAL, SIMULATED)
+TABLES = (
+    diagnosis_tables.JOINT_DIAGNOSIS,
+    diagnosis_tables.EFFECT,
+    diagnosis_tables.NEGLIGIBLE,
+    diagnosis_tables.PARAMETER,
+    diagnosis_tables.CHECK,
+    diagnosis_tables.STEP,
+    BIN,
+    RESIDUAL,
+    SIMULATED,
+)
 
 
 def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     """Return the tables of a diagnosis for files."""
     joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
     rows: tuple[tuple[Record, Callable[[JointDiagnosis], Any]], ...] = (
-        (JOINT_DIAGNOSIS, lambda joint: [joint]),
-        (EFFECT, lambda joint: effect_rows([joint])),
-        (NEGLIGIBLE, lambda joint: effect_rows([joint], "negligible")),
+        (diagnosis_tables.JOINT_DIAGNOSIS, lambda joint: [joint]),
+        (diagnosis_tables.EFFECT, lambda joint: diagnosis_tables.effect_rows([joint])),
+        (diagnosis_tables.NEGLIGIBLE, lambda joint: diagnosis_tables.effect_rows([joint], "negligible")),
         (
-            PARAMETER,
-            lambda joint: [(row.effect.name, *one) for row in effect_rows([joint]) for one in row.known.items()],
+            diagnosis_tables.PARAMETER,
+            lambda joint: [
+                (row.effect.name, *one) for row in diagnosis_tables.effect_rows([joint]) for one in row.known.items()
+            ],
         ),
-        (CHECK, lambda joint: joint.checks),
-        (STEP, steps_of),
+        (diagnosis_tables.CHECK, lambda joint: joint.checks),
+        (diagnosis_tables.STEP, diagnosis_tables.steps_of),
         (BIN, bins_of),
         (RESIDUAL, lambda joint: joint.traces),
         (SIMULATED, lambda joint: joint.simulation),
@@ -149,11 +141,11 @@ def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]
 
 def data_tables(found: Diagnosis | None) -> tuple[Table, ...]:
     """Return the audit of the data for the page: what is not fine, and all of it."""
-    rows = finding_rows(() if found is None else found.discrepancy.joints)
+    rows = diagnosis_tables.finding_rows(() if found is None else found.discrepancy.joints)
     bad = [row for row in rows if row[1].verdict != "fine"]
     tables = (
-        FINDING.people(bad, caption="Limits and faults of the data", folded=True),
-        FINDING.people(rows, caption="Every check of the data", folded=True),
+        diagnosis_tables.FINDING.people(bad, caption="Limits and faults of the data", folded=True),
+        diagnosis_tables.FINDING.people(rows, caption="Every check of the data", folded=True),
     )
     return tuple(table for table in tables if table.rows)
 
@@ -173,19 +165,19 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     lines = [
         log_line(log),
         f"interaction torque: {found.estimate.interaction.choice.formula}",
-        f"nominal model: {nominal_model(found.settings.model)}",
+        f"nominal model: {diagnosis_words.nominal_model(found.settings.model)}",
         f"residual RMS on held-out cycles: {span} per joint, each held out once in {FOLDS} folds; intervals are 95 %",
-        *table_lines(JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
+        *table_lines(diagnosis_tables.JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
         *physics,
     ]
     details: list[str] = []
     for alike in _alike(joints, together=not verbose):
         numbers = joints_label(joint.joint for joint in alike)
-        lines.append(in_unit(f"{numbers}: {joint_message(alike[0])}", unit))
+        lines.append(in_unit(f"{numbers}: {diagnosis_words.joint_message(alike[0])}", unit))
         more = [*_details(alike[0]), *(_competing(alike[0]) if verbose else ())]
         details += [in_unit(f"{numbers}, {line}", unit) for line in more]
-    if effects := effect_rows(joints):
-        lines += ["", *table_lines(EFFECT.people(effects, "t", unit=unit))]
+    if effects := diagnosis_tables.effect_rows(joints):
+        lines += ["", *table_lines(diagnosis_tables.EFFECT.people(effects, "t", unit=unit))]
     return lines + details
 
 
@@ -200,22 +192,25 @@ def _alike(joints: Sequence[JointDiagnosis], *, together: bool) -> list[list[Joi
 def _details(joint: JointDiagnosis) -> Iterator[str]:
     """Yield each effect in numbers, and the negligible effects."""
     for effect in joint.effects:
-        where = where_effect(effect, joint)
-        shown = where if where and where not in joint_message(joint) else ""
-        if text := "; ".join(filter(None, (effect_numbers(effect), shown))):
+        where = diagnosis_words.where_effect(effect, joint)
+        shown = where if where and where not in diagnosis_words.joint_message(joint) else ""
+        if text := "; ".join(filter(None, (diagnosis_words.effect_numbers(effect), shown))):
             yield f"{effect.name}: {text}"
     if joint.negligible:
-        yield f"negligible: {negligible_words(joint)}"
+        yield f"negligible: {diagnosis_words.negligible_words(joint)}"
 
 
 def _competing(joint: JointDiagnosis) -> Iterator[str]:
     """Yield the motions that decide, what competes with each effect, and what the log cannot show."""
     for effect in joint.effects:
         if effect.alternatives:
-            yield f"to decide on {effect.name}: {decide_words(effect)}"
+            yield f"to decide on {effect.name}: {diagnosis_words.decide_words(effect)}"
         for one in (one for one in effect.evidence if one.name != effect.name):
             scores = f"2 ln BF {one.two_ln_bayes_factor:+.0f}, correlation {one.correlation:.2f}"
             yield f"{one.name} in place of {effect.name}: {scores}"
     if joint.effects and not math.isnan(joint.detection_limit_nm):
         yield f"detection limit for other effects: {joint.detection_limit_nm:.2g} N m rms"
-    yield from (f"this log cannot show {', '.join(names)}: {reason}" for _, names, reason in untestable_rows([joint]))
+    yield from (
+        f"this log cannot show {', '.join(names)}: {reason}"
+        for _, names, reason in diagnosis_tables.untestable_rows([joint])
+    )

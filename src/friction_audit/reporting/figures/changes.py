@@ -6,29 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
-from friction_audit.reporting.drift_words import (
-    DRIFT,
-    STEADY,
-    TEMPERATURE,
-    UNITS,
-    UNTESTED,
-    drift_verdict,
-    total_text,
-)
+from friction_audit.reporting import drift_words
+from friction_audit.reporting.figures import sessions as over_sessions
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.panels import add_legend, band, label_panel, limits, mark_zero, new_figure
-from friction_audit.reporting.figures.sessions import (
-    COEFFICIENTS,
-    LEFT_OUT,
-    MOST_MARKED,
-    chosen_joints,
-    coefficient_title,
-    draw_pairs,
-    joint_name,
-    label_sheet,
-    of_coefficient,
-    shade_reference,
-)
 from friction_audit.reporting.words import NOTHING, count_of
 
 if TYPE_CHECKING:
@@ -36,9 +17,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MARKS = {
-    DRIFT: (theme.FITTED, "s", "changed"),
-    TEMPERATURE: (theme.DISSIPATED, "^", "changes with temperature"),
-    STEADY: (theme.FILTERED, "o", "no drift found"),
+    drift_words.DRIFT: (theme.FITTED, "s", "changed"),
+    drift_words.TEMPERATURE: (theme.DISSIPATED, "^", "changes with temperature"),
+    drift_words.STEADY: (theme.FILTERED, "o", "no drift found"),
 }  # colour, marker and label of each verdict that comes with a change
 UNDETECTABLE = "not detectable with 90 % power"
 NARROWEST = 5.0  # percent either side of no change that a panel shows at least
@@ -48,17 +29,21 @@ FARTHEST = 2.0  # times the changes and their intervals that the undetectable ma
 @theme.figure_style()
 def draw_changes(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
-    joints = chosen_joints(arm, joint)
+    joints = over_sessions.chosen_joints(arm, joint)
     figure = new_figure(theme.SHEET_IN if joint is None else theme.COLUMN_IN, 0.85 + max(0.24 * len(joints), 0.6))
     panels = figure.subplots(1, 2, sharey=True)
-    for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
-        label_panel(axes, coefficient_title(coefficient))
+    for axes, coefficient in zip(panels, over_sessions.COEFFICIENTS, strict=True):
+        label_panel(axes, over_sessions.coefficient_title(coefficient))
         axes.tick_params(axis="y", length=0)
         mark_zero(axes, x=True, y=False, lw=0.5, zorder=0)
         reach, undetectable = NARROWEST, [0.0]
         for place, one in enumerate(joints):
-            found = of_coefficient(one, coefficient)
-            if found is None or math.isnan(found.total.value) or drift_verdict(found) == UNTESTED:
+            found = over_sessions.of_coefficient(one, coefficient)
+            if (
+                found is None
+                or math.isnan(found.total.value)
+                or drift_words.drift_verdict(found) == drift_words.UNTESTED
+            ):
                 _write_reason(axes, place, found)
                 continue
             _draw_change(axes, place, found)
@@ -67,10 +52,10 @@ def draw_changes(arm: ArmDrift, joint: int | None) -> "Figure":
             undetectable.append(100.0 * found.smallest_drift)
         reach = max(reach, *(min(one, FARTHEST * reach) for one in undetectable if math.isfinite(one)))
         axes.set_xlim(-1.15 * reach, 1.15 * reach)
-    panels[0].set_yticks(range(len(joints)), [joint_name(one) for one in joints])
+    panels[0].set_yticks(range(len(joints)), [over_sessions.joint_name(one) for one in joints])
     panels[0].set_ylim(len(joints) - 0.5, -0.5)
     add_legend(figure, [label for _, _, label in MARKS.values()])
-    label_sheet(figure, arm, joints, "Change from the reference to the last sessions [%]")
+    over_sessions.label_sheet(figure, arm, joints, "Change from the reference to the last sessions [%]")
     return figure
 
 
@@ -78,9 +63,9 @@ def _draw_change(axes: "Axes", place: int, found: CoefficientDrift) -> None:
     """Draw the change with its interval over what would not be detected."""
     if math.isfinite(found.smallest_drift):
         width = 200.0 * found.smallest_drift
-        look: theme.Look = {"color": LEFT_OUT, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
+        look: theme.Look = {"color": over_sessions.LEFT_OUT, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
         axes.barh(place, width, left=-width / 2, height=0.7, **look)
-    colour, marker, label = MARKS[drift_verdict(found)]
+    colour, marker, label = MARKS[drift_words.drift_verdict(found)]
     axes.hlines(place, 100.0 * found.total.low, 100.0 * found.total.high, color=colour, lw=1.0)
     look = {"color": colour, "marker": marker, "ms": 3.8, "mew": 0.0, "ls": "none", "label": label}
     axes.plot(100.0 * found.total.value, place, **look)
@@ -88,8 +73,8 @@ def _draw_change(axes: "Axes", place: int, found: CoefficientDrift) -> None:
 
 def _write_reason(axes: "Axes", place: int, found: CoefficientDrift | None) -> None:
     """Write into the line why there is no percentage."""
-    words = "not testable" if found is None else total_text(found)
-    text = drift_verdict(found) if found is not None and words == NOTHING else words
+    words = "not testable" if found is None else drift_words.total_text(found)
+    text = drift_words.drift_verdict(found) if found is not None and words == NOTHING else words
     axes.annotate(text, (0.02, place), xycoords=("axes fraction", "data"), va="center", fontsize=6.5, color=theme.MUTED)
 
 
@@ -98,15 +83,15 @@ LEGEND = ("limits of a steady joint", "within the limits", "outside", "reference
 
 def draw_control(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw the control chart of one joint at column width, or of every joint on a sheet, a row for each."""
-    return draw_pairs(arm, joint, _draw_chart, lambda found: bool(found.control), LEGEND)
+    return over_sessions.draw_pairs(arm, joint, _draw_chart, lambda found: bool(found.control), LEGEND)
 
 
 def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDrift) -> None:
     """Draw deviations and limits: in percent, or in the coefficient's unit near a level of zero."""
     control = found.control
     relative = any(math.isfinite(point.relative.value) for point in control)
-    unit = "%" if relative else UNITS[found.coefficient]
-    axes.set_ylabel(f"{coefficient_title(found.coefficient)}\n[{unit}]")
+    unit = "%" if relative else drift_words.UNITS[found.coefficient]
+    axes.set_ylabel(f"{over_sessions.coefficient_title(found.coefficient)}\n[{unit}]")
     numbers = [point.relative if relative else point.deviation for point in control]
     scale = 100.0 if relative else 1.0
     value, low, high = (scale * np.array([getattr(one, end) for one in numbers]) for end in ("value", "low", "high"))
@@ -114,10 +99,10 @@ def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDr
     outside = np.array([point.outside for point in control])
     words = f"{count_of(int(outside.sum()), 'session')} outside" if outside.any() else "all within"
     axes.set_title(words, loc="right", color=theme.FITTED if outside.any() else "black")
-    shade_reference(axes, arm)
-    many = len(place) > MOST_MARKED
-    band(axes, place, low, high, LEFT_OUT, LEGEND[0], step=None if many else "mid", alpha=0.16)
-    mark_zero(axes, color=LEFT_OUT, lw=0.6)
+    over_sessions.shade_reference(axes, arm)
+    many = len(place) > over_sessions.MOST_MARKED
+    band(axes, place, low, high, over_sessions.LEFT_OUT, LEGEND[0], step=None if many else "mid", alpha=0.16)
+    mark_zero(axes, color=over_sessions.LEFT_OUT, lw=0.6)
     # A session with wide limits does not stretch the chart.
     bounds = np.concatenate([low, high])
     reach = FARTHEST * float(np.nanmedian(np.abs(bounds))) if np.isfinite(bounds).any() else 0.0

@@ -12,18 +12,7 @@ from friction_audit.joint_log import Float
 from friction_audit.reporting.drawn_arm import curve_sessions
 from friction_audit.reporting.drift_words import UNITS
 from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures.sessions import (
-    LEFT_OUT,
-    MOST_MARKED,
-    REFERENCE,
-    chosen_joints,
-    coefficient_title,
-    draw_pairs,
-    joint_name,
-    label_sheet,
-    shade_reference,
-    verdict_words,
-)
+from friction_audit.reporting.figures import sessions as over_sessions
 from friction_audit.reporting.figures.style import DASHED, DISSIPATED, FILTERED, FITTED, Look, figure_style
 
 if TYPE_CHECKING:
@@ -43,14 +32,14 @@ def draw_drift(arm: ArmDrift, joint: int | None) -> "Figure":
     def has(found: CoefficientDrift) -> bool:
         return any(math.isfinite(value.value) for value in found.values)
 
-    return draw_pairs(arm, joint, _draw_coefficient, has, LEGEND)
+    return over_sessions.draw_pairs(arm, joint, _draw_coefficient, has, LEGEND)
 
 
 def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
     separator = " " if parts.is_narrow(axes) else "\n"
-    axes.set_ylabel(f"{coefficient_title(found.coefficient)}{separator}[{UNITS[found.coefficient]}]")
-    axes.set_title(verdict_words(found), loc="right", color=FITTED if found.drift else "black")
-    shade_reference(axes, arm)
+    axes.set_ylabel(f"{over_sessions.coefficient_title(found.coefficient)}{separator}[{UNITS[found.coefficient]}]")
+    axes.set_title(over_sessions.verdict_words(found), loc="right", color=FITTED if found.drift else "black")
+    over_sessions.shade_reference(axes, arm)
     _draw_values(axes, found)
     _draw_left_out(axes, arm, joint, found)
     if found.change_points:
@@ -68,7 +57,9 @@ def _draw_values(axes: "Axes", found: CoefficientDrift) -> None:
     bars = np.full((len(place), 3), np.nan)
     bars[:, 0], bars[:, 1] = low, high
     axes.plot(np.repeat(place, 3), bars.ravel(), color=FILTERED, lw=0.7, alpha=0.5, label=INTERVAL)
-    style: Look = {"lw": 0.7} if len(place) > MOST_MARKED else {"ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0}
+    style: Look = (
+        {"lw": 0.7} if len(place) > over_sessions.MOST_MARKED else {"ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0}
+    )
     axes.plot(place, value, color=FILTERED, label=SESSION, **style)
     ringed = np.isin(found.sessions, found.isolated)
     if ringed.any():
@@ -97,7 +88,7 @@ def _draw_left_out(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: Coeffi
             "marker": "o",
             "ms": 2.8,
             "mfc": "none",
-            "mec": LEFT_OUT,
+            "mec": over_sessions.LEFT_OUT,
             "mew": 0.6,
             "label": ALONE,
         }
@@ -182,25 +173,25 @@ class Mean(NamedTuple):
 @figure_style()
 def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw the curves of one joint at column width, or of every joint on a sheet."""
-    joints = chosen_joints(arm, joint)
+    joints = over_sessions.chosen_joints(arm, joint)
     sheet = joint is None
     figure, panels = parts.grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=4, head_in=0.75)
     for axes, one in zip(panels, joints, strict=True):
         _draw_curves(axes, arm, one)
     parts.add_legend(figure)
-    label_sheet(figure, arm, joints, "Velocity [rad/s]")
+    over_sessions.label_sheet(figure, arm, joints, "Velocity [rad/s]")
     figure.supylabel("Interaction torque [N m]")
     return figure
 
 
 def _draw_curves(axes: "Axes", arm: ArmDrift, joint: JointDrift) -> None:
     """Draw the first session, the mean of the reference and the last session of one joint."""
-    parts.label_panel(axes, joint_name(joint))
+    parts.label_panel(axes, over_sessions.joint_name(joint))
     drawn = curve_sessions(arm)
     first, reference, last = drawn if drawn is not None else (0, (), 0)
     curves = (
         (f"first (session {first + 1})", (first,), DISSIPATED, ":", 1.3),
-        (f"reference (mean of {len(reference)})", reference, REFERENCE, "-", 1.0),
+        (f"reference (mean of {len(reference)})", reference, over_sessions.REFERENCE, "-", 1.0),
         (f"last (session {last + 1})", (last,), FILTERED, DASHED, 1.1),
     )
     for label, sessions, colour, dash, width in curves if drawn is not None else ():

@@ -9,14 +9,7 @@ import numpy as np
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.errors import shortened
 from friction_audit.joint_numbers import write_joint_numbers
-from friction_audit.reporting.drift_words import (
-    DRIFT,
-    NAMES,
-    drift_verdict,
-    format_change,
-    headline,
-    total_text,
-)
+from friction_audit.reporting import drift_words
 from friction_audit.reporting.figures import panels
 from friction_audit.reporting.figures.panels import add_legend, is_narrow, label_panel, pairs, write_message
 from friction_audit.reporting.figures.style import GREEN, MUTED, Look, figure_style
@@ -70,19 +63,19 @@ def of_coefficient(joint: JointDrift, coefficient: str) -> CoefficientDrift | No
 
 def coefficient_title(coefficient: str) -> str:
     """Return the name of a coefficient as a label begins."""
-    name = NAMES[coefficient]
+    name = drift_words.NAMES[coefficient]
     return name[:1].upper() + name[1:]
 
 
 def verdict_words(found: CoefficientDrift) -> str:
     """Return the verdict on a coefficient in the few words that fit above a panel."""
-    word = drift_verdict(found)
-    if word != DRIFT:
+    word = drift_words.drift_verdict(found)
+    if word != drift_words.DRIFT:
         return word
     if len(found.change_points) == 1:
         (change,) = found.change_points
-        return f"{format_change(change)} at session {change.session + 1}"
-    return f"{total_text(found)} in all" if total_text(found) != NOTHING else DRIFT
+        return f"{drift_words.format_change(change)} at session {change.session + 1}"
+    return f"{drift_words.total_text(found)} in all" if drift_words.total_text(found) != NOTHING else drift_words.DRIFT
 
 
 @figure_style()
@@ -118,7 +111,9 @@ def draw_pairs(
                 draw_panel(axes, arm, one, found)
             else:
                 axes.set_yticks([])
-                write_message(axes, headline(found, arm.sessions).partition(";")[0] if found else "not estimated")
+                write_message(
+                    axes, drift_words.headline(found, arm.sessions).partition(";")[0] if found else "not estimated"
+                )
     add_legend(figure, legend)
     figure.align_ylabels()
     label_sheet(figure, arm, joints, session_label(arm))

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from friction_audit.drift.report import ArmDrift
+from friction_audit.reporting import drift_words
 from friction_audit.reporting.batch_drawings import draw, page_drawings
 from friction_audit.reporting.drift import (
     COEFFICIENT,
@@ -12,39 +13,9 @@ from friction_audit.reporting.drift import (
     coefficient_rows,
     sessions_text,
 )
-from friction_audit.reporting.drift_words import (
-    DRIFT,
-    NAMES,
-    UNITS,
-    joint_verdict,
-    span_of,
-)
 from friction_audit.reporting.figures.registry import figure_names
-from friction_audit.reporting.html.batch_tables import (
-    ARM,
-    DIAGNOSED,
-    LEFT_OUT,
-    NUMBERS,
-    SESSION_NUMBER,
-    SESSIONS,
-    STEPS,
-    WITHIN,
-    DiagnosisRow,
-    SessionRow,
-    StepRow,
-    coefficient_column,
-)  # fmt: skip
-from friction_audit.reporting.html.page import (
-    Figure,
-    Page,
-    Part,
-    Section,
-    Terms,
-    Text,
-    citation_section,
-    render_page,
-    settings_section,
-)
+from friction_audit.reporting.html import batch_tables
+from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
 from friction_audit.reporting.words import (
     enumerate_words,
@@ -70,22 +41,22 @@ WORDS = {
     "within a session": "Change from the first to the last third of a session, such as warm-up; no part of drift.",
 }
 """What the words of the page mean."""
-NOTHING_YET: Mapping[str, Figure] = {}
+NOTHING_YET: Mapping[str, html.Figure] = {}
 
 
-def write_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET) -> str:
+def write_page(summary: BatchSummary, drawn: Mapping[str, html.Figure] = NOTHING_YET) -> str:
     """Return the page of a batch as HTML text, the same bytes for the same batch.
 
     Args:
         summary: The batch.
         drawn: Figures that are drawn already, by their anchors; the others are drawn here.
     """
-    return render_page(batch_page(summary, drawn))
+    return html.render_page(batch_page(summary, drawn))
 
 
-def batch_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET) -> Page:
+def batch_page(summary: BatchSummary, drawn: Mapping[str, html.Figure] = NOTHING_YET) -> html.Page:
     """Return what the page of a batch is made of; another page may take sections from it."""
-    return Page(
+    return html.Page(
         title="Friction over sessions",
         lead=_lead(summary),
         facts=_facts(summary),
@@ -93,14 +64,14 @@ def batch_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET)
             _verdict_section(summary),
             *_arm_sections(summary, drawn),
             *_failed_section(summary),
-            Section(
+            html.Section(
                 anchor="words",
                 title="How to read it",
-                parts=(Terms(pairs=tuple(WORDS.items()), words=True),),
+                parts=(html.Terms(pairs=tuple(WORDS.items()), words=True),),
                 folded=True,
             ),
-            settings_section(summary.settings, summary.command),
-            citation_section(),
+            html.settings_section(summary.settings, summary.command),
+            html.citation_section(),
         ),
     )
 
@@ -116,13 +87,13 @@ def _lead(summary: BatchSummary) -> str:
 
 
 def _drift_words(arm: ArmDrift) -> str:
-    joints = [joint.joint for joint in arm.joints if joint_verdict(joint) == DRIFT]
+    joints = [joint.joint for joint in arm.joints if drift_words.joint_verdict(joint) == drift_words.DRIFT]
     word = "joint" if len(joints) == 1 else "joints"
     return f"friction drifts on {word} {enumerate_words(joints)}" if joints else "friction drifts"
 
 
 def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
-    span = span_of(summary.sessions)
+    span = drift_words.span_of(summary.sessions)
     return (
         ("Sessions", str(len(summary.sessions))),
         ("Arms", str(len(summary.arms))),
@@ -131,26 +102,26 @@ def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
     )
 
 
-def _verdict_section(summary: BatchSummary) -> Section:
-    verdicts = ARM.people(summary.arms, caption="Drift of each arm")
+def _verdict_section(summary: BatchSummary) -> html.Section:
+    verdicts = batch_tables.ARM.people(summary.arms, caption="Drift of each arm")
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
     limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
-    parts = (Text(lines=limits, listed=True, tone="alert"),) if limits else ()
-    return Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *parts))
+    parts = (html.Text(lines=limits, listed=True, tone="alert"),) if limits else ()
+    return html.Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *parts))
 
 
-def _arm_sections(summary: BatchSummary, drawn: Mapping[str, Figure]) -> Iterator[Section]:
+def _arm_sections(summary: BatchSummary, drawn: Mapping[str, html.Figure]) -> Iterator[html.Section]:
     """Yield a section per arm; figures first of the arms that drift, as long as there is room."""
     pictures = _pictures(summary.arms, drawn)
-    cells = sum(len(UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
+    cells = sum(len(drift_words.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
     most = max(1, MOST_CELLS // max(cells, 1))
     for number, arm in enumerate(summary.arms, start=1):
         yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()), most)
 
 
-def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, Figure]) -> dict[int, tuple[Figure, ...]]:
+def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> dict[int, tuple[html.Figure, ...]]:
     """Return the figures of each arm, by its number, as many arms as there is room for."""
-    found: dict[int, tuple[Figure, ...]] = {}
+    found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
         drawings = (one for kind in figure_names("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
@@ -163,26 +134,28 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, Figure]) -> dict[i
     return found
 
 
-def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...], most: int) -> Section:
-    notes: list[Part] = [Text(lines=arm.warnings, listed=True, tone="unsure")] if arm.warnings else []
-    no_room = Text(lines=(f"This page has no room for more figures; those of {arm.robot} are in files next to it.",))
+def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], most: int) -> html.Section:
+    notes: list[html.Part] = [html.Text(lines=arm.warnings, listed=True, tone="unsure")] if arm.warnings else []
+    no_room = html.Text(
+        lines=(f"This page has no room for more figures; those of {arm.robot} are in files next to it.",)
+    )
     rows = coefficient_rows(arm)
-    within = WITHIN.people(
+    within = batch_tables.WITHIN.people(
         rows,
         caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
         "sessions it is significant; the change with temperature that was taken out, and the temperature of the "
         "comparison; the scatter between sessions",
     )
-    return Section(
+    return html.Section(
         anchor=anchor,
         title=arm.robot,
-        parts=(Text(lines=(f"{sessions_text(arm)}.",)), *notes),
+        parts=(html.Text(lines=(f"{sessions_text(arm)}.",)), *notes),
         sections=(
-            Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(arm, rows))),
-            Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (no_room,)),
-            Section(anchor=f"{anchor}-within", title="Within a session", parts=(within,)),
+            html.Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(arm, rows))),
+            html.Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (no_room,)),
+            html.Section(anchor=f"{anchor}-within", title="Within a session", parts=(within,)),
             *_diagnosis(arm, anchor),
-            Section(anchor=f"{anchor}-sessions", title="Sessions", parts=tuple(_session_tables(arm, most))),
+            html.Section(anchor=f"{anchor}-sessions", title="Sessions", parts=tuple(_session_tables(arm, most))),
         ),
     )
 
@@ -193,49 +166,49 @@ def _joint_tables(arm: ArmDrift, rows: list[CoefficientRow]) -> Iterator[Table]:
         rows, caption="Change of each coefficient from the reference to the last sessions; intervals are 95 %"
     )
     steps = [
-        StepRow(row.joint, row.found, change, arm.sessions[change.session].start_s)
+        batch_tables.StepRow(row.joint, row.found, change, arm.sessions[change.session].start_s)
         for row in rows
         for change in row.found.change_points
     ]
     if steps:
-        yield STEPS.people(
+        yield batch_tables.STEPS.people(
             steps,
             caption="Steps: the first session after each (with the range that holds it with 95 % confidence), and the "
             "levels",
         )
-    yield NUMBERS.people(rows, caption="Levels, trends and control charts in numbers", folded=True)
+    yield batch_tables.NUMBERS.people(rows, caption="Levels, trends and control charts in numbers", folded=True)
 
 
-def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[Section]:
+def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
     """Yield how often each effect was found on each joint, if the sessions were diagnosed."""
     rows = []
     for joint in arm.joints:
         own = [one for session in arm.sessions for one in session.joints if one.joint == joint.joint and one.verdict]
         verdicts = [(one.verdict or "").replace("_", " ") for one in own]
         if own:
-            rows.append(DiagnosisRow(joint, verdicts, [effect for one in own for effect in one.effects]))
+            rows.append(batch_tables.DiagnosisRow(joint, verdicts, [effect for one in own for effect in one.effects]))
     if rows:
         caption = "Verdicts and effects of the diagnosis, with the number of sessions"
-        table = DIAGNOSED.people(rows, caption=caption)
-        yield Section(anchor=f"{anchor}-diagnosis", title="What the model misses", parts=(table,))
+        table = batch_tables.DIAGNOSED.people(rows, caption=caption)
+        yield html.Section(anchor=f"{anchor}-diagnosis", title="What the model misses", parts=(table,))
 
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
-    left_out = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    left_out = [batch_tables.SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
     if left_out:
-        yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
+        yield batch_tables.LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
     count = len(arm.sessions)
-    rows = [SessionRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
+    rows = [batch_tables.SessionRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
     cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
     caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
-    yield SESSIONS.people(rows, caption=caption, folded=count > ACROSS)
-    for name, unit in UNITS.items():
+    yield batch_tables.SESSIONS.people(rows, caption=caption, folded=count > ACROSS)
+    for name, unit in drift_words.UNITS.items():
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
-            kind = f"{NAMES[name]} coefficient"
+            kind = f"{drift_words.NAMES[name]} coefficient"
             which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
-            columns = (SESSION_NUMBER, *(coefficient_column(joint, name) for joint in joints))
+            columns = (batch_tables.SESSION_NUMBER, *(batch_tables.coefficient_column(joint, name) for joint in joints))
             caption = f"{which}, with its 95 % interval [{unit}]{cut}"
             yield Record(columns).people(rows, caption=caption, folded=True)
 
@@ -244,8 +217,8 @@ def _part(arm: ArmDrift, k: int) -> str:
     return "reference" if k in arm.reference else "compared" if k in arm.compared else "left out"
 
 
-def _failed_section(summary: BatchSummary) -> Iterator[Section]:
+def _failed_section(summary: BatchSummary) -> Iterator[html.Section]:
     if summary.failed:
-        lead = Text(lines=("These files gave no session. They do not affect the others.",))
+        lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
         table = FAILED.people(summary.failed, caption="Files that gave no session")
-        yield Section(anchor="failed", title="Files that failed", parts=(lead, table))
+        yield html.Section(anchor="failed", title="Files that failed", parts=(lead, table))

@@ -9,18 +9,8 @@ from friction_audit.drift.report import ChangePoint, CoefficientDrift, JointDrif
 from friction_audit.drift.session import Session
 from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.reporting import drift_words
 from friction_audit.reporting.drift import CoefficientRow
-from friction_audit.reporting.drift_words import (
-    NAMES,
-    SHAPES,
-    TONES,
-    UNITS,
-    arm_sentence,
-    arm_verdict,
-    first_after,
-    format_change,
-    slope_text,
-)  # fmt: skip
 from friction_audit.reporting.table import Column, Get, Record, joint_column
 from friction_audit.reporting.words import (
     SHORTEST_NAME,
@@ -34,7 +24,7 @@ from friction_audit.reporting.words import (
 
 
 def _level(row: CoefficientRow) -> str:
-    return with_unit(row.found.level, UNITS[row.found.coefficient])
+    return with_unit(row.found.level, drift_words.UNITS[row.found.coefficient])
 
 
 def _shown(title: str, text: Callable[[Any], str], sort: Get) -> Column:
@@ -49,7 +39,7 @@ def _trend(title: str, name: str) -> Column:
         level = row.found.level.value
         return float(getattr(row.found, name).value / level) if level else math.nan
 
-    return _shown(title, lambda row: slope_text(row.found, getattr(row.found, name)), share)
+    return _shown(title, lambda row: drift_words.slope_text(row.found, getattr(row.found, name)), share)
 
 
 def _outside(row: CoefficientRow) -> str:
@@ -59,7 +49,7 @@ def _outside(row: CoefficientRow) -> str:
 
 HEAD = (
     joint_column("joint"),
-    Column("friction", str, get="found.coefficient", form=NAMES.__getitem__, title="friction", on="p"),
+    Column("friction", str, get="found.coefficient", form=drift_words.NAMES.__getitem__, title="friction", on="p"),
 )
 NUMBERS = Record(
     (
@@ -76,8 +66,10 @@ NUMBERS = Record(
 ARM = Record(
     (
         Column("arm", str, get="robot", title="arm", code=True, on="p"),
-        Column("verdict", str, get=arm_verdict, title="verdict", tone=TONES.__getitem__, on="p"),
-        Column("sentence", str, get=arm_sentence, title="answer", words=True, on="p"),
+        Column(
+            "verdict", str, get=drift_words.arm_verdict, title="verdict", tone=drift_words.TONES.__getitem__, on="p"
+        ),
+        Column("sentence", str, get=drift_words.arm_sentence, title="answer", words=True, on="p"),
     )
 )
 
@@ -93,7 +85,7 @@ class StepRow(NamedTuple):
 
 def _side(side: str) -> Column:
     def text(row: StepRow) -> str:
-        return with_unit(getattr(row.change, side), UNITS[row.found.coefficient])
+        return with_unit(getattr(row.change, side), drift_words.UNITS[row.found.coefficient])
 
     return _shown(side, text, f"change.{side}.value")
 
@@ -101,9 +93,9 @@ def _side(side: str) -> Column:
 STEPS = Record(
     (
         *HEAD,
-        _shown("session", lambda row: first_after(row.change), "change.session"),
+        _shown("session", lambda row: drift_words.first_after(row.change), "change.session"),
         Column("start", get="start_s", form=format_start, title="started (UTC)", on="p"),
-        _shown("change", lambda row: format_change(row.change), "change.relative.value"),
+        _shown("change", lambda row: drift_words.format_change(row.change), "change.relative.value"),
         _side("before"),
         _side("after"),
     )
@@ -125,7 +117,7 @@ def _within(row: CoefficientRow) -> tuple[int, int]:
 WITHIN = Record(
     (
         *HEAD,
-        Column("shape", str, get="found.shape", form=SHAPES.__getitem__, title="described by", on="p"),
+        Column("shape", str, get="found.shape", form=drift_words.SHAPES.__getitem__, title="described by", on="p"),
         Column("within", Coefficient, get="found.within", form=format_percent, title="in a session", on="p"),
         Column(
             "seen", get=_within, form=lambda seen: f"{seen[0]} of {seen[1]}" if seen[1] else "",
