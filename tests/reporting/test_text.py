@@ -15,7 +15,7 @@ from friction_audit.pipeline import Estimate
 from friction_audit.reporting.compare import claim_lines, compare_lines, count_line
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message, remainder_words
-from friction_audit.reporting.drift import batch_lines
+from friction_audit.reporting.drift_text import batch_lines
 from friction_audit.reporting.drift_words import change_text, slope_text, span_of, total_text
 from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.info import InfoEntry, TopicSummary, info_lines, summarize_log

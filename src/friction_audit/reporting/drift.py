@@ -13,26 +13,19 @@ from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.drift_words import (
     NAMES,
     TONES,
-    UNITS,
     VERDICTS,
     arm_sentence,
     arm_verdict,
-    change_text,
     describe,
     drift_verdict,
     joint_sentence,
     joint_verdict,
     slope_text,
     smallest_text,
-    span_of,
     total_text,
-)  # fmt: skip
+)
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
-from friction_audit.reporting.terminal_table import table_lines
-from friction_audit.reporting.words import count_of, enumerate_words, format_slope, joint_label
-
-# Sessions that a line names; more are counted.
-MOST_NAMED = 8
+from friction_audit.reporting.words import joint_label
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -310,62 +303,3 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
         yield from (f",\n    {line}" for line in lines)
         yield "" if first is None else "\n  ]"
     yield "\n}\n"
-
-
-def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
-    """Return how many sessions there were, per arm a table and its verdict in words, and the files that failed.
-
-    Args:
-        summary: The batch.
-        verbose: If True, also the message of joints without drift, and why each session was left out.
-    """
-    sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
-    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
-    lines = [f"{sessions} of {arms}: {done}"]
-    for arm in summary.arms:
-        lines += ["", *_arm_lines(arm, verbose=verbose)]
-    lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
-    lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
-    lines += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
-    return lines + [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
-
-
-def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
-    yield f"{arm.robot}: {sessions_text(arm)}; {arm_sentence(arm)}"
-    yield "changes are from the reference to the last sessions; intervals are 95 %"
-    yield from table_lines(COEFFICIENT.people(coefficient_rows(arm), "t"))
-    for joint in arm.joints:
-        if joint.drift or verbose:
-            yield f"joint {joint.joint}: {joint_sentence(arm, joint)}"
-            yield from (line for found in joint.coefficients for line in _details(arm, found))
-    yield from _left_out(arm, verbose=verbose)
-    yield from (f"note: {warning}" for warning in arm.warnings)
-
-
-def sessions_text(arm: ArmDrift) -> str:
-    """Return how many sessions an arm has, when they were recorded, and how many were compared."""
-    span = span_of(arm.sessions)
-    return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
-
-
-def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
-    """Yield the steps of a coefficient, or its slope if it drifts without one."""
-    name = NAMES[found.coefficient]
-    yield from (f"  {name}: step at {change_text(arm, change)}" for change in found.change_points)
-    if found.drift and not found.change_points:
-        per_session = f"{format_slope(found.trend_per_session)} {UNITS[found.coefficient]} per session"
-        yield f"  {name}: {per_session}, {format_slope(found.trend_per_day)} per day"
-
-
-def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
-    """Yield which sessions were not compared, and why: those alike in one line, or each with its file."""
-    if verbose:
-        yield from (f"not compared: {arm.sessions[k].path}: {reason}" for k, reason in arm.left_out)
-        return
-    alike: dict[str, list[int]] = {}
-    for session, reason in arm.left_out:
-        alike.setdefault(reason, []).append(session + 1)
-    for reason, numbers in alike.items():
-        word = "session" if len(numbers) == 1 else "sessions"
-        which = enumerate_words(numbers) if len(numbers) <= MOST_NAMED else f"{len(numbers)} of them"
-        yield f"not compared: {word} {which}: {reason}"

@@ -11,8 +11,8 @@ from friction_audit.reporting.drift import (
     BatchSummary,
     CoefficientRow,
     coefficient_rows,
-    sessions_text,
 )
+from friction_audit.reporting.drift_text import sessions_text
 from friction_audit.reporting.figures.registry import figure_names
 from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html
