@@ -271,21 +271,14 @@ def _joints(joints: Sequence[JointReport], every: int) -> str:
 
 def report_settings(report: LogReport) -> dict[str, Any]:
     """Return every setting of every part, defaults included."""
-    settings = settings_document(report.estimate, report.reading)
-    if report.diagnosis is not None:
-        settings |= {"diagnosis": to_json(report.diagnosis.settings)}
-    if report.replay is not None:
-        settings |= {"replay": to_json(report.replay.settings)}
-    return settings
+    parts = {"diagnosis": report.diagnosis, "replay": report.replay}
+    own = {name: to_json(part.settings) for name, part in parts.items() if part is not None}
+    return settings_document(report.estimate, report.reading) | own
 
 
 # Keys of the documents of the parts that the whole document has once.
 SHARED = ("source", "settings", "warnings")
 UNANSWERED = Record((Column("part", str, "the command"), Column("message", str, "why it has no answer")))
-
-
-def _message(joint: JointReport) -> str:
-    return joint.answer or friction_words(joint.friction)
 
 
 VERDICT = Record(
@@ -297,7 +290,12 @@ VERDICT = Record(
         Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
         Column("verdict", str, "the verdict of the page", verdict_word),
         Column("verdict", str, get=verdict_word, title="verdict", tone=VERDICT_TONES.__getitem__, on="p"),
-        Column("message", str, "cause, size, what to do; or why there is no answer", _message),
+        Column(
+            "message",
+            str,
+            "cause, size, what to do; or why there is no answer",
+            lambda one: one.answer or friction_words(one.friction),
+        ),
         Column("answer", str, title="cause, size, what to do", words=True, on="p"),
     )
 )
