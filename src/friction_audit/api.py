@@ -50,6 +50,10 @@ class ReadingOptions(TypedDict, total=False):
     allow_short: bool
     t_start_s: float | None
     t_end_s: float | None
+    torque_constant: tuple[float, ...]
+    gear_ratio: tuple[float, ...]
+    torque_scale: tuple[float, ...]
+    flip: tuple[int, ...]
 
 
 class EstimateOptions(TypedDict, total=False):

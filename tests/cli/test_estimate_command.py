@@ -125,6 +125,18 @@ def test_motor_current_is_written_in_ampere(run: Run, amperes: Path, tmp_path: P
     assert "[A]" in run("replay", amperes).out
 
 
+@pytest.mark.usefixtures("sketched")
+def test_a_current_with_its_constant_is_in_newton_metres(run: Run, amperes: Path) -> None:
+    constants = ("--torque-constant", "0.1", "--gear-ratio", "10")
+    document = json.loads(run("estimate", amperes, *constants, "--json").out)
+    plain = json.loads(run("estimate", amperes, "--json").out)
+    assert document["source"]["torque_unit"] == "N m"
+    assert document["settings"]["reading"]["gear_ratio"] == [10.0]
+    assert "torque_converted" in [warning["code"] for warning in document["warnings"]]
+    assert document["joints"][0]["coulomb_nm"]["value"] == pytest.approx(plain["joints"][0]["coulomb_a"]["value"])
+    assert run("estimate", amperes, "--torque-constant", "x").code == 2
+
+
 def test_gravity_is_not_removed_from_a_current(run: Run, amperes: Path) -> None:
     answer = run("estimate", amperes, "--gravity", "model", "--robot", "panda")
     assert answer.code == 2

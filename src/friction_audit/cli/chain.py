@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
+from friction_audit.cli.choices import parse_joints, parse_list, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, Voice, remark
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.io.files import check_place, keep_input
+from friction_audit.joint_numbers import parse_joint_numbers
 
 if TYPE_CHECKING:
     from friction_audit.effects.joint_model import ArmModel
@@ -71,7 +72,11 @@ def estimate(log: "JointLog", settings: "AuditSettings", voice: Voice) -> "Estim
 
 def reading_settings(options: "ReadOptions") -> dict[str, object]:
     """Return the reader's options for a document; the part of the log stands among the settings of the chain."""
-    return {name: value for name, value in asdict(options).items() if name not in ("t_start_s", "t_end_s")}
+    return {
+        name: value
+        for name, value in asdict(options).items()
+        if name not in ("t_start_s", "t_end_s") and value != ()  # conversions of the torque only where there are some
+    }
 
 
 def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, marked: bool = False) -> None:
@@ -165,6 +170,10 @@ def read_options(reading: opt.ReadingOptions, selection: opt.SelectionOptions) -
         robot=None if reading.robot in ("auto", "none") else reading.robot,
         time_scale=reading.time_scale,
         allow_short=reading.allow_short,
+        torque_constant=parse_list("--torque-constant", reading.torque_constant),
+        gear_ratio=parse_list("--gear-ratio", reading.gear_ratio),
+        torque_scale=parse_list("--torque-scale", reading.torque_scale),
+        flip=parse_joint_numbers(reading.flip, f"--flip {reading.flip}") if reading.flip is not None else (),
         t_start_s=selection.t_start,
         t_end_s=selection.t_end,
     )

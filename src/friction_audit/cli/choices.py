@@ -138,6 +138,11 @@ def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float
     return numbers
 
 
+def parse_list(option: str, text: str | None) -> tuple[float, ...]:
+    """Return the numbers of ``"0.1,0.2"``, as many as there are; none for None."""
+    return () if text is None else parse_numbers(option, text, ("X",) * len(text.split(",")))
+
+
 def parse_mapping(entries: list[str] | None) -> dict[str, str]:
     """Return the mapping of ``["dq=vel_{i}", ...]``: channel -> name in the file."""
     mapping: dict[str, str] = {}

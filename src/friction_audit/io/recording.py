@@ -27,6 +27,7 @@ class Recording:
         serial: Serial number of the arm as the file states it, empty if it does not.
         topic: Topic read, or None.
         mapping: Channel -> name in the file, with ``{i}``.
+        torque_unit: Unit of the torque where it was converted; empty where its name decides.
         clock_windows: Windows of time on which the clock was checked against the motion.
         findings: What the reader itself noticed (a truncated file, a topic without content).
     """
@@ -41,6 +42,7 @@ class Recording:
     serial: str = ""
     topic: str | None = None
     mapping: Mapping[str, str] = field(default_factory=dict)
+    torque_unit: str = ""
     clock_windows: int = 0
     findings: tuple[Finding, ...] = ()
 

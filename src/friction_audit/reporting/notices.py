@@ -12,11 +12,18 @@ from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_
 IN_AMPERE = (
     "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of "
     "the JSON document that end in _nm hold {1}; gravity and inertia of a model are not removed; for newton metres, "
-    "multiply the column by torque constant and gear ratio"
+    "give --torque-constant and --gear-ratio"
 )
 
 
-READ = ("clock_stretched", "velocity_scale", "torque_unit_suspected", "torque_coarse", "torque_in_ampere")
+READ = (
+    "clock_stretched",
+    "velocity_scale",
+    "torque_unit_suspected",
+    "torque_coarse",
+    "torque_in_ampere",
+    "torque_converted",
+)
 """Codes of the reader's findings that change what every number means: warnings about the physics."""
 RECORDED = (
     "few_cycles",

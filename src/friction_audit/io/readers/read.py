@@ -17,6 +17,7 @@ from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.joint_names import arm_name, arms_in
+from friction_audit.io.readers.motor_current import convert_torque
 from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
@@ -67,6 +68,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
             recording = reader.read(file, options)
             damage = recording.findings
             recording = recording.with_findings(*_suffix_mismatch(file, reader))
+            recording = convert_torque(recording, options, str(path))
             recording = examine(recording, path=str(path), robot=options.robot, time_scale=options.time_scale)
             content = digest.result() if digest else ""
         except OSError as error:
@@ -100,7 +102,7 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
         InputError: If it cannot be read as a joint log.
     """
     arrays = arrays_of_frame(frame, name)
-    recording = read_table(ArrayTable(Path(name), arrays), options)
+    recording = convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
     recording = examine(recording, path=name, robot=options.robot, time_scale=options.time_scale)
     digest = sha256()
     for column, array in arrays.items():
@@ -131,7 +133,7 @@ def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -
         start_s=None if recording.start_s is None else recording.start_s + first,
         topic=recording.topic,
         channels=dict(recording.mapping),
-        torque_unit=torque_unit(recording.mapping.get(torque, "")),
+        torque_unit=recording.torque_unit or torque_unit(recording.mapping.get(torque, "")),
         clock_windows=recording.clock_windows,
         findings=recording.findings,
     )

@@ -114,6 +114,10 @@ class ReadOptions:
         allow_short: Read a log that looks like a libfranka exception log all the same.
         t_start_s: Start of the part to read, from the log's first sample, or None. [s]
         t_end_s: End of that part, or None. [s]
+        torque_constant: Of the motors, one number or one per joint; the torque column is then a motor current. [N m/A]
+        gear_ratio: Turns of the motor per turn of the joint, likewise.
+        torque_scale: Factor on the measured torque, likewise.
+        flip: Numbers (1..n) of joints whose measured torque has the other sign.
     """
 
     topic: str | None = None
@@ -123,6 +127,10 @@ class ReadOptions:
     allow_short: bool = False
     t_start_s: float | None = None
     t_end_s: float | None = None
+    torque_constant: tuple[float, ...] = ()
+    gear_ratio: tuple[float, ...] = ()
+    torque_scale: tuple[float, ...] = ()
+    flip: tuple[int, ...] = ()
 
     hashed: ClassVar[bool] = True
     joint_by_joint: ClassVar[bool] = False
@@ -144,6 +152,13 @@ class ReadOptions:
             raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(_MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
+        for name in ("torque_constant", "gear_ratio", "torque_scale"):
+            if not all(0.0 < value < inf for value in getattr(self, name)):
+                raise UsageError(
+                    f"--{name.replace('_', '-')}: expected numbers above zero; a sign is turned with --flip"
+                )
+        if self.gear_ratio and not self.torque_constant:
+            raise UsageError("--gear-ratio without --torque-constant: expected both, or --torque-scale for a torque")
         if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
             raise UsageError(f"--t-start {self.t_start_s:g} --t-end {self.t_end_s:g}: expected an end after the start")
 
