@@ -105,32 +105,30 @@ class ReadingOptions:
         ),
     ] = None
     time_scale: Annotated[
-        float, option(panel.panel.READING, "Factor on the log's clock, if its rate is wrong.", metavar="FACTOR")
+        float, option(panel.READING, "Factor on the log's clock, if its rate is wrong.", metavar="FACTOR")
     ] = 1.0
     torque_constant: Annotated[
         str | None,
         option(
-            panel.panel.READING,
+            panel.READING,
             "The torque column is a motor current: torque constant [N m/A], one or per joint.",
             metavar="K,...",
         ),
     ] = None
     gear_ratio: Annotated[
         str | None,
-        option(
-            panel.panel.READING, "With it, turns of the motor per turn of the joint, one or per joint.", metavar="N,..."
-        ),
+        option(panel.READING, "With it, turns of the motor per turn of the joint, one or per joint.", metavar="N,..."),
     ] = None
     torque_scale: Annotated[
         str | None,
-        option(panel.panel.READING, "Factor on the measured torque, one or per joint.", metavar="FACTOR,..."),
+        option(panel.READING, "Factor on the measured torque, one or per joint.", metavar="FACTOR,..."),
     ] = None
     flip: Annotated[
-        str | None, option(panel.panel.READING, "Joints whose measured torque has the other sign.", metavar="LIST")
+        str | None, option(panel.READING, "Joints whose measured torque has the other sign.", metavar="LIST")
     ] = None
     allow_short: Annotated[
         bool,
-        option(panel.panel.READING, "Accept a log that looks like an exception log of libfranka.", "--allow-short"),
+        option(panel.READING, "Accept a log that looks like an exception log of libfranka.", "--allow-short"),
     ] = False
 
 
