@@ -133,7 +133,7 @@ def test_a_current_with_its_constant_is_in_newton_metres(run: Run, amperes: Path
     assert document["source"]["torque_unit"] == "N m"
     assert document["settings"]["reading"]["gear_ratio"] == [10.0]
     assert "torque_converted" in [warning["code"] for warning in document["warnings"]]
-    assert document["joints"][0]["coulomb_nm"]["value"] == pytest.approx(plain["joints"][0]["coulomb_a"]["value"])
+    assert document["joints"][0]["coulomb_nm"]["value"] == pytest.approx(plain["joints"][0]["coulomb_nm"]["value"])
     assert run("estimate", amperes, "--torque-constant", "x").code == 2
 
 
