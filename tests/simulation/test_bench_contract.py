@@ -142,7 +142,7 @@ def test_bristles_and_stiction_exclude_each_other() -> None:
 
 
 def test_a_compensator_of_a_robot_that_moves_by_itself_would_show_nothing() -> None:
-    with pytest.raises(UsageError, match="sensor reads all that the motor gives"):
+    with pytest.raises(UsageError, match="unlogged_compensation takes a hand"):
         replace(PLAIN, logs_sensor=True, driven=True, hidden=(Hidden().holding(UnloggedCompensation.make({})),))
 
 

@@ -110,21 +110,21 @@ class ReadingOptions:
     torque_constant: Annotated[
         str | None,
         option(
-            panel.READING,
+            panel.TORQUE,
             "The torque column is a motor current: torque constant [N m/A], one or per joint.",
             metavar="K,...",
         ),
     ] = None
     gear_ratio: Annotated[
         str | None,
-        option(panel.READING, "With it, turns of the motor per turn of the joint, one or per joint.", metavar="N,..."),
+        option(panel.TORQUE, "With it, turns of the motor per turn of the joint, one or per joint.", metavar="N,..."),
     ] = None
     torque_scale: Annotated[
         str | None,
-        option(panel.READING, "Factor on the measured torque, one or per joint.", metavar="FACTOR,..."),
+        option(panel.TORQUE, "Factor on the measured torque, one or per joint.", metavar="FACTOR,..."),
     ] = None
     flip: Annotated[
-        str | None, option(panel.READING, "Joints whose measured torque has the other sign.", metavar="LIST")
+        str | None, option(panel.TORQUE, "Joints whose measured torque has the other sign.", metavar="LIST")
     ] = None
     allow_short: Annotated[
         bool,
