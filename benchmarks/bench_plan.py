@@ -1,4 +1,4 @@
-"""How often the motion of `plan` leaves the right single name, where the log before left several.
+"""How often the motion of `plan` leaves the right name, where the log before left several.
 
     python benchmarks/bench_plan.py ROWS.csv [--joints 60] [--seed 42000] [--page benchmarks/plan.md]
 
