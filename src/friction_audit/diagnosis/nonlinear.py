@@ -162,7 +162,7 @@ def refine(
 def _starts(training: Training, block: Block, others: Sequence[Block]) -> list[Block]:
     """Points of an effect's grid next to which another minimum may lie: where the gain has a local maximum.
 
-    The order of a ripple has one beside each minimum of its likelihood, and between points of the grid most of the gain
+    The likelihood of a ripple has many over its order, and between points of the grid most of the gain
     is lost: without them torque_ripple_40003 is 2 % off. The best other sets of nonlinear parameters are starts too.
     """
     kinds: dict[frozenset[str], list[tuple[float, Block]]] = {}

@@ -19,7 +19,7 @@ MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its
 # Size of the arrays up to which a log is read whole although a part is asked for: units, signs and delays are then
 # judged by all of the log. Beyond, a part is long enough to judge them by. [byte]
 WHOLE_BYTES = 256 << 20
-ON_DEMAND_BYTES = 64 << 20  # size of the arrays from which they are worth being read twice instead of kept [byte]
+ON_DEMAND_BYTES = 64 << 20  # larger arrays are read twice instead of kept [byte]
 _MAPPABLE = ("t", *JOINT_CHANNELS)
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
