@@ -97,7 +97,7 @@ def test_the_grid_is_within_bounds_and_complete(effect: Effect) -> None:
 def test_columns_are_finite_and_never_read_the_measured_torque(effect: Effect) -> None:
     other = replace(MOVING, torque=MOVING.torque + 1.0)
     grid = effect.grid(MOVING)
-    together = dict(effect.regressors(MOVING, NOMINAL, grid))
+    together = dict(effect.regressors_of(MOVING, [NOMINAL] * len(grid), grid))
     for place, at in enumerate(grid):
         columns = effect.regressor(MOVING, NOMINAL, at)
         assert columns.shape[0] == len(MOVING.t)

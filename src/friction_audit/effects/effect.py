@@ -94,7 +94,7 @@ class Effect:
         raise NotImplementedError(f"{self.name} has no formula")
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield place and columns for many values, in any order; overridden where they have work in common."""
+        """Yield place and columns for many values, in any order; see ``BatchedEffect``."""
         yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
@@ -120,24 +120,20 @@ class Effect:
 
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns for many points of the grid, in any order."""
-        yield from self.regressors_of(data, [nominal] * len(grid), grid)
+        yield from ((place, self.regressor(data, nominal, at)) for place, at in enumerate(grid))
 
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
     ) -> Iterator[tuple[int, Float]]:
-        """Yield the same, each point with its own nominal model."""
-        pairs = enumerate(zip(nominals, grid, strict=True))
-        yield from ((place, self.regressor(data, nominal, at)) for place, (nominal, at) in pairs)
+        """Yield the same, each point with its own nominal model; those with one model have their work in common."""
+        for nominal in {id(one): one for one in nominals}.values():
+            places = [place for place, one in enumerate(nominals) if one is nominal]
+            found = self.regressors(data, nominal, [grid[place] for place in places])
+            yield from ((places[k], columns) for k, columns in found)
 
     def coefficient_of(self, at: Nonlinear) -> float:
         """Return the coefficient of the one column of an effect whose coefficient ``follows``."""
         raise NotImplementedError(f"{self.name}: its coefficients are free")
-
-    def regressors_together(
-        self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]
-    ) -> Iterator[tuple[int, Float]]:
-        """``regressors`` of an effect whose ``columns_of_many`` have work in common."""
-        yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])
 
     def in_cpp(self, values: Sequence[float], table: str) -> str:
         """Return the torque as an expression of C++, of a friction that follows from the velocity alone.
@@ -201,3 +197,14 @@ class Effect:
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the bounds of a nonlinear parameter; infinite ones if it is not the effect's."""
         return next(((one.lower, one.upper) for one in self.nonlinear if one.name == name), (-inf, inf))
+
+
+class BatchedEffect(Effect):
+    """An effect whose columns for many values have work in common; a subclass defines ``columns_of_many``."""
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        ((_, columns),) = self.columns_of_many(motion, [values])
+        return columns
+
+    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])

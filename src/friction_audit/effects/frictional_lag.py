@@ -12,7 +12,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
 from friction_audit.effects.excitation import several_speeds
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
@@ -25,16 +25,9 @@ STRIBECK = ((1e-3, 0.3), *((excess, float(share)) for excess in (0.2, 1.0) for s
 LARGEST_SHARE = 1.6
 
 
-class FrictionalLag(Effect):
-    regressors = Effect.regressors_together
-
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return friction at the lagged speed less that at the present one, as a column."""
-        ((_, column),) = self.columns_of_many(motion, [values])
-        return column
-
+class FrictionalLag(BatchedEffect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield the same for many values; those with the same lag see the same speed."""
+        """Yield friction at the lagged speed less that at the present one; equal lags have their speed in common."""
         far, speed, sign = far_side(motion), np.abs(motion.dq), motion.direction
         step = float(motion.t[1] - motion.t[0])
         now = {fading: np.exp(-speed / fading) for fading in {fading for _, _, fading in many}}

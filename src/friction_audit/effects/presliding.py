@@ -19,7 +19,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
 from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
@@ -34,16 +34,12 @@ SPAN_SHARES = np.append(np.geomspace(1e-5, 1e-4, 3)[:-1], np.geomspace(1e-4, 0.3
 KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 
-class Presliding(Effect):
-    regressors = Effect.regressors_together
-
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return what bristles in the place of Coulomb friction add, as a column: z + T dz/dt - sgn(dq)."""
-        ((_, column),) = self.columns_of_many(motion, [values])
-        return column
-
+class Presliding(BatchedEffect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield the same for many values; those that differ by the damping alone have their bristles in common."""
+        """Yield what bristles in the place of Coulomb friction add: z + T dz/dt - sgn(dq).
+
+        Those that differ by the damping alone have their bristles in common.
+        """
         places: dict[tuple[float, float], list[int]] = {}
         for place, (reach, exponent, _) in enumerate(many):
             places.setdefault((reach, exponent), []).append(place)

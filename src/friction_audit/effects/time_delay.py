@@ -6,13 +6,13 @@ line damps the more the farther from a sample, so that delays of half a step wou
 (effects_time_delay_40001). Where a late sensor bears a load too, what was taken away for the load was taken too early.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import simple_torque
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
 from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
@@ -23,19 +23,22 @@ STEPS_S = np.geomspace(1e-3, 0.1, 13)
 LEAST_SHARE, LARGEST_SHARE = 0.5, 1.6
 
 
-class TimeDelay(Effect):
+class TimeDelay(BatchedEffect):
     follows = True
 
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return (rest(t - s) - rest(t)) / s as a column, first and last value held; with the load or without."""
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield (rest(t - s) - rest(t)) / s, first and last value held, of the torque with the load or without."""
         from scipy.interpolate import CubicSpline
 
-        step, with_load = values
-        rest = simple_torque(motion)
-        if round(with_load) and motion.load is not None:
-            rest = rest + motion.load
-        late = CubicSpline(motion.t, rest)(np.clip(motion.t - step, motion.t[0], motion.t[-1]))
-        return np.asarray((late - rest) / step)[:, None]
+        for loaded in {bool(round(with_load)) for _, with_load in many}:
+            rest = simple_torque(motion)
+            if loaded and motion.load is not None:
+                rest = rest + motion.load
+            spline = CubicSpline(motion.t, rest)
+            for place, (step, with_load) in enumerate(many):
+                if bool(round(with_load)) is loaded:
+                    late = spline(np.clip(motion.t - step, motion.t[0], motion.t[-1]))
+                    yield place, np.asarray((late - rest) / step)[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import BatchedEffect, Nonlinear
 from friction_audit.effects.excitation import span
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, reach, speeds
 from friction_audit.effects.parameter import Parameter
@@ -26,9 +26,7 @@ FINEST, COARSEST = 1.0, 1.4
 MOST_ORDERS = 120
 
 
-class TorqueRipple(Effect):
-    regressors = Effect.regressors_together
-
+class TorqueRipple(BatchedEffect):
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return cos(k q) and sin(k q) as columns."""
         angle = values[0] * motion.q
@@ -37,17 +35,18 @@ class TorqueRipple(Effect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield cos(k q) and sin(k q): those of evenly spaced orders by turning the phase by the same angle.
 
-        That takes a product where cosine and sine take many; a turn is right to rounding, and so are a hundred of them.
+        That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
         """
         orders = np.array([order for (order,) in many])
         steps = np.diff(orders)
         if len(steps) == 0 or np.ptp(steps) > SAME_STEP * np.abs(orders).max():
             yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
             return
-        phase, turn = np.exp(1j * orders[0] * motion.q), np.exp(1j * np.mean(steps) * motion.q)
+        cosine, sine = self.columns(motion, [float(np.mean(steps))]).T
+        wave = self.columns(motion, many[0]).T
         for place in range(len(orders)):
-            yield place, np.stack([phase.real, phase.imag]).T
-            phase *= turn
+            yield place, wave.T
+            wave = np.stack([wave[0] * cosine - wave[1] * sine, wave[0] * sine + wave[1] * cosine])
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Orders of the range, as far as they reach."""

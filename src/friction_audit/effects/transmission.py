@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import FarSide
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import BatchedEffect, Nonlinear
 from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
 from friction_audit.effects.parameter import Parameter
@@ -29,21 +29,20 @@ FAR_SHARE = Parameter(
 )
 
 
-class Link(Effect):
+class Link(BatchedEffect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
     transmits = True
     follows = True
 
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return what the link before the far side adds to the torque, as a column."""
-        ((_, column),) = self.columns_of_many(motion, [values])
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """Return what the link adds to the torque, along the motion as measured or below a frequency."""
+        ((_, column),) = self.regressors(data, nominal, (at,))
         return column
 
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """Return the same along the motion as measured or below a frequency."""
-        ((_, column),) = self.regressors_of(data, [nominal], (at,))
-        return column
+    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        """Yield the same for many points."""
+        yield from self.regressors_of(data, [nominal] * len(grid), grid)
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """Return the motion that is lacking: jumps of friction show a link, and an inertia that rings."""

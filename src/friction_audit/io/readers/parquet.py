@@ -72,7 +72,7 @@ class ParquetTable(ColumnTable):
         """Name the numbers of a row: scalars, and the elements of lists as long as the first that is not empty."""
         import pyarrow as pa
 
-        fields = _flat(file.schema_arrow.empty_table()).schema
+        fields = _flat(pa.Table.from_batches([], file.schema_arrow)).schema
         self._file = file
         self._types = {field.name: field.type for field in fields}
         self._damage: dict[tuple[str, int], str] = {}
