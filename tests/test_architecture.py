@@ -64,7 +64,7 @@ SIZE = {
     "files": 379,
     "code lines of the longest function": 57,
     "per cent of functions of at most 3 code lines": 31,
-    "lines of tests": 33_129,
+    "lines of tests": 33_130,
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
