@@ -181,3 +181,10 @@ def test_the_history_file_holds_the_energies_that_give_its_coefficients(
     columns, energy = rows[["path_rad", "square_speed_rad2_s"]].to_numpy(), rows["dissipated_j"].to_numpy()
     found = [np.linalg.solve(columns[k - 1 : k + 1], energy[k - 1 : k + 1]) for k in range(1, len(rows))]
     np.testing.assert_allclose(found, rows[["coulomb_nm", "viscous_nms_per_rad"]].to_numpy()[1:], rtol=1e-6, atol=1e-9)
+
+
+def test_the_remedy_of_a_warning_is_the_user_s_own_command(run: Run, logs: Path) -> None:
+    text = (logs / "moved1.csv").read_text()
+    Path("run.csv").write_text(text.replace("tau_interaction_1", "felt", 1))
+    own = "friction-audit replay run.csv --map tau_J=felt --drive robot"
+    assert f"`{own} --urdf FILE`" in run(*own.split()[1:]).out

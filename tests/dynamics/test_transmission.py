@@ -14,11 +14,11 @@ from friction_audit.dynamics.transmission import (
     HIGHEST_HZ,
     FarSide,
     Transmission,
+    all_transmitted,
     bend_of,
     far_side,
     pushed,
     straightened,
-    transmitted,
 )
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
@@ -27,6 +27,11 @@ from tests.dynamics.joints import added_torque
 STEP_S = 0.0025
 PLAIN = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
 RUBBING = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+
+
+def transmitted(motion: Motion, far: FarSide, link: Transmission) -> Float:
+    ((_, torque),) = all_transmitted(motion, [far], [link])
+    return torque
 
 
 def sine(amplitude: float, hertz: float, duration_s: float = 20.0) -> Motion:

@@ -8,9 +8,10 @@ from typing import Any
 import typer
 from typer.core import TyperCommand
 
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.config import command_line, dump_config
 from friction_audit.cli.console import say
 from friction_audit.errors import UsageError
+from friction_audit.preprocessing.settings import GIVEN, TorqueSettings
 
 CONTEXT = "context"
 """Parameter of a command that takes Typer's context."""
@@ -112,8 +113,14 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
         if values.get("dump_config"):
             say(dump_config(context), nl=False)
             return
+        own = "gravity" in values
         filled = {name: _fill(group, values) for name, group in groups.items()}
-        command(**filled, **values, **({CONTEXT: context} if takes_context else {}))
+        choices = [one.name.removesuffix("_hz") for one in fields(TorqueSettings)]
+        given = GIVEN.set(command_line(context, leave_out=choices) if own else "")
+        try:
+            command(**filled, **values, **({CONTEXT: context} if takes_context else {}))
+        finally:
+            GIVEN.reset(given)
 
     run.__name__, run.__doc__ = command.__name__, command.__doc__
     context = inspect.Parameter(CONTEXT, inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)

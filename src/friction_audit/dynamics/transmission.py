@@ -146,7 +146,7 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
         least = links[place].stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2
         heavy.append(replace(part, inertia_kg_m2=max(part.inertia_kg_m2, least)))
     last, rigid = None, np.zeros(0)  # neighbours often have the same
-    for k, torque in _all_transmitted(motion, heavy, [links[place] for place in there]):
+    for k, torque in all_transmitted(motion, heavy, [links[place] for place in there]):
         if heavy[k] != last:
             last = heavy[k]
             friction = last.coulomb_nm * motion.direction + last.viscous_nms_per_rad * motion.dq
@@ -154,24 +154,18 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
         yield there[k], np.subtract(torque, rigid, out=torque)
 
 
-def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
-    """Return the torque that the measured side feels, averaged from half a sample before to half a sample after.
+def all_transmitted(
+    motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]
+) -> Iterator[tuple[int, Float]]:
+    """Yield the torques that the measured side feels, averaged from half a sample before to half a sample after.
 
-    The load is not in it. The far side starts at the velocity of the measured side, twisted by the load alone.
+    The load is not in them. A far side starts at the velocity of the measured side, twisted by the load alone.
 
     Args:
         motion: Evenly sampled.
-        far: With an inertia above zero.
-        transmission: With a stiffness above zero.
+        far: With inertias above zero; places are in any order.
+        links: With stiffnesses above zero.
     """
-    ((_, torque),) = _all_transmitted(motion, [far], [transmission])
-    return torque
-
-
-def _all_transmitted(
-    motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]
-) -> Iterator[tuple[int, Float]]:
-    """Yield the same for pairs of a far side and a transmission, by place in any order."""
     step = float(motion.t[1] - motion.t[0])
     q, dq, load = map(read_only, (motion.q, motion.dq, np.zeros(len(motion.t)) if motion.load is None else motion.load))
     rates = [sqrt(link.stiffness_nm_per_rad / own.inertia_kg_m2) for own, link in zip(far, links, strict=True)]

@@ -1,12 +1,15 @@
 """Settings of the interaction torque and of the segmentation into energy cycles."""
 
 import shlex
+from contextvars import ContextVar
 from dataclasses import dataclass, fields
 from math import inf, isfinite
 from pathlib import Path
 
 from friction_audit.errors import UsageError
 
+GIVEN: ContextVar[str] = ContextVar("GIVEN", default="")
+"""The command that a user gave, without the choices of the torque; empty where there is none."""
 THRESHOLDS = ("fixed", "auto")
 CYCLES_FROM = ("joint", "hand")
 
@@ -116,18 +119,18 @@ class TorqueSettings:
             )
 
     def command(self, log: str, *more: str, **changed: str | None) -> str:
-        """Return the command to paste that estimates a log with these choices.
+        """Return the command to paste that does the same with other choices: the user's own, else ``estimate``.
 
         Args:
             log: Path of the log.
-            more: Further options.
+            more: Further options of ``estimate``.
             changed: Choices to be made otherwise, by name.
         """
-        words = ["friction-audit", "estimate", log]
+        words = shlex.split(GIVEN.get()) or ["friction-audit", "estimate", log, *more]
         for one in fields(self):
             value = changed.get(one.name, getattr(self, one.name))
             if value != one.default:
                 text = ",".join(f"{number:g}" for number in value) if isinstance(value, tuple) else str(value)
                 option = "--" + one.name.removesuffix("_hz").replace("_", "-")
                 words += [f"{option}={text}"] if text.startswith("-") else [option, text]
-        return f"`{shlex.join((*words, *more))}`"
+        return f"`{shlex.join(words)}`"

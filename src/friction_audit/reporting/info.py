@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from friction_audit.io.checks.sampling import DROPPED_STEPS
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
@@ -56,7 +57,7 @@ class LogSummary:
 
     Attributes:
         log: The log.
-        jitter_s: Standard deviation of the time steps that are not gaps. [s]
+        jitter_s: Standard deviation of the time steps in which no sample was dropped. [s]
         gaps: Number of steps longer than GAP_PERIODS sampling periods.
         longest_gap_s: The longest of them, 0 without any. [s]
         stale_samples: Rows that only repeated the one before and were left out when the log was read.
@@ -106,7 +107,7 @@ def summarize_log(
         notices += (Notice("no_interaction_torque", None, obstacle),)
     return LogSummary(
         log=log,
-        jitter_s=float(np.std(steps[~gap])),
+        jitter_s=float(np.std(steps[steps <= DROPPED_STEPS * np.median(steps)])),
         gaps=int(gap.sum()),
         longest_gap_s=float(steps[gap].max(initial=0.0)),
         stale_samples=int(sum(found.amount or 0.0 for found in log.source.findings if found.code == STALE)),
@@ -196,7 +197,7 @@ LOG = Record(
             replace(one, get=partial(_of_log, one), null=one.null or one.name == "sha256")  # not of a part
             for one in log_columns("joint_count")[1:]
         ),
-        Column("jitter", float, "standard deviation of the time steps", "summary.jitter_s", unit="s"),
+        Column("jitter", float, "standard deviation of the time steps, drops left out", "summary.jitter_s", unit="s"),
         Column("gaps", int, "steps longer than five median ones", "summary.gaps"),
         Column("longest_gap", float, "the longest of them", "summary.longest_gap_s", unit="s"),
         Column("stale_samples", int, "repeated samples left out", "summary.stale_samples"),

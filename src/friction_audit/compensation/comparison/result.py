@@ -119,11 +119,6 @@ class Curve:
             stable = point.value
         return stable
 
-    @property
-    def limited(self) -> bool:
-        """True if the loop was lost at some value."""
-        return not all(point.stable for point in self.points)
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Row:

@@ -6,7 +6,7 @@ from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 
 GAP_S = 0.05
-_DROPPED_STEPS = 1.5
+DROPPED_STEPS = 1.5
 _GAP_STEPS = 5.0
 _JITTER_SHARE = 0.1
 _LOW_RATE_HZ = 100.0
@@ -21,7 +21,7 @@ def check_sampling(recording: Recording) -> Recording:
     """Notice dropped samples, gaps, jitter and a low rate."""
     steps = np.diff(recording.t)
     median = float(np.median(steps))
-    long = steps[steps > _DROPPED_STEPS * median]
+    long = steps[steps > DROPPED_STEPS * median]
     findings = []
     if len(long):
         dropped = float(np.maximum(np.round(long / median) - 1.0, 1.0).sum())
