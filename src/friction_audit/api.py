@@ -105,6 +105,7 @@ class DiagnosisOptions(TypedDict, total=False):
     candidates: tuple[str, ...] | None
     min_effect_nm: float
     seed: int
+    at_most_s: float
     model: ArmModel | None
 
 
@@ -271,7 +272,7 @@ def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) 
 
     Args:
         log: A log, or what ``estimate_log`` made of it.
-        options: ``candidates``, ``min_effect_nm``, ``seed``, ``model``.
+        options: ``candidates``, ``min_effect_nm``, ``seed``, ``at_most_s``, ``model``.
 
     Raises:
         UsageError: If an option is unknown or cannot be used.

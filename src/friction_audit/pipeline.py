@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
+    from friction_audit.diagnosis.data_audit import DataFinding
     from friction_audit.diagnosis.diagnose_joint import Subject
     from friction_audit.diagnosis.result import Discrepancy
     from friction_audit.diagnosis.settings import DiagnosisSettings
@@ -173,11 +174,19 @@ def diagnose_estimate(
 
 
 def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tuple[Subject, ...]":
-    """Prepare the joints of a log that was estimated before."""
-    from friction_audit.diagnosis.diagnose import subjects_of
+    """Prepare the joints of a log that was estimated before, or of the part of a long one that tells most."""
+    from friction_audit.diagnosis.data_audit import audit_part
+    from friction_audit.diagnosis.diagnose import best_window, subjects_of
 
-    arm = known_arm(estimate.log, estimate.settings.torque, estimate.interaction.choice)
-    return subjects_of(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, settings, arm)
+    part, whole_s = estimate, estimate.log.duration_s
+    findings: tuple[DataFinding, ...] = ()
+    if whole_s > settings.at_most_s:
+        part_s = best_window(estimate.cycles, whole_s, settings.at_most_s)
+        part = estimate_log(estimate.log, replace(estimate.settings, t_start_s=part_s[0], t_stop_s=part_s[1]))
+        findings = (audit_part(part_s, whole_s),)
+    arm = known_arm(part.log, part.settings.torque, part.interaction.choice)
+    subjects = subjects_of(part.log, part.interaction, part.cycles, estimate.friction, settings, arm)
+    return tuple(replace(subject, findings=findings + subject.findings) for subject in subjects)
 
 
 def without_samples(estimate: Estimate) -> Estimate:

@@ -39,6 +39,14 @@ class DiagnosisOptions:
         int,
         option(DIAGNOSIS, "Seed of the screening test; no effect and no verdict depends on it.", metavar="INT", min=0),
     ] = 0
+    at_most: Annotated[
+        float,
+        option(
+            DIAGNOSIS,
+            "Of a longer log the part is diagnosed in which the friction is determined best [min].",
+            metavar="MINUTES",
+        ),
+    ] = 10.0
     joint_model: Annotated[
         Path | None,
         opt.joint_model_option(
@@ -110,6 +118,7 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
         candidates=tuple(options.candidates) or None,
         min_effect_nm=options.min_effect,
         seed=options.seed,
+        at_most_s=60.0 * options.at_most,
         model=None if options.joint_model is None else load_model(options.joint_model),
     )
 

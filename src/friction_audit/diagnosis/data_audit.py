@@ -54,6 +54,13 @@ RULES = {
         "the motion gains energy ({value:.1f} standard errors): torque or velocity has the wrong sign",
         at_most=False,
     ),
+    "part": _Rule(
+        0.0,
+        "limit",
+        "only {start:.0f} to {stop:.0f} s of {value:.0f} s are diagnosed, where friction is determined best; times "
+        "count from {start:.0f} s; for the whole log: --at-most {minutes:.0f}",
+        "s",
+    ),
     "standstill": _Rule(
         2.0,
         "limit",
@@ -117,6 +124,12 @@ def audit_data(log: JointLog, interaction: Interaction, data: JointData) -> tupl
 def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
     """Return the findings with which no effect may be named."""
     return tuple(finding for finding in findings if finding.verdict == "fault")
+
+
+def audit_part(part_s: tuple[float, float], whole_s: float) -> DataFinding:
+    """Say which part of a log is diagnosed, from its first sample on. [s]"""
+    start, stop = part_s
+    return _judged("part", whole_s, stop - start, start=start, stop=stop, minutes=np.ceil(whole_s / 60.0))
 
 
 def _judged(code: str, value: float, bound: float | None = None, **words: object) -> DataFinding:

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Sequence
 from functools import partial
 
+import numpy as np
+
 from friction_audit.diagnosis.data_audit import audit_data
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
@@ -14,11 +16,31 @@ from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentenc
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.joint_log import JointLog
 from friction_audit.parallel import in_processes, per_joint, workers_for
-from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.robot import Arm
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
+
+WINDOWS = 10  # that are tried per window's length
+SMALL = 1e-6  # of the information in the whole log: of a joint without any in a window
+
+
+def best_window(cycles: EnergyCycles, duration_s: float, length_s: float) -> tuple[float, float]:
+    """Return the window in which the cycles determine both coefficients of all joints best: D-optimality. [s]"""
+    rows = np.column_stack([cycles.sums.path_rad, cycles.sums.square_speed_rad2_s])
+    kept = [
+        (cycles.joint == joint) & (cycles.reason == KEPT) for joint in np.unique(cycles.joint[cycles.reason == KEPT])
+    ]
+
+    def information(start: float) -> float:
+        inside = (cycles.start_s >= start) & (cycles.stop_s <= start + length_s)
+        grams = [(rows[own].T @ rows[own], rows[own & inside].T @ rows[own & inside]) for own in kept]
+        return float(sum(np.linalg.slogdet(part + SMALL * whole)[1] for whole, part in grams))
+
+    starts = np.linspace(0.0, duration_s - length_s, int(WINDOWS * duration_s / length_s))
+    start = max(starts.tolist(), key=information)
+    return start, start + length_s
 
 
 def subjects_of(

@@ -16,15 +16,17 @@ class DiagnosisSettings:
         candidates: Names of the effects that may be named; None for the whole catalogue.
         min_effect_nm: Effects whose rms torque is below it are negligible. [N m]
         seed: Seed of the bootstrap of the screening test; no verdict depends on it.
+        at_most_s: Of a longer log the part is diagnosed in which the friction is determined best. [s]
         model: Nominal model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
 
     Raises:
-        UsageError: If there is no such effect, or ``min_effect_nm`` is no torque.
+        UsageError: If there is no such effect, ``min_effect_nm`` is no torque, or ``at_most_s`` no duration.
     """
 
     candidates: tuple[str, ...] | None = None
     min_effect_nm: float = 0.0
     seed: int = 0
+    at_most_s: float = 600.0
     model: ArmModel | None = None
 
     def __post_init__(self) -> None:
@@ -34,3 +36,5 @@ class DiagnosisSettings:
             raise UsageError(f"candidates: {', '.join(unknown)}: expected some of {', '.join(NAMES)}")
         if not 0.0 <= self.min_effect_nm < inf:
             raise UsageError(f"min_effect_nm: {self.min_effect_nm:g}; expected a torque of zero or more")
+        if not self.at_most_s > 0.0:
+            raise UsageError(f"at_most_s: {self.at_most_s:g}; expected a duration above zero, in s")
