@@ -123,6 +123,8 @@ def test_scrambled_order_fingers_and_empty_names(tmp_path: Path, write: Write) -
     names = ["panda_finger_joint1", *JOINTS[::2], "panda_finger_joint2", *JOINTS[1::2]]
     recording = read(write(tmp_path, [joint_states(store, values, names=names)]))
     assert_read(recording, values)
+    (said,) = [one.message for one in recording.findings if one.code == "joints_left_out"]
+    assert said.endswith(": panda_finger_joint1, panda_finger_joint2")
     assert recording.joint_names == JOINTS
     kind: Any = store.types[KIND]
     rows = ([values[c][i] for c in ("q", "dq", "tau_J")] for i in range(20))

@@ -128,7 +128,7 @@ def _summary(log: "JointLog", view: _View) -> "LogSummary":
 
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.info import info_document, info_lines
+    from friction_audit.reporting.info import SHOWN, info_document, info_lines
 
     if json:
         say(write_document(info_document(entries)), nl=False)
@@ -136,6 +136,6 @@ def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
         if not json and (entry.summary is not None or entry.topics):
             say("\n".join(info_lines(entry)))
         if not json and entry.summary is not None:
-            voice.warn(str(notice) for notice in entry.summary.notices if notice.code != "first_part")
+            voice.warn(str(notice) for notice in entry.summary.notices if notice.code not in SHOWN)
         if entry.summary is None:
             remark(f"error: {entry.message}")

@@ -18,6 +18,8 @@ from friction_audit.reporting.table import ALL, JOINT, NAME, Column, Document, R
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NEWTON_METRES, count_of
 
+# Codes of findings that have a line of their own.
+SHOWN = ("first_part", "joints_left_out")
 # Code of the finding that counts repeated rows.
 STALE = "stale_samples"
 # A step of time longer than this many sampling periods is a gap.
@@ -246,7 +248,7 @@ def _lines(summary: LogSummary) -> Iterator[str]:
     log, source, torque = summary.log, summary.log.source, summary.torque
     topic = f", topic {source.topic}" if source.topic else ""
     yield f"format   {source.format}{topic}, robot {source.robot}, {count_of(len(log.joint_names), 'joint')}"
-    yield from (f"read     {found.message}" for found in source.findings if found.code == "first_part")
+    yield from (f"read     {found.message}" for found in source.findings if found.code in SHOWN)
     samples = f"{log.duration_s:.6g} s, {count_of(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
     yield f"clock    {source.clock}, {samples}, {summary.clock_text}"
     yield f"steps    {summary.steps_text}, {count_of(summary.stale_samples, 'repeated sample')} left out"

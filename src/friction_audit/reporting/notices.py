@@ -36,7 +36,7 @@ RECORDED = (
     "holes",
 )
 """Codes of later steps that are about the recording and not about the physics."""
-CORRECTED = ("dq_late", "sign_turned")
+CORRECTED = ("dq_late", "sign_turned", "joints_left_out")
 """Codes of what was detected and taken into account; the table says what the torque is made of."""
 TABLED = ("not_determined", "from_regression", "not_replayed")
 """Codes of what a table or the lines below it say in any case."""

@@ -73,7 +73,13 @@ def read_messages(
         robot=_robot(choice, candidates),
         topic=candidate.topic,
         mapping={name: shown % kind.fields[name] for name in samples.channels},
-        findings=(*choice.findings, *_empty_channels(candidate, candidates), *losses, *clock.findings),
+        findings=(
+            *choice.findings,
+            *_left_out(choice),
+            *_empty_channels(candidate, candidates),
+            *losses,
+            *clock.findings,
+        ),
     )
 
 
@@ -338,6 +344,13 @@ def _losses(stream: MessageStream, samples: JointSamples, undecodable: int) -> l
         text = f"{samples.incomplete} messages hold only some of the joints; the others are missing there"
         findings.append(Finding(code="incomplete_messages", message=text, amount=float(samples.incomplete)))
     return findings
+
+
+def _left_out(choice: Choice) -> tuple[Finding, ...]:
+    """Notice joints of the messages that are none of the arm's, as those of a gripper are."""
+    others = dict.fromkeys(name for row in choice.candidate.rows for name in row.names if name not in choice.joints)
+    message = f"left out, no joints of the arm: {', '.join(others)}"
+    return (Finding(code="joints_left_out", message=message, amount=float(len(others))),) if others else ()
 
 
 def _robot(choice: Choice, candidates: Sequence[Candidate]) -> str:
