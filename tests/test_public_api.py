@@ -197,7 +197,8 @@ def test_a_result_is_drawn_into_axes_in_the_style_of_the_user(log: JointLog) -> 
     with rc_context({"axes.titlesize": 19.0}):
         for result, label in ((estimate, "Velocity"), (replay, "Velocity"), (diagnosis, "Residual")):
             axes = Figure().subplots()
-            assert friction_audit.plot(result, joint=1, ax=axes) is axes
+            assert result.plot(joint=1, ax=axes) is axes
+            assert "joint1</td>" in result._repr_html_()
             assert axes.get_xlabel().startswith(label)
             assert axes.has_data()
             assert {one.get_fontsize() for one in axes.findobj(Text) if one.get_text() == axes.get_title("left")} == {

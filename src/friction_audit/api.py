@@ -394,3 +394,6 @@ def _tables(result: Estimate | LogReplay | Diagnosis | LogReport) -> tuple[TidyT
                 f"to_frames: {type(result).__name__}: expected the result of estimate_log, replay_log, diagnose_log or "
                 "report_log; call one of them first"
             )
+
+
+audit.Shown.draw, audit.Shown.tables = staticmethod(plot), staticmethod(to_frames)

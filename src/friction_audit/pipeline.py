@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
@@ -49,8 +49,24 @@ class AuditSettings:
     friction: FrictionSettings = field(default_factory=FrictionSettings)
 
 
+class Shown:
+    """A result that draws itself, and is a table in a notebook; ``api``, which knows how, sets both functions."""
+
+    __slots__ = ()
+    draw: ClassVar[Callable[..., object]]
+    tables: ClassVar[Callable[..., dict[str, Any]]]
+
+    def plot(self, kind: str | None = None, **options: object) -> object:
+        """Draw the result; see ``friction_audit.plot``."""
+        return type(self).draw(self, kind, **options)
+
+    def _repr_html_(self) -> str:
+        first, *_ = type(self).tables(self).values()
+        return str(first.to_html(index=False, float_format="{:.4g}".format))
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Estimate:
+class Estimate(Shown):
     """The result of ``estimate``: every step of the chain and the settings that made it."""
 
     log: JointLog
@@ -107,7 +123,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class LogReplay:
+class LogReplay(Shown):
     """The result of ``replay``: what a compensator would have done, and its estimate."""
 
     estimate: Estimate
@@ -146,7 +162,7 @@ def replay_estimate(
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Diagnosis:
+class Diagnosis(Shown):
     """The result of ``diagnose``: what the nominal model misses, and its estimate."""
 
     estimate: Estimate
