@@ -27,8 +27,8 @@ from friction_audit.simulation import (
     Operator,
     simulate,
 )
-from friction_audit.simulation.effects.gravity_error import GravityError
-from friction_audit.simulation.effects.torque_bias import TorqueBias
+from friction_audit.simulation.effects.load_and_place import GravityError
+from friction_audit.simulation.effects.sensors import TorqueBias
 from friction_audit.simulation.motion import StopAndGo
 
 TABLE_SEEDS = 50

@@ -21,8 +21,8 @@ from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings
-from friction_audit.simulation.effects.hidden import Hidden
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.scenarios import SCENARIOS, TORQUE_LOOP, simulate, with_torque_control
 
 MOTOR_KG_M2, OUTER_KG_M2, DAMPING_RATIO = 0.3, 1.0, 0.1

@@ -15,7 +15,7 @@ from friction_audit.drift.summarise import conditions_of, summarise_joints
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, Hidden, JointParameters, Operator, simulate
-from friction_audit.simulation.effects.warm_up import WarmUp
+from friction_audit.simulation.effects.slow_and_events import WarmUp
 from friction_audit.simulation.motion import StopAndGo
 
 DURATION_S = 40.0

@@ -17,7 +17,7 @@ from friction_audit.compensation.comparison.trial import (
 )
 from friction_audit.compensation.compensators import FixedCompensation, TorqueRegulation
 from friction_audit.errors import AnalysisError
-from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS
 from friction_audit.simulation.simulation import Simulation

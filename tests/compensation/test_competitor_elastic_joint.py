@@ -9,8 +9,8 @@ import pytest
 from friction_audit.compensation.compensators import TorqueRegulation
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
-from friction_audit.simulation.effects.hidden import Hidden
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.motion import Sinusoid
 from tests.compensation.competitor_bench import TICK_S
 from tests.compensation.stability import ElasticJoint, largest_torque_gain, regulation_limit

@@ -10,8 +10,8 @@ from friction_audit.compensation.compensators import Coefficients, EnergyCompens
 from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
-from friction_audit.simulation.effects.hidden import Hidden
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.structure import JointElasticity
 
 MOTOR, OUTER, DAMPING_RATIO = 0.3, 1.0, 0.1
 OVER = EnergyCompensator(

@@ -14,8 +14,8 @@ from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
 from friction_audit.reporting.figures.replay import applied
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
-from friction_audit.simulation.effects.friction_step import FrictionStep
-from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
 

@@ -7,7 +7,7 @@ from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate
-from friction_audit.simulation.effects.contact_event import draw_events
+from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.hide import hide
 from friction_audit.simulation.settings import make_streams
 

@@ -11,8 +11,9 @@ from numpy.testing import assert_allclose
 from friction_audit.dynamics.motion import Motion, Others
 from friction_audit.effects.registry import NAMES, term_of
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects import EFFECTS, velocity
 from friction_audit.simulation.effects.effect import Setting
+from friction_audit.simulation.effects.sensors import delayed
 from friction_audit.simulation.mechanics.records import pack
 from friction_audit.simulation.settings import JointParameters
 
@@ -43,28 +44,34 @@ SIGN, REST, SENSED = np.sign(MOTION.dq), np.asarray(MOTION.rest), MOTION.others.
 LOAD = np.asarray(MOTION.load) + REST
 
 
-def each(name: str, function: str, *signals: Float) -> Callable[[Any], Float]:
+def law_of(function: str) -> Callable[..., Any]:
+    """A formula of the simulator, in the family that has it."""
+    families = ("velocity", "load_and_place", "sensors", "structure", "slow_and_events")
+    modules = [import_module(f"friction_audit.simulation.effects.{name}") for name in families]
+    return next(getattr(module, function) for module in modules if hasattr(module, function))
+
+
+def each(function: str, *signals: Float) -> Callable[[Any], Float]:
     """A compiled law of the simulator, sample by sample."""
-    law = getattr(import_module(f"friction_audit.simulation.effects.{name}"), function)
+    law = law_of(function)
     return lambda group: np.array([law(pack([group])[0], *args) for args in zip(*signals, strict=True)])
 
 
-def whole(name: str, function: str, *args: Any) -> Callable[[Any], Float]:
-    law = getattr(import_module(f"friction_audit.simulation.effects.{name}"), function)
+def whole(function: str, *args: Any) -> Callable[[Any], Float]:
+    law = law_of(function)
     return lambda group: np.asarray(law(group, *args))
 
 
 def bristles(group: Any) -> Float:
-    module = import_module("friction_audit.simulation.effects.presliding")
-    record, z, out = pack([group])[0], np.zeros(module.BRISTLES), []
-    for velocity in np.append(np.diff(MOTION.q) / DT, 0.0):
-        out.append(module.force_nm(record, z, JOINT.coulomb_nm, JOINT.coulomb_nm, velocity))
-        module.advance(record, z, JOINT.coulomb_nm, JOINT.coulomb_nm, velocity, DT)
+    record, z, out = pack([group])[0], np.zeros(velocity.BRISTLES), []
+    for speed in np.append(np.diff(MOTION.q) / DT, 0.0):
+        out.append(velocity.presliding_force_nm(record, z, JOINT.coulomb_nm, JOINT.coulomb_nm, speed))
+        velocity.presliding_advance(record, z, JOINT.coulomb_nm, JOINT.coulomb_nm, speed, DT)
     return np.array(out) - JOINT.coulomb_nm * SIGN
 
 
 def stepped(group: Any) -> Float:
-    shares = [each("friction_step", f"{kind}_factor", MOTION.t, np.full(N, N * DT))(group) - 1.0 for kind in KINDS]
+    shares = [each(f"friction_step_{kind}_factor", MOTION.t, np.full(N, N * DT))(group) - 1.0 for kind in KINDS]
     return JOINT.coulomb_nm * SIGN * shares[0] + JOINT.viscous_nms_per_rad * MOTION.dq * shares[1]
 
 
@@ -73,46 +80,46 @@ KINDS = ("coulomb", "viscous")
 
 def crosstalk(group: Any) -> Float:
     none = type(group)()
-    return np.asarray(whole("torque_crosstalk", "mixed", SENSED)([none, group, none])[:, 1] - SENSED[:, 1])
+    return np.asarray(whole("crosstalk_mixed", SENSED)([none, group, none])[:, 1] - SENSED[:, 1])
 
 
 # Effect, parameters of the term, torque that the simulator's formula takes: F_m with the effect less F_m without it.
 CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
-    ("stribeck", (0.2, 0.3, 1.5), lambda g: SIGN * each("stribeck", "excess_nm", abs(MOTION.dq))(g)),
+    ("stribeck", (0.2, 0.3, 1.5), lambda g: SIGN * each("stribeck_nm", abs(MOTION.dq))(g)),
     (
         "nonlinear_viscous",
         (0.2, 1.7, 1e-6, 0.0),
-        lambda g: SIGN * each("nonlinear_viscous", "extra_nm", abs(MOTION.dq))(g),
+        lambda g: SIGN * each("nonlinear_viscous_nm", abs(MOTION.dq))(g),
     ),
-    ("asymmetric_coulomb", (0.1,), lambda g: SIGN * each("asymmetric_coulomb", "extra_nm", SIGN)(g)),
+    ("asymmetric_coulomb", (0.1,), lambda g: SIGN * each("asymmetric_coulomb_nm", SIGN)(g)),
     (
         "asymmetric_viscous",
         (0.05,),
-        lambda g: SIGN * each("asymmetric_viscous", "extra_nm", SIGN, abs(MOTION.dq))(g),
+        lambda g: SIGN * each("asymmetric_viscous_nm", SIGN, abs(MOTION.dq))(g),
     ),
     ("presliding", (0.4, 0.02, 1.0, 0.0), bristles),
     ("presliding", (0.4, 0.02, 1.5, 0.0), bristles),
     (
         "load_dependent_friction",
         (0.06, 0.0, 1.0, 0.0, 0.0),
-        lambda g: SIGN * each("load_dependent_friction", "extra_nm", LOAD, LOAD * MOTION.dq)(g),
+        lambda g: SIGN * each("load_friction_nm", LOAD, LOAD * MOTION.dq)(g),
     ),
     (
         "load_dependent_friction",
         (0.006, 0.0, 2.0, 0.0, 0.0),
-        lambda g: SIGN * each("load_dependent_friction", "extra_nm", LOAD, LOAD * MOTION.dq)(g),
+        lambda g: SIGN * each("load_friction_nm", LOAD, LOAD * MOTION.dq)(g),
     ),
     (
         "position_dependent_friction",
         (0.1, -0.05, 3.0, 0.2, 1e6),
-        lambda g: 0.4 * SIGN * (each("position_dependent_friction", "factor", MOTION.q)(g) - 1.0),
+        lambda g: 0.4 * SIGN * (each("place_factor", MOTION.q)(g) - 1.0),
     ),
-    ("torque_ripple", (0.0, 0.1, 20.0), lambda g: -each("torque_ripple", "torque_nm", MOTION.q)(g)),
-    ("torque_ripple", (0.1, 0.0, 20.0), whole("torque_ripple", "reading_nm", MOTION.q)),
-    ("gravity_error", (0.2, -0.1, *([0.0] * 14), 0.0), whole("gravity_error", "reading_nm", MOTION.q)),
-    ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.0), lambda g: -each("cable_spring", "torque_nm", MOTION.q)(g)),
-    ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.2), lambda g: -each("cable_spring", "torque_nm", MOTION.q)(g)),
-    ("torque_bias", (-0.1,), whole("torque_bias", "reading_nm", MOTION.t)),
+    ("torque_ripple", (0.0, 0.1, 20.0), lambda g: -each("cogging_nm", MOTION.q)(g)),
+    ("torque_ripple", (0.1, 0.0, 20.0), whole("ripple_reading_nm", MOTION.q)),
+    ("gravity_error", (0.2, -0.1, *([0.0] * 14), 0.0), whole("gravity_error_nm", MOTION.q)),
+    ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.0), lambda g: -each("cable_spring_nm", MOTION.q)(g)),
+    ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.2), lambda g: -each("cable_spring_nm", MOTION.q)(g)),
+    ("torque_bias", (-0.1,), lambda g: np.full(N, g.torque_nm)),
     ("time_delay", (0.02, 0.02, 0.0), lambda g: whole_delay(g.delay_s) - REST),
     ("torque_crosstalk", (0.08, 0.0, -1.0), crosstalk),
     ("torque_crosstalk", (0.05, 0.05, 0.0), crosstalk),
@@ -122,12 +129,12 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     (
         "unlogged_compensation",
         (0.15, 0.05, 0.0, 0.0),
-        lambda g: -each("unlogged_compensation", "torque_nm", MOTION.dq)(g),
+        lambda g: -each("unlogged_nm", MOTION.dq)(g),
     ),
     (
         "unlogged_compensation",
         (0.15, 0.05, 0.0, 1.0),
-        lambda g: -each("unlogged_compensation", "torque_nm", MOTION.dq)(g),
+        lambda g: -each("unlogged_nm", MOTION.dq)(g),
     ),
 ]
 
@@ -138,7 +145,6 @@ IN_LOGS = {"stiction", "frictional_lag", "joint_limit_stop", "torque_drift", "jo
 
 
 def whole_delay(delay_s: float) -> Float:
-    delayed = import_module("friction_audit.simulation.effects.time_delay").delayed
     return np.asarray(delayed(REST, delay_s, DT))
 
 

@@ -9,10 +9,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.simulation import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, Simulation, TrueMotion, simulate
-from friction_audit.simulation.effects.backlash import Backlash
-from friction_audit.simulation.effects.inertial_coupling import InertialCoupling
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
-from friction_audit.simulation.effects.torque_crosstalk import TorqueCrosstalk
+from friction_audit.simulation.effects.sensors import TorqueCrosstalk
+from friction_audit.simulation.effects.structure import Backlash, InertialCoupling, JointElasticity
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
 
 SHORT = ArmSettings(duration_s=2.0)

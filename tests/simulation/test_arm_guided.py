@@ -19,7 +19,7 @@ from friction_audit.simulation import (
     TrueMotion,
     simulate,
 )
-from friction_audit.simulation.effects.gravity_error import GravityError
+from friction_audit.simulation.effects.load_and_place import GravityError
 from tests.simulation.hand_at_flange import flange_poses, intended, pull
 
 IDEAL = (IDEAL_SENSORS,) * 7

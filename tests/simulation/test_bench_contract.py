@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
-from friction_audit.simulation.effects.unlogged_compensation import UnloggedCompensation
+from friction_audit.simulation.effects.slow_and_events import UnloggedCompensation
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
 

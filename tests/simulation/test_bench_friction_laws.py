@@ -11,12 +11,21 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation import bench
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.frictional_lag import DELAYED, RELAXING, FrictionalLag
-from friction_audit.simulation.effects.load_dependent_friction import BACKDRIVE, LoadDependentFriction
-from friction_audit.simulation.effects.nonlinear_viscous import CUBIC, NonlinearViscous
-from friction_audit.simulation.effects.position_dependent_friction import PositionDependentFriction
-from friction_audit.simulation.effects.stribeck import LORENTZIAN, Stribeck
-from friction_audit.simulation.effects.torque_ripple import TorqueRipple
+from friction_audit.simulation.effects.load_and_place import (
+    BACKDRIVE,
+    LoadDependentFriction,
+    PositionDependentFriction,
+    TorqueRipple,
+)
+from friction_audit.simulation.effects.velocity import (
+    CUBIC,
+    DELAYED,
+    LORENTZIAN,
+    RELAXING,
+    FrictionalLag,
+    NonlinearViscous,
+    Stribeck,
+)
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import IDEAL_SENSORS
 from friction_audit.simulation.simulation import TrueMotion

@@ -9,8 +9,8 @@ from numpy.testing import assert_allclose
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
-from friction_audit.simulation.effects.inertia_error import InertiaError
-from friction_audit.simulation.effects.joint_limit_stop import JointLimitStop
+from friction_audit.simulation.effects.load_and_place import JointLimitStop
+from friction_audit.simulation.effects.structure import InertiaError
 from friction_audit.simulation.settings import IDEAL_SENSORS
 
 IDEAL = BenchSettings(duration_s=6.0, sensors=(IDEAL_SENSORS,))

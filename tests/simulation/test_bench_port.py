@@ -9,10 +9,8 @@ from numpy.testing import assert_allclose
 from friction_audit.joint_log import Float
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.backlash import Backlash
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
-from friction_audit.simulation.effects.presliding import Presliding
-from friction_audit.simulation.effects.stiction import Stiction
+from friction_audit.simulation.effects.structure import Backlash, JointElasticity
+from friction_audit.simulation.effects.velocity import Presliding, Stiction
 from friction_audit.simulation.motion import intend
 from friction_audit.simulation.settings import IDEAL_SENSORS, make_streams
 

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.joint_log import Float
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
-from friction_audit.simulation.effects.time_delay import TORQUE_LATE, VELOCITY_LATE, TimeDelay
+from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, TimeDelay
 from friction_audit.simulation.sensors import quantise
 from friction_audit.simulation.settings import IDEAL_SENSORS
 from tests.simulation.mechanics.any_step import STEP_S

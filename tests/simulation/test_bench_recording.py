@@ -8,11 +8,19 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.contact_event import STEP, ContactEvent, draw_events
-from friction_audit.simulation.effects.friction_step import ABRUPT, RAMP, SETTLING, FrictionStep
-from friction_audit.simulation.effects.torque_bias import TorqueBias
-from friction_audit.simulation.effects.torque_drift import TorqueDrift
-from friction_audit.simulation.effects.warm_up import AMBIENT, SELF_HEATING, WarmUp
+from friction_audit.simulation.effects.sensors import TorqueBias, TorqueDrift
+from friction_audit.simulation.effects.slow_and_events import (
+    ABRUPT,
+    AMBIENT,
+    RAMP,
+    SELF_HEATING,
+    SETTLING,
+    STEP,
+    ContactEvent,
+    FrictionStep,
+    WarmUp,
+    draw_events,
+)
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import IDEAL_SENSORS, Sensors, make_streams
 from friction_audit.simulation.simulation import TrueMotion

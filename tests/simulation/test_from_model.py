@@ -13,7 +13,7 @@ from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
-from friction_audit.simulation.effects.stribeck import Stribeck
+from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.from_model import EQUALS, with_model
 from friction_audit.simulation.hide import hidden_effects
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters

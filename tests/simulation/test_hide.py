@@ -4,7 +4,7 @@ import pytest
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
-from friction_audit.simulation.effects.stribeck import Stribeck
+from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.hide import HiddenInJoint, hidden_effects, hide, settings_in_sight
 from friction_audit.simulation.scenarios import SCENARIOS
 

@@ -16,12 +16,9 @@ from friction_audit.simulation import (
     Sensors,
     simulate,
 )
-from friction_audit.simulation.effects.gravity_error import GravityError
-from friction_audit.simulation.effects.inertial_coupling import InertialCoupling
-from friction_audit.simulation.effects.joint_limit_stop import JointLimitStop
-from friction_audit.simulation.effects.position_dependent_friction import PositionDependentFriction
-from friction_audit.simulation.effects.torque_bias import TorqueBias
-from friction_audit.simulation.effects.torque_crosstalk import TorqueCrosstalk
+from friction_audit.simulation.effects.load_and_place import GravityError, JointLimitStop, PositionDependentFriction
+from friction_audit.simulation.effects.sensors import TorqueBias, TorqueCrosstalk
+from friction_audit.simulation.effects.structure import InertialCoupling
 
 JOINT = JointParameters()
 SHORT = HandGuidedPanda(joint=4, joints=(JOINT,) * 7, duration_s=5.0)

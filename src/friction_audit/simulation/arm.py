@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
 from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import Progress, make_motion, make_traces
-from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
 from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD

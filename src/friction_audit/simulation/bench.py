@@ -10,7 +10,7 @@ from friction_audit.compensation.records import TRACE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import sensors as reading
-from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics import records as rows
 from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
 from friction_audit.simulation.motion import MotionSettings, StopAndGo, intend

@@ -9,9 +9,10 @@ from friction_audit.compensation.records import TRACE, fresh_memory
 from friction_audit.compensation.records import pack as pack_compensators
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import contact_event, torque_bias, torque_drift
-from friction_audit.simulation.effects.hidden import Hidden
-from friction_audit.simulation.effects.inertial_coupling import coupled_mass
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.sensors import torque_drift_nm
+from friction_audit.simulation.effects.slow_and_events import draw_events
+from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import (
     ROWS,
     STATE,
@@ -98,7 +99,7 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
                 "moves an elastic joint; add --effect joint_elasticity"
             )
     drawn = [
-        contact_event.draw_events(inside.contact_event, settings.duration_s, rng)
+        draw_events(inside.contact_event, settings.duration_s, rng)
         for inside, rng in zip(hidden, streams.events, strict=True)
     ]
     rows = [
@@ -133,8 +134,8 @@ def make_loop(settings: "Settings", ticks: int, streams: Streams) -> Loop:
     torque, velocity, position = (np.empty((ticks + 1, len(settings.joints))) for _ in range(3))
     for j, (sensors, inside) in enumerate(zip(settings.sensors, settings.hidden, strict=True)):
         noise, velocity[:, j], position[:, j] = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
-        drift = torque_drift.reading_nm(inside.torque_drift, t, streams.drifts[j])
-        torque[:, j] = noise + torque_bias.reading_nm(inside.torque_bias, t) + drift
+        drift = torque_drift_nm(inside.torque_drift, t, streams.drifts[j])
+        torque[:, j] = noise + inside.torque_bias.torque_nm + drift
     return Loop(
         settings=pack_compensators(of_each_joint(settings.compensator, len(settings.joints)), CONTROL_RATE_HZ),
         memory=fresh_memory(len(settings.joints)),

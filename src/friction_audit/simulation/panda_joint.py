@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float
 from friction_audit.robot.arm import Arm, load_arm
 from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import BenchSettings, Operator, Progress, make_motion, make_traces, move
-from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanism import make_loop
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors, count_ticks, make_streams
 from friction_audit.simulation.simulation import Simulation, TrueMotion, Truth

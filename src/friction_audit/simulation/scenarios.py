@@ -6,9 +6,9 @@ from friction_audit.compensation.compensators import Coefficients, EnergyCompens
 from friction_audit.compensation.compensators.energy import PUBLISHED
 from friction_audit.simulation.arm import ArmSettings, simulate_arm
 from friction_audit.simulation.bench import BenchSettings, Operator, Progress, simulate_bench
-from friction_audit.simulation.effects.friction_step import FrictionStep
-from friction_audit.simulation.effects.hidden import Hidden
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.slow_and_events import FrictionStep
+from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.motion import Commanded, Sinusoid, SlowSweep, StopAndGo
 from friction_audit.simulation.panda_joint import HandGuidedPanda, simulate_hand_guided_panda
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors, TorqueLoop

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.simulation.effects import gravity_error, time_delay, torque_crosstalk, torque_ripple, warm_up
-from friction_audit.simulation.effects.time_delay import TORQUE_LATE, VELOCITY_LATE
+from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
+from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
+from friction_audit.simulation.effects.slow_and_events import temperature_c
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, any_guards, sampled_ticks
 from friction_audit.simulation.simulation import TrueMotion, make_log
 
@@ -106,8 +107,8 @@ def _sense(settings: "Settings", motion: TrueMotion, loop: "Loop", error: Float)
     """
     hidden, sensors = settings.hidden, settings.sensors
     port = _late(settings, motion.port_nm, TORQUE_LATE)
-    port = torque_crosstalk.mixed([inside.torque_crosstalk for inside in hidden], port)
-    ripple = _per_joint(settings, lambda j: torque_ripple.reading_nm(hidden[j].torque_ripple, motion.q[:, j]))
+    port = crosstalk_mixed([inside.torque_crosstalk for inside in hidden], port)
+    ripple = _per_joint(settings, lambda j: ripple_reading_nm(hidden[j].torque_ripple, motion.q[:, j]))
     torque = port + ripple + loop.torque_noise + error
     place = _late(settings, motion.q, VELOCITY_LATE) + loop.position_noise
     velocity = _late(settings, motion.dq, VELOCITY_LATE) + loop.velocity_noise
@@ -125,14 +126,14 @@ def _per_joint(settings: "Settings", column: Callable[[int], Float]) -> Float:
 def _late(settings: "Settings", signal: Float, form: int) -> Float:
     def column(j: int) -> Float:
         hidden = settings.hidden[j].time_delay
-        return time_delay.delayed(signal[:, j], hidden.delay_s if hidden.form == form else 0.0, 1.0 / CONTROL_RATE_HZ)
+        return delayed(signal[:, j], hidden.delay_s if hidden.form == form else 0.0, 1.0 / CONTROL_RATE_HZ)
 
     return _per_joint(settings, column)
 
 
 def _gravity_errors(settings: "Settings", q: Float) -> Float:
     """Return what is wrong with the gravity torque that is subtracted from the sensor's."""
-    return _per_joint(settings, lambda j: gravity_error.reading_nm(settings.hidden[j].gravity_error, q[:, j]))
+    return _per_joint(settings, lambda j: gravity_error_nm(settings.hidden[j].gravity_error, q[:, j]))
 
 
 def _compensator_channels(settings: "Settings", motion: TrueMotion) -> dict[str, Float]:
@@ -146,7 +147,7 @@ def temperatures(settings: "Settings", motion: TrueMotion) -> Float:
     """Return the temperature of every joint as a thermometer logs it, shape (n + 1, j). [degC]"""
 
     def column(j: int) -> Float:
-        truth = warm_up.temperature_c(settings.hidden[j].warm_up, motion.warmth[:, j])
+        truth = temperature_c(settings.hidden[j].warm_up, motion.warmth[:, j])
         return quantise(truth, TEMPERATURE_STEP_C)
 
     return _per_joint(settings, column)

@@ -12,7 +12,7 @@ from friction_audit.compensation.compensators import Compensator, guard_of
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.simulation.effects.hidden import Hidden
+    from friction_audit.simulation.effects import Hidden
 
 CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets its torques
 FEWEST_TICKS = 2

@@ -4,14 +4,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.contact_event import (
+from friction_audit.simulation.effects.slow_and_events import (
     DRAG,
     KNOCK,
     STEP,
     ContactEvent,
+    contact_event_nm,
     count_begun,
     draw_events,
-    torque_nm,
 )
 from friction_audit.simulation.mechanics.records import pack
 
@@ -21,7 +21,7 @@ EVENTS = np.array([[1.0, 0.2, 2.0], [5.0, 0.4, -3.0], [5.1, 0.1, 1.0]])
 
 
 def torque(t: float, velocity: float, form: int, events: Float = EVENTS) -> float:
-    return torque_nm(pack([ContactEvent(torque_nm=1.0, form=form)])[0], events, t, velocity)
+    return contact_event_nm(pack([ContactEvent(torque_nm=1.0, form=form)])[0], events, t, velocity)
 
 
 def test_a_knock_is_half_a_sine() -> None:

@@ -13,16 +13,22 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import EFFECTS, HiddenEffect, time_delay, torque_drift
-from friction_audit.simulation.effects.gravity_error import GravityError
-from friction_audit.simulation.effects.gravity_error import reading_nm as gravity_reading
-from friction_audit.simulation.effects.inertial_coupling import coupled_mass
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity, damping_nms_per_rad
-from friction_audit.simulation.effects.torque_crosstalk import TorqueCrosstalk, mixed
-from friction_audit.simulation.effects.torque_drift import TorqueDrift
-from friction_audit.simulation.effects.torque_ripple import TorqueRipple
-from friction_audit.simulation.effects.torque_ripple import reading_nm as ripple_reading
-from friction_audit.simulation.effects.warm_up import WarmUp, temperature_c
+from friction_audit.simulation.effects import EFFECTS, HiddenEffect
+from friction_audit.simulation.effects.load_and_place import (
+    GravityError,
+    TorqueRipple,
+    gravity_error_nm,
+    ripple_reading_nm,
+)
+from friction_audit.simulation.effects.sensors import (
+    TorqueCrosstalk,
+    TorqueDrift,
+    crosstalk_mixed,
+    delayed,
+    torque_drift_nm,
+)
+from friction_audit.simulation.effects.slow_and_events import WarmUp, temperature_c
+from friction_audit.simulation.effects.structure import JointElasticity, coupled_mass, elastic_damping_nms_per_rad
 from friction_audit.simulation.mechanics.records import pack
 
 CLASSES = {effect.name: effect for effect in EFFECTS}
@@ -35,7 +41,7 @@ def made(name: str, form: str = "", **numbers: float) -> HiddenEffect:
 
 
 def value(name: str, function: str, form: str, numbers: dict[str, float], *args: float) -> float:
-    law: Callable[..., Any] = getattr(import_module(f"friction_audit.simulation.effects.{name}"), function)
+    law: Callable[..., Any] = getattr(import_module(CLASSES[name].__module__), function)
     return float(law(pack([made(name, form, **numbers)])[0], *args))
 
 
@@ -49,72 +55,72 @@ STEP, HEAT = {"change": 0.5, "at_share": 1.0 / 3.0}, {"reduction": 0.5, "time_s"
 
 # Effect, function, form, numbers, arguments, expected.
 BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] = [
-    ("stribeck", "excess_nm", "exponential", S, (0.1,), 0.3 * E1),
-    ("stribeck", "excess_nm", "exponential", {**S, "exponent": 1.0}, (0.2,), 0.3 * E1**2),  # Bo and Pavelescu
-    ("stribeck", "excess_nm", "lorentzian", S, (0.1,), 0.15),
-    ("stribeck", "excess_nm", "piecewise", S, (0.1,), 0.0),
-    ("stribeck", "excess_nm", "piecewise", S, (0.0,), 0.3),
-    ("stiction", "excess_nm", "saturating", ST, (0.5,), 0.2 * (1 - E1)),
-    ("stiction", "excess_nm", "saturating", ST, (0.0,), 0.0),
-    ("stiction", "excess_nm", "logarithmic", LOG, (10.0,), 0.2),
-    ("stiction", "excess_nm", "logarithmic", LOG, (1000.0,), 0.2 * math.log1p(1e6) / math.log1p(1e4)),
-    ("stiction", "excess_nm", "immediate", ST, (0.0,), 0.2),
-    ("nonlinear_viscous", "extra_nm", "power", {**NV, "exponent": 0.5}, (2.0,), 0.2 * math.sqrt(2.0)),
-    ("nonlinear_viscous", "extra_nm", "power", NV, (2.0,), 0.8),
-    ("nonlinear_viscous", "extra_nm", "cubic", NV, (2.0,), 1.6),
-    ("nonlinear_viscous", "extra_nm", "eyring", NV, (1.0,), 0.2),
-    ("nonlinear_viscous", "extra_nm", "arctan", NV, (1e9,), 0.1 * math.pi / math.atan(10.0)),
-    ("asymmetric_coulomb", "extra_nm", "", {"half_difference_nm": -0.08}, (-1.0,), 0.08),
-    ("asymmetric_viscous", "extra_nm", "", {"half_difference_nms_per_rad": 0.03}, (-1.0, 2.0), -0.06),
-    ("load_dependent_friction", "extra_nm", "linear", {"share": 0.1}, (-5.0, 1.0), 0.5),
-    ("load_dependent_friction", "extra_nm", "quadratic", {"share": 0.1}, (-5.0, 1.0), 0.25),
-    ("load_dependent_friction", "extra_nm", "backdrive", {"share": 0.1}, (-5.0, 1.0), 0.75),
-    ("load_dependent_friction", "extra_nm", "backdrive", {"share": 0.1}, (-5.0, -1.0), 0.25),
-    ("load_dependent_friction", "extra_nm", "backdrive", {"share": 0.1}, (-5.0, 0.0), 0.5),
-    ("position_dependent_friction", "factor", "sinusoid", P, (math.pi / 4,), 1.4),
-    ("position_dependent_friction", "factor", "sinusoid", P, (-math.pi / 4,), 0.6),
-    ("position_dependent_friction", "factor", "patch", P, (math.pi,), 1.4),
-    ("position_dependent_friction", "factor", "patch", P, (math.acos(1 - math.log(2) / 8) / 2,), 1.2),
+    ("stribeck", "stribeck_nm", "exponential", S, (0.1,), 0.3 * E1),
+    ("stribeck", "stribeck_nm", "exponential", {**S, "exponent": 1.0}, (0.2,), 0.3 * E1**2),  # Bo and Pavelescu
+    ("stribeck", "stribeck_nm", "lorentzian", S, (0.1,), 0.15),
+    ("stribeck", "stribeck_nm", "piecewise", S, (0.1,), 0.0),
+    ("stribeck", "stribeck_nm", "piecewise", S, (0.0,), 0.3),
+    ("stiction", "stiction_nm", "saturating", ST, (0.5,), 0.2 * (1 - E1)),
+    ("stiction", "stiction_nm", "saturating", ST, (0.0,), 0.0),
+    ("stiction", "stiction_nm", "logarithmic", LOG, (10.0,), 0.2),
+    ("stiction", "stiction_nm", "logarithmic", LOG, (1000.0,), 0.2 * math.log1p(1e6) / math.log1p(1e4)),
+    ("stiction", "stiction_nm", "immediate", ST, (0.0,), 0.2),
+    ("nonlinear_viscous", "nonlinear_viscous_nm", "power", {**NV, "exponent": 0.5}, (2.0,), 0.2 * math.sqrt(2.0)),
+    ("nonlinear_viscous", "nonlinear_viscous_nm", "power", NV, (2.0,), 0.8),
+    ("nonlinear_viscous", "nonlinear_viscous_nm", "cubic", NV, (2.0,), 1.6),
+    ("nonlinear_viscous", "nonlinear_viscous_nm", "eyring", NV, (1.0,), 0.2),
+    ("nonlinear_viscous", "nonlinear_viscous_nm", "arctan", NV, (1e9,), 0.1 * math.pi / math.atan(10.0)),
+    ("asymmetric_coulomb", "asymmetric_coulomb_nm", "", {"half_difference_nm": -0.08}, (-1.0,), 0.08),
+    ("asymmetric_viscous", "asymmetric_viscous_nm", "", {"half_difference_nms_per_rad": 0.03}, (-1.0, 2.0), -0.06),
+    ("load_dependent_friction", "load_friction_nm", "linear", {"share": 0.1}, (-5.0, 1.0), 0.5),
+    ("load_dependent_friction", "load_friction_nm", "quadratic", {"share": 0.1}, (-5.0, 1.0), 0.25),
+    ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, 1.0), 0.75),
+    ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, -1.0), 0.25),
+    ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, 0.0), 0.5),
+    ("position_dependent_friction", "place_factor", "sinusoid", P, (math.pi / 4,), 1.4),
+    ("position_dependent_friction", "place_factor", "sinusoid", P, (-math.pi / 4,), 0.6),
+    ("position_dependent_friction", "place_factor", "patch", P, (math.pi,), 1.4),
+    ("position_dependent_friction", "place_factor", "patch", P, (math.acos(1 - math.log(2) / 8) / 2,), 1.2),
     (
-        "position_dependent_friction", "factor", "harmonics", P, (math.pi / 4,),
+        "position_dependent_friction", "place_factor", "harmonics", P, (math.pi / 4,),
         1.2 + 0.12 * math.sin(math.sqrt(3) * math.pi / 2) + 0.08 * math.sin(math.sqrt(7) * math.pi / 2),
     ),
-    ("torque_ripple", "torque_nm", "cogging", {"torque_nm": 0.1, "second_share": 0.3}, (math.pi / 400,), 0.07),
-    ("torque_ripple", "torque_nm", "reading", {"torque_nm": 0.1}, (0.3,), 0.0),
-    ("cable_spring", "torque_nm", "linear", C, (0.7,), -0.2),
-    ("cable_spring", "torque_nm", "hardening", C, (1.2,), -0.8),
-    ("cable_spring", "torque_nm", "slack", C, (0.4,), 0.0),
-    ("cable_spring", "torque_nm", "slack", C, (-0.3,), 0.08),
-    ("cable_spring", "torque_nm", "tether", C, (0.7,), -0.08),
-    ("cable_spring", "torque_nm", "tether", C, (-0.9,), 0.0),
-    ("joint_limit_stop", "torque_nm", "spring_damper", W, (0.7, 1.0), 0.0),
-    ("joint_limit_stop", "torque_nm", "spring_damper", W, (0.9, 1.0), -2.4),
-    ("joint_limit_stop", "torque_nm", "spring_damper", W, (0.81, -1.0), 0.0),
-    ("joint_limit_stop", "torque_nm", "quadratic", W, (0.85, 0.0), -0.5),
-    ("joint_limit_stop", "torque_nm", "quadratic", W, (-0.85, -1.0), 0.6),
-    ("joint_limit_stop", "torque_nm", "exponential", W, (0.85, 0.0), -math.e),
-    ("joint_limit_stop", "torque_nm", "exponential", W, (100.0, 0.0), -math.exp(20.0)),  # it stays finite
-    ("joint_elasticity", "torque_nm", "linear", SPRING, (-2e-3,), -2.0),
-    ("joint_elasticity", "torque_nm", "hardening", SPRING, (2e-3,), 2.0 - math.tanh(1.0)),
-    ("joint_elasticity", "damping_nms_per_rad", "linear", SPRING, (0.15,), 0.1 * math.sqrt(1e3 * 0.15)),
+    ("torque_ripple", "cogging_nm", "cogging", {"torque_nm": 0.1, "second_share": 0.3}, (math.pi / 400,), 0.07),
+    ("torque_ripple", "cogging_nm", "reading", {"torque_nm": 0.1}, (0.3,), 0.0),
+    ("cable_spring", "cable_spring_nm", "linear", C, (0.7,), -0.2),
+    ("cable_spring", "cable_spring_nm", "hardening", C, (1.2,), -0.8),
+    ("cable_spring", "cable_spring_nm", "slack", C, (0.4,), 0.0),
+    ("cable_spring", "cable_spring_nm", "slack", C, (-0.3,), 0.08),
+    ("cable_spring", "cable_spring_nm", "tether", C, (0.7,), -0.08),
+    ("cable_spring", "cable_spring_nm", "tether", C, (-0.9,), 0.0),
+    ("joint_limit_stop", "limit_stop_nm", "spring_damper", W, (0.7, 1.0), 0.0),
+    ("joint_limit_stop", "limit_stop_nm", "spring_damper", W, (0.9, 1.0), -2.4),
+    ("joint_limit_stop", "limit_stop_nm", "spring_damper", W, (0.81, -1.0), 0.0),
+    ("joint_limit_stop", "limit_stop_nm", "quadratic", W, (0.85, 0.0), -0.5),
+    ("joint_limit_stop", "limit_stop_nm", "quadratic", W, (-0.85, -1.0), 0.6),
+    ("joint_limit_stop", "limit_stop_nm", "exponential", W, (0.85, 0.0), -math.e),
+    ("joint_limit_stop", "limit_stop_nm", "exponential", W, (100.0, 0.0), -math.exp(20.0)),  # it stays finite
+    ("joint_elasticity", "elastic_torque_nm", "linear", SPRING, (-2e-3,), -2.0),
+    ("joint_elasticity", "elastic_torque_nm", "hardening", SPRING, (2e-3,), 2.0 - math.tanh(1.0)),
+    ("joint_elasticity", "elastic_damping_nms_per_rad", "linear", SPRING, (0.15,), 0.1 * math.sqrt(1e3 * 0.15)),
     ("backlash", "engaged", "", GAP, (-0.9e-3,), 0.0),
     ("backlash", "engaged", "", GAP, (1.5e-3,), 0.5e-3),
     ("backlash", "engaged", "", {}, (0.3,), 0.3),
     ("backlash", "contact_nm", "", GAP, (-0.5e-3,), -5.0),
     ("backlash", "contact_damping_nms_per_rad", "", GAP, (0.15,), 0.4 * math.sqrt(1e4 * 0.15)),
-    ("warm_up", "advance", "ambient", HEAT, (0.0, 5.0, 60.0), 1 - E1),
-    ("warm_up", "advance", "self_heating", HEAT, (0.0, 0.1, 1e6), 0.5),
-    ("warm_up", "advance", "self_heating", HEAT, (1.0, 0.0, 60.0), E1),
-    ("warm_up", "viscous_factor", "ambient", {"reduction": 0.4}, (0.5,), math.sqrt(0.6)),
-    ("warm_up", "coulomb_factor", "ambient", {"reduction": 0.4}, (1.0,), 0.8),
-    ("friction_step", "coulomb_factor", "abrupt", STEP, (22.0, 60.0), 1.5),
-    ("friction_step", "coulomb_factor", "ramp", STEP, (22.0, 60.0), 1.2),
-    ("friction_step", "coulomb_factor", "settling", STEP, (22.0, 60.0), 1.5 - 0.5 * math.exp(-0.4)),
-    ("friction_step", "viscous_factor", "abrupt", {**STEP, "viscous_ratio": 0.2}, (40.0, 60.0), 1.1),
-    ("friction_step", "coulomb_factor", "settling", STEP, (19.999, 60.0), 1.0),
-    ("unlogged_compensation", "torque_nm", "smooth", U, (0.05,), 0.7 * (0.2 * math.tanh(1.0) + 0.0025)),
-    ("unlogged_compensation", "torque_nm", "dead_band", U, (0.05,), 0.0),
-    ("unlogged_compensation", "torque_nm", "dead_band", U, (-0.1,), -0.7 * 0.205),
+    ("warm_up", "warm_up_advance", "ambient", HEAT, (0.0, 5.0, 60.0), 1 - E1),
+    ("warm_up", "warm_up_advance", "self_heating", HEAT, (0.0, 0.1, 1e6), 0.5),
+    ("warm_up", "warm_up_advance", "self_heating", HEAT, (1.0, 0.0, 60.0), E1),
+    ("warm_up", "warm_up_viscous_factor", "ambient", {"reduction": 0.4}, (0.5,), math.sqrt(0.6)),
+    ("warm_up", "warm_up_coulomb_factor", "ambient", {"reduction": 0.4}, (1.0,), 0.8),
+    ("friction_step", "friction_step_coulomb_factor", "abrupt", STEP, (22.0, 60.0), 1.5),
+    ("friction_step", "friction_step_coulomb_factor", "ramp", STEP, (22.0, 60.0), 1.2),
+    ("friction_step", "friction_step_coulomb_factor", "settling", STEP, (22.0, 60.0), 1.5 - 0.5 * math.exp(-0.4)),
+    ("friction_step", "friction_step_viscous_factor", "abrupt", {**STEP, "viscous_ratio": 0.2}, (40.0, 60.0), 1.1),
+    ("friction_step", "friction_step_coulomb_factor", "settling", STEP, (19.999, 60.0), 1.0),
+    ("unlogged_compensation", "unlogged_nm", "smooth", U, (0.05,), 0.7 * (0.2 * math.tanh(1.0) + 0.0025)),
+    ("unlogged_compensation", "unlogged_nm", "dead_band", U, (0.05,), 0.0),
+    ("unlogged_compensation", "unlogged_nm", "dead_band", U, (-0.1,), -0.7 * 0.205),
 ]  # fmt: skip
 
 
@@ -127,20 +133,20 @@ def test_by_hand(
 
 # Function and arguments of every effect, and what it gives where nothing is hidden.
 NEUTRAL: dict[str, tuple[str, tuple[float, ...], float]] = {
-    "stribeck": ("excess_nm", (0.03,), 0.0),
-    "stiction": ("excess_nm", (60.0,), 0.0),
-    "nonlinear_viscous": ("extra_nm", (0.3,), 0.0),
-    "asymmetric_coulomb": ("extra_nm", (-1.0,), 0.0),
-    "asymmetric_viscous": ("extra_nm", (1.0, 2.0), 0.0),
-    "load_dependent_friction": ("extra_nm", (-5.0, 1.0), 0.0),
-    "position_dependent_friction": ("factor", (0.4,), 1.0),
-    "torque_ripple": ("torque_nm", (0.4,), 0.0),
-    "cable_spring": ("torque_nm", (1.4,), 0.0),
-    "joint_limit_stop": ("torque_nm", (1.2, 1.0), 0.0),
-    "joint_elasticity": ("torque_nm", (1e-3,), 0.0),
-    "friction_step": ("coulomb_factor", (31.0, 60.0), 1.0),
-    "warm_up": ("coulomb_factor", (0.3,), 1.0),
-    "unlogged_compensation": ("torque_nm", (-0.3,), 0.0),
+    "stribeck": ("stribeck_nm", (0.03,), 0.0),
+    "stiction": ("stiction_nm", (60.0,), 0.0),
+    "nonlinear_viscous": ("nonlinear_viscous_nm", (0.3,), 0.0),
+    "asymmetric_coulomb": ("asymmetric_coulomb_nm", (-1.0,), 0.0),
+    "asymmetric_viscous": ("asymmetric_viscous_nm", (1.0, 2.0), 0.0),
+    "load_dependent_friction": ("load_friction_nm", (-5.0, 1.0), 0.0),
+    "position_dependent_friction": ("place_factor", (0.4,), 1.0),
+    "torque_ripple": ("cogging_nm", (0.4,), 0.0),
+    "cable_spring": ("cable_spring_nm", (1.4,), 0.0),
+    "joint_limit_stop": ("limit_stop_nm", (1.2, 1.0), 0.0),
+    "joint_elasticity": ("elastic_torque_nm", (1e-3,), 0.0),
+    "friction_step": ("friction_step_coulomb_factor", (31.0, 60.0), 1.0),
+    "warm_up": ("warm_up_coulomb_factor", (0.3,), 1.0),
+    "unlogged_compensation": ("unlogged_nm", (-0.3,), 0.0),
 }
 
 
@@ -151,8 +157,12 @@ def test_what_is_not_hidden_changes_nothing_to_the_bit(name: str, form: str) -> 
 
 
 # Monotonic and passive laws: effect, function, strength, direction of growth over speed, rest or warmth.
-LAWS = [("stribeck", "excess_nm", S, -1), ("stiction", "excess_nm", ST, 1), ("nonlinear_viscous", "extra_nm", NV, 1)]
-LAWS += [("warm_up", "coulomb_factor", HEAT, -1), ("warm_up", "viscous_factor", HEAT, -1)]
+LAWS = [
+    ("stribeck", "stribeck_nm", S, -1),
+    ("stiction", "stiction_nm", ST, 1),
+    ("nonlinear_viscous", "nonlinear_viscous_nm", NV, 1),
+]
+LAWS += [("warm_up", "warm_up_coulomb_factor", HEAT, -1), ("warm_up", "warm_up_viscous_factor", HEAT, -1)]
 
 
 @pytest.mark.parametrize(
@@ -171,49 +181,50 @@ def test_friction_grows_or_falls_and_never_drives(
 @given(q=st.floats(-7, 7), share=st.floats(-1, 3), load=st.floats(-200, 200), power=st.floats(-50, 50))
 def test_friction_of_place_and_load_never_drives(q: float, share: float, load: float, power: float) -> None:
     for form in CLASSES["position_dependent_friction"].forms:
-        assert value("position_dependent_friction", "factor", form, {"share": share}, q) >= 0.0
+        assert value("position_dependent_friction", "place_factor", form, {"share": share}, q) >= 0.0
     for form in CLASSES["load_dependent_friction"].forms:
-        assert value("load_dependent_friction", "extra_nm", form, {"share": 0.06}, load, power) >= 0.0
+        assert value("load_dependent_friction", "load_friction_nm", form, {"share": 0.06}, load, power) >= 0.0
 
 
 @given(q=st.floats(0.0, 1.2), velocity=st.floats(-3, 3))
 def test_walls_are_alike_never_pull_and_cables_never_push(q: float, velocity: float) -> None:
     for form in CLASSES["joint_limit_stop"].forms:
-        torque = value("joint_limit_stop", "torque_nm", form, W, q, velocity)
+        torque = value("joint_limit_stop", "limit_stop_nm", form, W, q, velocity)
         assert torque <= 1e-5
-        assert value("joint_limit_stop", "torque_nm", form, W, -q, -velocity) == -torque
+        assert value("joint_limit_stop", "limit_stop_nm", form, W, -q, -velocity) == -torque
     for form in CLASSES["cable_spring"].forms:
-        assert value("cable_spring", "torque_nm", form, {"stiffness_nm_per_rad": 0.4}, q - 0.6) * (q - 0.6) <= 0.0
+        assert value("cable_spring", "cable_spring_nm", form, {"stiffness_nm_per_rad": 0.4}, q - 0.6) * (q - 0.6) <= 0.0
 
 
 @pytest.mark.parametrize("form", CLASSES["joint_limit_stop"].forms)
 def test_a_wall_gives_back_less_than_it_took(form: str) -> None:
     place = np.linspace(0.3, 1.1, 501)
     into, out = (
-        np.array([value("joint_limit_stop", "torque_nm", form, W, q, speed) for q in place]) for speed in (1.0, -1.0)
+        np.array([value("joint_limit_stop", "limit_stop_nm", form, W, q, speed) for q in place])
+        for speed in (1.0, -1.0)
     )
     assert -np.trapezoid(into, place) > -np.trapezoid(out, place) >= -1e-9  # the wall at the other end, far away
 
 
 @given(stretch=st.floats(-0.05, 0.05), more=st.floats(1e-6, 0.01), form=st.sampled_from(["linear", "hardening"]))
 def test_a_spring_is_odd_and_grows(stretch: float, more: float, form: str) -> None:
-    torque = value("joint_elasticity", "torque_nm", form, SPRING, stretch)
-    assert value("joint_elasticity", "torque_nm", form, SPRING, -stretch) == -torque
-    assert value("joint_elasticity", "torque_nm", form, SPRING, stretch + more) > torque
+    torque = value("joint_elasticity", "elastic_torque_nm", form, SPRING, stretch)
+    assert value("joint_elasticity", "elastic_torque_nm", form, SPRING, -stretch) == -torque
+    assert value("joint_elasticity", "elastic_torque_nm", form, SPRING, stretch + more) > torque
 
 
 def test_a_gear_too_stiff_to_be_simulated_is_refused_and_a_rigid_one_has_no_damping() -> None:
     with pytest.raises(UsageError, match="compliance_rad_per_nm 1e-09: expected 0, a rigid joint, or at least 1e-05"):
         JointElasticity(compliance_rad_per_nm=1e-9)
-    assert damping_nms_per_rad(pack([JointElasticity()])[0], 0.3) == 0.0
+    assert elastic_damping_nms_per_rad(pack([JointElasticity()])[0], 0.3) == 0.0
 
 
 @given(warmth=st.floats(0.0, 10.0), power=st.floats(0.0, 2.0), h=st.floats(0.0, 100.0))
 def test_two_half_steps_of_warming_make_a_step(warmth: float, power: float, h: float) -> None:
     for form in WarmUp.forms:
-        half = value("warm_up", "advance", form, HEAT, warmth, power, 0.5 * h)
-        whole = value("warm_up", "advance", form, HEAT, warmth, power, h)
-        assert value("warm_up", "advance", form, HEAT, half, power, 0.5 * h) == pytest.approx(whole, abs=1e-12)
+        half = value("warm_up", "warm_up_advance", form, HEAT, warmth, power, 0.5 * h)
+        whole = value("warm_up", "warm_up_advance", form, HEAT, warmth, power, h)
+        assert value("warm_up", "warm_up_advance", form, HEAT, half, power, 0.5 * h) == pytest.approx(whole, abs=1e-12)
     assert_array_equal(temperature_c(WarmUp(cold_c=20.0, rise_k=10.0), np.array([0.0, 0.5, 1.0])), [20.0, 25.0, 30.0])
 
 
@@ -223,9 +234,9 @@ def test_the_sigmoid_is_the_published_friction_of_the_first_joint_of_a_panda() -
     numbers = {"share": 1.0, "coulomb_nm": 0.5 * phi1, "width_rad_s": 1.0 / phi2}
     for velocity in (-2.0, -0.1, 0.05, 1.0):
         published = phi1 / (1.0 + math.exp(-phi2 * (velocity + phi3))) - phi1 / (1.0 + math.exp(-phi2 * phi3))
-        found = value("unlogged_compensation", "torque_nm", "sigmoid", numbers, velocity)
+        found = value("unlogged_compensation", "unlogged_nm", "sigmoid", numbers, velocity)
         assert found == pytest.approx(published, rel=0.02)
-    assert abs(value("unlogged_compensation", "torque_nm", "sigmoid", {"share": 1.0}, 1e6)) < 0.25
+    assert abs(value("unlogged_compensation", "unlogged_nm", "sigmoid", {"share": 1.0}, 1e6)) < 0.25
 
 
 # Errors of sensors
@@ -233,11 +244,11 @@ def test_the_sigmoid_is_the_published_friction_of_the_first_joint_of_a_panda() -
 
 def test_readings_by_hand() -> None:
     q = np.array([0.0, math.pi / 2, -math.pi / 6])
-    assert_allclose(gravity_reading(GravityError(torque_nm=0.3), q), [0.0, 0.3, -0.15], atol=1e-15)
-    assert_allclose(gravity_reading(GravityError(torque_nm=0.3, phase_rad=math.pi / 2), q[:1]), [0.3])
+    assert_allclose(gravity_error_nm(GravityError(torque_nm=0.3), q), [0.0, 0.3, -0.15], atol=1e-15)
+    assert_allclose(gravity_error_nm(GravityError(torque_nm=0.3, phase_rad=math.pi / 2), q[:1]), [0.3])
     ripple = TorqueRipple(torque_nm=0.1, second_share=0.3, form=TorqueRipple.forms.index("reading"))
-    assert_allclose(ripple_reading(ripple, np.array([0.0, math.pi / 800])), [0.1, 0.1 * math.sqrt(0.5) + 0.03])
-    assert_array_equal(ripple_reading(TorqueRipple(torque_nm=0.1), q), 0.0)
+    assert_allclose(ripple_reading_nm(ripple, np.array([0.0, math.pi / 800])), [0.1, 0.1 * math.sqrt(0.5) + 0.03])
+    assert_array_equal(ripple_reading_nm(TorqueRipple(torque_nm=0.1), q), 0.0)
 
 
 @pytest.mark.parametrize(
@@ -246,13 +257,16 @@ def test_readings_by_hand() -> None:
 def test_share_of_the_neighbours(form: str, read: list[float]) -> None:
     torque = np.array([[1.0, 10.0, 100.0]])
     groups = [TorqueCrosstalk(share=0.1, form=TorqueCrosstalk.forms.index(form))] * 3
-    assert_allclose(mixed(groups, torque)[0], read)
-    assert mixed([TorqueCrosstalk(form=TorqueCrosstalk.forms.index(form))] * 3, torque).tobytes() == torque.tobytes()
+    assert_allclose(crosstalk_mixed(groups, torque)[0], read)
+    assert (
+        crosstalk_mixed([TorqueCrosstalk(form=TorqueCrosstalk.forms.index(form))] * 3, torque).tobytes()
+        == torque.tobytes()
+    )
 
 
 def drift(form: str, seed: int = 0, torque_nm: float = 0.3) -> Float:
     group = TorqueDrift(torque_nm=torque_nm, form=TorqueDrift.forms.index(form))
-    return torque_drift.reading_nm(group, np.linspace(5.0, 65.0, 601), np.random.default_rng(seed))
+    return torque_drift_nm(group, np.linspace(5.0, 65.0, 601), np.random.default_rng(seed))
 
 
 def test_drifts_by_hand_and_the_scatter_of_random_walks() -> None:
@@ -266,10 +280,10 @@ def test_drifts_by_hand_and_the_scatter_of_random_walks() -> None:
 @pytest.mark.parametrize("steps", [0.0, 1.0, 2.25, 7.0, 80.0])
 def test_a_delay_line_shifts_samples_and_reads_between_them(steps: float) -> None:
     ramp = np.arange(50.0)
-    assert_allclose(time_delay.delayed(ramp, steps * 1e-4, 1e-4), np.maximum(ramp - steps, 0.0), atol=1e-9)
+    assert_allclose(delayed(ramp, steps * 1e-4, 1e-4), np.maximum(ramp - steps, 0.0), atol=1e-9)
     table = np.column_stack((ramp, 2 * ramp))
-    assert_allclose(time_delay.delayed(table, steps * 1e-4, 1e-4)[:, 1], 2 * np.maximum(ramp - steps, 0.0), atol=1e-9)
-    assert time_delay.delayed(ramp, 0.0, 1e-4) is ramp
+    assert_allclose(delayed(table, steps * 1e-4, 1e-4)[:, 1], 2 * np.maximum(ramp - steps, 0.0), atol=1e-9)
+    assert delayed(ramp, 0.0, 1e-4) is ramp
 
 
 @given(

@@ -5,7 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.simulation.effects.frictional_lag import DELAYED, LAG_MEMORY, RELAXING, FrictionalLag, speed
+from friction_audit.simulation.effects.velocity import (
+    DELAYED,
+    LAG_MEMORY,
+    RELAXING,
+    FrictionalLag,
+    frictional_lag_speed,
+)
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
@@ -16,7 +22,7 @@ H = 1e-4
 def seen(speeds: list[float], steps: list[float], **numbers: float) -> list[float]:
     group = pack([FrictionalLag(**numbers)])[0]  # type: ignore[arg-type]
     memory = np.zeros(LAG_MEMORY)
-    return [speed(group, memory, value, h) for value, h in zip(speeds, steps, strict=True)]
+    return [frictional_lag_speed(group, memory, value, h) for value, h in zip(speeds, steps, strict=True)]
 
 
 def test_relaxing_has_63_percent_of_a_jump_after_the_lag() -> None:

@@ -7,19 +7,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.presliding import (
+from friction_audit.simulation.effects.velocity import (
     BRISTLES,
     DAHL,
     FIRST_YIELD,
     LUGRE,
     MAXWELL_SLIP,
     Presliding,
-    advance,
     dahl_advance,
-    force_nm,
     lugre_advance,
     passive_damping,
-    stiffness,
+    presliding_advance,
+    presliding_force_nm,
+    presliding_stiffness,
 )
 from friction_audit.simulation.mechanics.records import pack
 
@@ -42,8 +42,8 @@ class Bristles:
     def move(self, path: float, *, level: float = COULOMB_NM, velocity: float = 0.1, steps: int = 1) -> float:
         signed = math.copysign(velocity, path)
         for _ in range(steps):
-            advance(self.group, self.deflection, COULOMB_NM, level, signed, path / signed / steps)
-        return force_nm(self.group, self.deflection, COULOMB_NM, level, signed)
+            presliding_advance(self.group, self.deflection, COULOMB_NM, level, signed, path / signed / steps)
+        return presliding_force_nm(self.group, self.deflection, COULOMB_NM, level, signed)
 
     @property
     def stored_j(self) -> float:
@@ -63,7 +63,7 @@ def test_in_steady_motion_friction_is_the_level(form: int, level: float, sign: f
 @pytest.mark.parametrize("form", FORMS)
 def test_a_short_path_meets_a_spring(form: int) -> None:
     assert Bristles(form).move(1e-7) == pytest.approx(SIGMA0 * 1e-7, rel=1e-4)
-    assert stiffness(Bristles(form).group, COULOMB_NM) == pytest.approx(SIGMA0)
+    assert presliding_stiffness(Bristles(form).group, COULOMB_NM) == pytest.approx(SIGMA0)
 
 
 def test_lugre_without_damping_and_dahl_of_exponent_one_approach_by_an_exponential() -> None:
@@ -194,9 +194,9 @@ def creep(form: int) -> Float:
     dq = 0.0
     for step in range(swings * swing):
         load = 0.15 + 0.1 * math.sin(2.0 * math.pi * step / swing)
-        advance(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, dq, h)
+        presliding_advance(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, dq, h)
         q[step + 1] = q[step] + h * dq
-        friction = force_nm(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, dq)
+        friction = presliding_force_nm(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, dq)
         dq += h / inertia * (load - friction - viscous * dq)
     return np.diff(q[::swing])
 
@@ -219,7 +219,7 @@ def test_a_joint_at_rest_stays_as_it_is(form: int) -> None:
     bristles = Bristles(form)
     bristles.move(0.002)
     before = bristles.deflection.copy()
-    advance(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, 0.0, 10.0)
+    presliding_advance(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, 0.0, 10.0)
     np.testing.assert_array_equal(bristles.deflection, before)
 
 
@@ -227,9 +227,9 @@ def test_a_joint_at_rest_stays_as_it_is(form: int) -> None:
 def test_without_coulomb_friction_nothing_holds(form: int) -> None:
     group: Any = pack([Presliding(displacement_rad=0.005, form=form)])[0]
     deflection: Float = np.zeros(BRISTLES)
-    advance(group, deflection, 0.0, 0.0, 1.0, 0.01)
+    presliding_advance(group, deflection, 0.0, 0.0, 1.0, 0.01)
     assert not deflection.any()
-    assert force_nm(group, deflection, 0.0, 0.0, 1.0) == 0.0
+    assert presliding_force_nm(group, deflection, 0.0, 0.0, 1.0) == 0.0
 
 
 @pytest.mark.parametrize("form", FORMS)

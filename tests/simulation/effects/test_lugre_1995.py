@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.presliding import lugre_advance, lugre_force, lugre_rate
+from friction_audit.simulation.effects.velocity import lugre_advance, lugre_force, lugre_rate
 
 SIGMA0, SIGMA1, SIGMA2 = 1e5, math.sqrt(1e5), 0.4
 COULOMB_N, STATIC_N, STRIBECK_M_S = 1.0, 1.5, 0.001

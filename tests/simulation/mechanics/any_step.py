@@ -6,7 +6,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.bench import BenchSettings, Operator, make_motion
-from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Clock
 from friction_audit.simulation.mechanics.tick import run_bench
 from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass

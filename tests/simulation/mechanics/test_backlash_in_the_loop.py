@@ -6,8 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.backlash import Backlash
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.settings import JointParameters
 from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release

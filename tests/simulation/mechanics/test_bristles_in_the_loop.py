@@ -7,9 +7,8 @@ from scipy.integrate import solve_ivp
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.presliding import BRISTLES as BRISTLE_COUNT
-from friction_audit.simulation.effects.presliding import DAHL, FIRST_YIELD, LUGRE, MAXWELL_SLIP, Presliding
-from friction_audit.simulation.effects.stribeck import Stribeck
+from friction_audit.simulation.effects.velocity import BRISTLES as BRISTLE_COUNT
+from friction_audit.simulation.effects.velocity import DAHL, FIRST_YIELD, LUGRE, MAXWELL_SLIP, Presliding, Stribeck
 from friction_audit.simulation.settings import JointParameters
 from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release

@@ -7,8 +7,7 @@ from scipy.integrate import solve_ivp
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.backlash import Backlash
-from friction_audit.simulation.effects.joint_elasticity import HARDENING, KNEE_NM, LEAST_COMPLIANCE, JointElasticity
+from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, LEAST_COMPLIANCE, Backlash, JointElasticity
 from friction_audit.simulation.settings import JointParameters
 from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import bench, release

@@ -6,8 +6,7 @@ from numpy.testing import assert_allclose
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.stiction import IMMEDIATE, Stiction
-from friction_audit.simulation.effects.stribeck import Stribeck
+from friction_audit.simulation.effects.velocity import IMMEDIATE, Stiction, Stribeck
 from friction_audit.simulation.settings import JointParameters
 from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release

@@ -5,8 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Hidden, simulate
-from friction_audit.simulation.effects.backlash import Backlash
-from friction_audit.simulation.effects.joint_elasticity import HARDENING, JointElasticity
+from friction_audit.simulation.effects.structure import HARDENING, Backlash, JointElasticity
 
 SOFT = JointElasticity(compliance_rad_per_nm=2e-3)
 STILL = BenchSettings(sensors=(IDEAL_SENSORS,), gravity_nm=8.0, gravity_phase_rad=1.0, logs_sensor=True, duration_s=0.4)

@@ -6,8 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.asymmetric_coulomb import AsymmetricCoulomb
-from friction_audit.simulation.effects.stiction import IMMEDIATE, SATURATING, Stiction
+from friction_audit.simulation.effects.velocity import IMMEDIATE, SATURATING, AsymmetricCoulomb, Stiction
 from friction_audit.simulation.settings import JointParameters
 from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import bench, release

@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, TorqueLoop
 from tests.simulation.mechanics.any_step import bench, release

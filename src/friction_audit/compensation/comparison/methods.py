@@ -16,7 +16,7 @@ from friction_audit.compensation.compensators import (
 from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.settings import PANDA_TORQUE_NM, PANDA_TORQUE_RATE_NM_S
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.settings import JointParameters
 
 # Roles of a tuning: the setting in which the paper's order comes out, the same but for an observer that compensates all

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from friction_audit.compensation.comparison.methods import Joint, Tuning, panda_joint
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings
-from friction_audit.simulation.effects.hidden import Hidden
-from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
 from friction_audit.simulation.settings import JointByJoint
 

@@ -5,11 +5,14 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import inf, nan, pi, sqrt
-from typing import Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import effect_of
 from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.simulation.settings import JointParameters
 
 FORM = "form"
 LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
@@ -20,27 +23,11 @@ Given = dict[str, float | str]  # parameters of a hidden effect, the form as its
 ALIKE = 0.05  # numbers that differ by a smaller share are taken for equal, for a fit never gives them exactly
 
 
-class Motor(Protocol):
-    """Inertia and friction of a joint."""
-
-    @property
-    def inertia_kg_m2(self) -> float:
-        """Inertia. [kg m^2]"""
-
-    @property
-    def coulomb_nm(self) -> float:
-        """Coulomb friction. [N m]"""
-
-    @property
-    def viscous_nms_per_rad(self) -> float:
-        """Viscous friction. [N m s/rad]"""
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Setting:
     """What the meaning of a term of a joint model depends on."""
 
-    joint: Motor  # inertia and friction of the joint
+    joint: "JointParameters"  # inertia and friction of the joint
     start_rad: float  # where the joint is at the start; the simulator counts some positions from there [rad]
     driven: bool  # true if the joint moves by itself
     duration_s: float  # length of the recording [s]
@@ -82,7 +69,7 @@ def strength(usual: float, meaning: str, unit: str = "1", **bounds: Any) -> Any:
 class HiddenEffect:
     """A group of numbers that the mechanics read; made without arguments it does nothing.
 
-    Its name is that of its module and of the effect that a diagnosis names, from which it has family and bounds.
+    Its name is that of its class and of the effect that a diagnosis names, from which it has family and bounds.
     """
 
     summary: ClassVar[str] = ""  # one line

@@ -2,24 +2,7 @@
 
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import (
-    asymmetric_coulomb,
-    asymmetric_viscous,
-    backlash,
-    cable_spring,
-    contact_event,
-    friction_step,
-    joint_elasticity,
-    joint_limit_stop,
-    load_dependent_friction,
-    nonlinear_viscous,
-    position_dependent_friction,
-    presliding,
-    stiction,
-    stribeck,
-    torque_ripple,
-    warm_up,
-)
+from friction_audit.simulation.effects import load_and_place, slow_and_events, structure, velocity
 from friction_audit.simulation.mechanics.records import FREE, LOOP_MEMORY
 
 LEAST_LEVEL_NM = 1e-9  # bristles divide by the level
@@ -30,9 +13,9 @@ def viscous_now(joint: Record, state: Record, t: float, duration: float) -> floa
     """Return the viscous coefficient at a time. [N m s/rad]"""
     hidden, coefficient = joint.hidden, joint.viscous_nms_per_rad
     if hidden.warm_up.reduction != 0.0:
-        coefficient *= warm_up.viscous_factor(hidden.warm_up, state.warmth)
+        coefficient *= slow_and_events.warm_up_viscous_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
-        coefficient *= friction_step.viscous_factor(hidden.friction_step, t, duration)
+        coefficient *= slow_and_events.friction_step_viscous_factor(hidden.friction_step, t, duration)
     return float(coefficient)
 
 
@@ -41,11 +24,11 @@ def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: f
     """Return what place, warmth and time make of the Coulomb level."""
     hidden, factor = joint.hidden, 1.0
     if hidden.position_dependent_friction.share != 0.0:
-        factor *= position_dependent_friction.factor(hidden.position_dependent_friction, q)
+        factor *= load_and_place.place_factor(hidden.position_dependent_friction, q)
     if hidden.warm_up.reduction != 0.0:
-        factor *= warm_up.coulomb_factor(hidden.warm_up, state.warmth)
+        factor *= slow_and_events.warm_up_coulomb_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
-        factor *= friction_step.coulomb_factor(hidden.friction_step, t, duration)
+        factor *= slow_and_events.friction_step_coulomb_factor(hidden.friction_step, t, duration)
     return factor
 
 
@@ -61,15 +44,15 @@ def sliding_level(
     lagging = hidden.frictional_lag.lag_s != 0.0
     seen = state.speed_seen if lagging else speed
     if hidden.stribeck.excess_nm != 0.0:
-        level += stribeck.excess_nm(hidden.stribeck, seen)
+        level += velocity.stribeck_nm(hidden.stribeck, seen)
     level *= coulomb_factor(joint, state, q, t, duration)
     if hidden.load_dependent_friction.share != 0.0:
         power = state.port_nm * sign * speed * (-1.0 if state.driven else 1.0)
-        level += load_dependent_friction.extra_nm(hidden.load_dependent_friction, state.port_nm, power)
+        level += load_and_place.load_friction_nm(hidden.load_dependent_friction, state.port_nm, power)
     if hidden.nonlinear_viscous.torque_nm != 0.0:
-        level += nonlinear_viscous.extra_nm(hidden.nonlinear_viscous, seen)
-    level += asymmetric_coulomb.extra_nm(hidden.asymmetric_coulomb, sign)
-    level += asymmetric_viscous.extra_nm(hidden.asymmetric_viscous, sign, seen)
+        level += velocity.nonlinear_viscous_nm(hidden.nonlinear_viscous, seen)
+    level += velocity.asymmetric_coulomb_nm(hidden.asymmetric_coulomb, sign)
+    level += velocity.asymmetric_viscous_nm(hidden.asymmetric_viscous, sign, seen)
     if lagging:
         return max(0.0, float(level + viscous_now(joint, state, t, duration) * seen))
     if level < 0.0:
@@ -82,7 +65,7 @@ def sliding_level(
 def holding_level(joint: Record, state: Record, q: float, sign: float, t: float, duration: float) -> float:
     """Return the torque that friction can hold against at rest before the joint breaks away. [N m]"""
     level = sliding_level(joint, state, q, 0.0, sign, t, duration)
-    extra = stiction.excess_nm(joint.hidden.stiction, state.rest_s)
+    extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s)
     return level + extra * coulomb_factor(joint, state, q, t, duration)
 
 
@@ -91,7 +74,7 @@ def cogging_torque(joint: Record, q: float) -> float:
     """Return the torque of a motor that cogs, positive towards positive velocity. [N m]"""
     if joint.hidden.torque_ripple.torque_nm == 0.0:
         return 0.0
-    return float(torque_ripple.torque_nm(joint.hidden.torque_ripple, q))
+    return float(load_and_place.cogging_nm(joint.hidden.torque_ripple, q))
 
 
 @compiled()
@@ -100,11 +83,11 @@ def other_torque(joint: Record, state: Record, events: Float, q: float, dq: floa
     hidden = joint.hidden
     torque = state.compensation_nm + state.unlogged_nm + state.loop_nm
     if hidden.cable_spring.stiffness_nm_per_rad != 0.0:
-        torque += cable_spring.torque_nm(hidden.cable_spring, q - state.start_rad)
+        torque += load_and_place.cable_spring_nm(hidden.cable_spring, q - state.start_rad)
     if hidden.joint_limit_stop.stiffness_nm_per_rad != 0.0:
-        torque += joint_limit_stop.torque_nm(hidden.joint_limit_stop, q - state.start_rad, dq)
+        torque += load_and_place.limit_stop_nm(hidden.joint_limit_stop, q - state.start_rad, dq)
     if hidden.contact_event.torque_nm != 0.0:
-        torque += contact_event.torque_nm(hidden.contact_event, events, t, dq)
+        torque += slow_and_events.contact_event_nm(hidden.contact_event, events, t, dq)
     return float(torque)
 
 
@@ -113,9 +96,9 @@ def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float
     """Let the joint torque control of a joint feed back, over a step of length h, the torque of its dead time ago."""
     loop, c = joint.torque_loop, body.inner[j]
     twist, closing = body.y[c] - body.y[j], body.v[c] - body.v[j]
-    torque = joint_elasticity.torque_nm(joint.hidden.joint_elasticity, backlash.engaged(joint.hidden.backlash, twist))
-    after = backlash.engaged(joint.hidden.backlash, twist + h * closing)
-    rate = (joint_elasticity.torque_nm(joint.hidden.joint_elasticity, after) - torque) / h
+    torque = structure.elastic_torque_nm(joint.hidden.joint_elasticity, structure.engaged(joint.hidden.backlash, twist))
+    after = structure.engaged(joint.hidden.backlash, twist + h * closing)
+    rate = (structure.elastic_torque_nm(joint.hidden.joint_elasticity, after) - torque) / h
     wanted = body.support[j] + state.compensation_nm + state.unlogged_nm
     state.loop_past[state.loop_steps % LOOP_MEMORY] = loop.gain * (wanted - torque) - loop.damping_s * rate
     state.loop_nm = state.loop_past[(state.loop_steps - round(loop.dead_time_s / h)) % LOOP_MEMORY]
@@ -168,7 +151,9 @@ def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: flo
     if mode == FREE:
         level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration)
         level = max(level, LEAST_LEVEL_NM)
-        body.level[c] = presliding.force_nm(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq)
+        body.level[c] = velocity.presliding_force_nm(
+            joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq
+        )
     elif mode == 0.0:
         for way in range(2):
             sign = 2.0 * way - 1.0
@@ -183,7 +168,7 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
     """Add the spring and the damper, or the flanks, between the two sides of a joint."""
     c = body.inner[j]
     stretch = body.y[c] + ahead * body.v[c] - body.y[j] - ahead * body.v[j]
-    engaged = backlash.engaged(joint.hidden.backlash, stretch)
+    engaged = structure.engaged(joint.hidden.backlash, stretch)
     if engaged == 0.0 and joint.hidden.backlash.gap_rad != 0.0:
         return
     ringing = body.mass[c, c] * body.mass[j, j] / (body.mass[c, c] + body.mass[j, j])
@@ -204,5 +189,5 @@ def _transmitted(joint: Record, engaged: float, ringing: float) -> tuple[float, 
     """Return spring torque and damping of a transmission twisted beyond its gap."""
     elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
     if elastic.compliance_rad_per_nm != 0.0:
-        return joint_elasticity.torque_nm(elastic, engaged), joint_elasticity.damping_nms_per_rad(elastic, ringing)
-    return backlash.contact_nm(flanks, engaged), backlash.contact_damping_nms_per_rad(flanks, ringing)
+        return structure.elastic_torque_nm(elastic, engaged), structure.elastic_damping_nms_per_rad(elastic, ringing)
+    return structure.contact_nm(flanks, engaged), structure.contact_damping_nms_per_rad(flanks, ringing)

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.frictional_lag import LAG_MEMORY
-from friction_audit.simulation.effects.presliding import BRISTLES
+from friction_audit.simulation.effects.velocity import BRISTLES, LAG_MEMORY
 
 LOOP_MEMORY = 64  # steps of 0.1 ms; the longest dead time is 5 ms
 

@@ -4,7 +4,7 @@ import math
 
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import frictional_lag, presliding
+from friction_audit.simulation.effects import velocity
 from friction_audit.simulation.mechanics.friction import (
     LEAST_LEVEL_NM,
     load_drive,
@@ -164,7 +164,7 @@ def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: f
     if joint.hidden.presliding.displacement_rad != 0.0:
         level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration)
         level = max(level, LEAST_LEVEL_NM)
-        presliding.advance(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq, h)
+        velocity.presliding_advance(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq, h)
 
 
 @compiled()
@@ -200,4 +200,4 @@ def slide(
     for j in range(len(joints)):
         _remember(joints[j], states[j], body, j, t + h, 0.5 * h, duration)
         speed = abs(body.v[body.inner[j]])
-        states[j].speed_seen = frictional_lag.speed(joints[j].hidden.frictional_lag, states[j].lag, speed, h)
+        states[j].speed_seen = velocity.frictional_lag_speed(joints[j].hidden.frictional_lag, states[j].lag, speed, h)

@@ -9,7 +9,7 @@ from friction_audit.compensation.controller import step as compensate
 from friction_audit.compensation.hand_cycles import INITIATION_M_S, TERMINATION_M_S, UNDER_WAY, hand_rests
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import backlash, joint_elasticity, unlogged_compensation, warm_up
+from friction_audit.simulation.effects import slow_and_events, structure
 from friction_audit.simulation.mechanics import records as row
 from friction_audit.simulation.mechanics.friction import load_drive, load_joint
 from friction_audit.simulation.mechanics.step import accelerate, slide
@@ -28,7 +28,7 @@ def _twist(joint: Record, load_nm: float) -> float:
     low, high = 0.0, 2.0 * abs(load_nm) * (elastic.compliance_rad_per_nm + flanks.contact_compliance_rad_per_nm)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        torque = joint_elasticity.torque_nm(elastic, middle) if soft else backlash.contact_nm(flanks, middle)
+        torque = structure.elastic_torque_nm(elastic, middle) if soft else structure.contact_nm(flanks, middle)
         if torque < abs(load_nm):
             low = middle
         else:
@@ -109,9 +109,9 @@ def control(joints: Record, states: Record, body: Record, loop: Record, clock: R
         state, hidden = states[j], joints[j].hidden
         power = body.friction[j] * body.v[body.inner[j]]
         state.port_nm = body.port[j]
-        state.warmth = warm_up.advance(hidden.warm_up, state.warmth, power, clock.dt)
+        state.warmth = slow_and_events.warm_up_advance(hidden.warm_up, state.warmth, power, clock.dt)
         velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
-        state.unlogged_nm = unlogged_compensation.torque_nm(hidden.unlogged_compensation, velocity)
+        state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
         read = quantised(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
         interaction = body.support[j] - read
         state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)

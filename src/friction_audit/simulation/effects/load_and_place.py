@@ -1,0 +1,285 @@
+"""Effects of load and place: friction and torques that follow the torque in the gear and the position."""
+
+import math
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from friction_audit.compiled import Record, compiled
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects.effect import (
+    ALIKE,
+    Given,
+    HiddenEffect,
+    Setting,
+    Values,
+    alike,
+    must,
+    number,
+    strength,
+    within_half_turn,
+)
+
+LINEAR_LOAD, QUADRATIC_LOAD, BACKDRIVE = range(3)
+REFERENCE_NM = 10.0  # load at which the quadratic form equals the linear one. [N m]
+
+# Share by which the loss exceeds its mean when the link drives the motor, and falls short of it otherwise.
+BACKDRIVE_EXCESS = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LoadDependentFriction(HiddenEffect):
+    summary = "friction grows with the torque that the gear transmits"
+    forms = ("linear", "quadratic", "backdrive")
+
+    share: float = strength(0.06, "share of the transmitted torque that is lost", upper=1.0)
+    form: int = LINEAR_LOAD
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        share, by_power, exponent, directed, static = values.values()
+        must(round(static) == 0, "its load is all that goes through the gear, and not the weight alone")
+        must(by_power == 0.0 or round(directed) == 0, "its loss by the direction of the power is half of the mean")
+        must(alike(exponent, 1.0) or alike(exponent, 2.0), f"its exponents are 1 and 2, not {exponent:g}")
+        if alike(exponent, 1.0):
+            return {"share": share, "form": "linear"}
+        return {"share": share * REFERENCE_NM, "form": "quadratic"}
+
+
+@compiled()
+def load_friction_nm(group: Record, load_nm: float, power_w: float) -> float:
+    """Return the friction that the load adds to the Coulomb level (not negative, so passive). [N m]
+
+    Linear after Bittencourt and Gunnarsson, Static friction in a robot joint (2012); quadratic after Duclusaud et al.,
+    Extended friction models for the physics simulation of servo actuators (2025); backdrive after Wang and Kim,
+    Directional efficiency in geared transmissions (2015): the teeth lose more where the link drives the motor.
+    The power through the sensor into the motor's side is above 0 where the link drives the motor.
+    """
+    load = abs(load_nm)
+    if group.form == QUADRATIC_LOAD:
+        return float(group.share * load * load / REFERENCE_NM)
+    if group.form == BACKDRIVE and power_w > 0.0:
+        return float(group.share * load * (1.0 + BACKDRIVE_EXCESS))
+    if group.form == BACKDRIVE and power_w < 0.0:
+        return float(group.share * load * (1.0 - BACKDRIVE_EXCESS))
+    return float(group.share * load)
+
+
+SINUSOID, HARMONICS, PATCH = range(3)
+# Orders of the harmonics relative to the first: bearing and gear parts of incommensurate pitch.
+SECOND_ORDER, THIRD_ORDER = math.sqrt(3.0), math.sqrt(7.0)
+
+FIRST_WEIGHT, SECOND_WEIGHT, THIRD_WEIGHT = 0.5, 0.3, 0.2
+
+# Concentration of the patch (of a von Mises density): half as high at 0.42 rad of the cycle from its centre.
+PATCH_SHARPNESS = 8.0
+WIDE_RAD = 10.0  # a wave under a bell of this width fills the whole range
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class PositionDependentFriction(HiddenEffect):
+    summary = "the Coulomb level depends on the position"
+    forms = ("sinusoid", "harmonics", "patch")
+
+    share: float = strength(0.4, "largest change relative to the Coulomb level", lower=-1.0, upper=3.0)
+    cycles_per_rev: float = number(3.0, "cycles per revolution of the joint", like="position_friction_order")
+    phase_rad: float = number(0.5, "phase of the cycle at q = 0", "rad", lower=-inf)
+    form: int = SINUSOID
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        cosine, sine, order, centre, width = values.values()
+        must(width >= WIDE_RAD, "its wave fills the whole range")
+        must(setting.joint.coulomb_nm > 0.0, "its wave is a share of the Coulomb friction, which is none")
+        share = math.hypot(cosine, sine) / setting.joint.coulomb_nm
+        phase = within_half_turn(math.atan2(cosine, sine) - order * centre)
+        return {"share": share, "cycles_per_rev": order, "phase_rad": phase, "form": "sinusoid"}
+
+
+@compiled()
+def _place_shape(form: int, angle: float, phase: float) -> float:
+    """Return the relative change of the level at an angle of the cycle, between -1 and 1."""
+    if form == HARMONICS:
+        first = FIRST_WEIGHT * math.sin(angle + phase)
+        second = SECOND_WEIGHT * math.sin(SECOND_ORDER * angle + phase)
+        return float(first + second + THIRD_WEIGHT * math.sin(THIRD_ORDER * angle + phase))
+    if form == PATCH:
+        return float(math.exp(PATCH_SHARPNESS * (math.cos(angle + phase) - 1.0)))
+    return float(math.sin(angle + phase))
+
+
+@compiled()
+def place_factor(group: Record, q: float) -> float:
+    """Return the factor of the Coulomb level at a position: 1 on average, never below 0, so passive.
+
+    Periodic after Armstrong-Helouvry, Control of Machines with Friction (1991), who found several spatial frequencies
+    in one joint; the patch stands for a worn or dirty tooth.
+    """
+    change = _place_shape(group.form, group.cycles_per_rev * q, group.phase_rad)
+    return float(max(0.0, 1.0 + group.share * change))
+
+
+COGGING, READING = range(2)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueRipple(HiddenEffect):
+    summary = "a torque, or an error of the torque sensor, that repeats with the turns of the motor"
+    forms = ("cogging", "reading")
+
+    torque_nm: float = strength(0.1, "amplitude of the first harmonic", "N m", lower=-inf)
+    cycles_per_rev: float = number(200.0, "its cycles per revolution of the joint", like="ripple_order")
+    second_share: float = number(0.3, "second harmonic relative to the first", lower=-inf)
+    form: int = COGGING
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        cosine, sine, order = values.values()
+        size = math.hypot(cosine, sine)
+        if abs(cosine) <= ALIKE * size:
+            must(not setting.driven, "a motor that cogs beyond the sensor is not seen by it")
+            return {"torque_nm": -sine, "cycles_per_rev": order, "second_share": 0.0, "form": "cogging"}
+        must(abs(sine) <= ALIKE * size, "its ripple has the phase of a sine or of a cosine")
+        return {"torque_nm": cosine, "cycles_per_rev": order, "second_share": 0.0, "form": "reading"}
+
+
+@compiled()
+def cogging_nm(group: Record, q: float) -> float:
+    """Return the cogging torque on the motor, behind the sensor; 0 where the sensor ripples instead. [N m]
+
+    Conservative: it gives back over a cycle what it took.
+    """
+    if group.form != COGGING:
+        return 0.0
+    angle = group.cycles_per_rev * q
+    return float(group.torque_nm * (math.sin(angle) + group.second_share * math.cos(2.0 * angle)))
+
+
+def ripple_reading_nm(group: TorqueRipple, q: Float) -> Float:
+    """Return what a flexspline that is not round adds to the torque as read; 0 where the motor cogs instead. [N m]
+
+    Two and four cycles per turn of the wave generator: Taghirad and Belanger, Intelligent built-in torque sensor for
+    harmonic drive systems (1999).
+    """
+    if group.form != READING:
+        return np.zeros_like(q)
+    angle = group.cycles_per_rev * q
+    return np.asarray(group.torque_nm * (np.cos(angle) + group.second_share * np.sin(2.0 * angle)))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class GravityError(HiddenEffect):
+    """A wrong mass, a wrong centre of mass, an unknown payload or a tilted base.
+
+    All of them are the same for one joint: an amplitude and a phase.
+    """
+
+    summary = "the gravity torque that is subtracted is wrong"
+    felt_at_rest = True
+
+    torque_nm: float = strength(0.3, "amplitude", "N m", lower=-inf)
+    phase_rad: float = number(0.0, "phase at q = 0", "rad", lower=-inf)
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        cosine, sine = values["gravity_cos_nm"], values["gravity_sin_nm"]
+        must(round(values["gravity_error_source"]) == 0, "it errs in the joint's own angle")
+        size = math.hypot(cosine, sine)
+        return {"torque_nm": -size if setting.driven else size, "phase_rad": within_half_turn(math.atan2(cosine, sine))}
+
+
+def gravity_error_nm(group: GravityError, q: Float) -> Float:
+    """Return by how much the gravity torque that is subtracted is too large, shape (n,). [N m]
+
+    The interaction torque comes out too large by it where a hand moves the joint, too small where the robot does.
+    """
+    return np.asarray(group.torque_nm * np.sin(q + group.phase_rad))
+
+
+LINEAR_CABLE, HARDENING_CABLE, SLACK, TETHER = range(4)
+# Distance from the centre at which the hardening form is twice as strong as the linear one. [rad]
+HARDENING_RAD = 1.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CableSpring(HiddenEffect):
+    summary = "a cable or hose pulls the joint back"
+    forms = ("linear", "hardening", "slack", "tether")
+
+    stiffness_nm_per_rad: float = strength(0.4, "stiffness where it pulls", "N m/rad", upper=2000.0)
+    centre_rad: float = number(0.0, "position where it does not pull", like="cable_centre_rad")
+    free_rad: float = number(0.3, "free play of a slack cable or a tether", like="cable_free_rad")
+    form: int = LINEAR_CABLE
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        stiffness, hardening, preload, centre, free = values.values()
+        must(abs(hardening) <= ALIKE * stiffness, "its cable that gets stiffer does so by a number of its own")
+        must(preload == 0.0 or (free == 0.0 and stiffness > 0.0), "its cable hangs loose where it does not pull")
+        if free > 0.0:
+            place: Given = {"centre_rad": centre - setting.start_rad, "free_rad": free}
+            return {"stiffness_nm_per_rad": stiffness, **place, "form": "slack"}
+        middle = centre - (preload / stiffness if preload else 0.0) - setting.start_rad
+        return {"stiffness_nm_per_rad": stiffness, "centre_rad": middle, "form": "linear"}
+
+
+@compiled()
+def cable_spring_nm(group: Record, q: float) -> float:
+    """Return the torque towards the centre, on the motor's side of the sensor. [N m]
+
+    Conservative in every form. A slack cable pulls beyond its free play on both sides, a tether on the upper side only.
+    """
+    stretch = q - group.centre_rad
+    if group.form == HARDENING_CABLE:
+        stretch *= 1.0 + (stretch / HARDENING_RAD) ** 2
+    elif group.form == SLACK:
+        stretch -= min(max(stretch, -group.free_rad), group.free_rad)
+    elif group.form == TETHER:
+        stretch = max(0.0, stretch - group.free_rad)
+    return float(-group.stiffness_nm_per_rad * stretch)
+
+
+SPRING_DAMPER, QUADRATIC_WALL, EXPONENTIAL_WALL = range(3)
+REFERENCE_RAD = 0.1  # depth at which the quadratic wall is as strong as the linear one. [rad]
+
+WIDTH_RAD = 0.05  # distance over which the exponential wall grows by e. [rad]
+
+# A person who gets so deep into an exponential wall does not exist; the number stays finite.
+HIGHEST_EXPONENT = 20.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class JointLimitStop(HiddenEffect):
+    summary = "a soft wall at both ends of the range"
+    forms = ("spring_damper", "quadratic", "exponential")
+
+    stiffness_nm_per_rad: float = strength(20.0, "stiffness of the walls", "N m/rad", upper=2000.0)
+    at_rad: float = number(0.5, "where they stand, on both sides of the start pose", "rad")
+    damping_s: float = number(0.02, "damping relative to the stiffness", "s", upper=0.2)
+    form: int = SPRING_DAMPER
+
+
+@compiled()
+def _wall_push(group: Record, depth: float, inward: float) -> float:
+    """Return how hard one wall pushes back, not negative."""
+    if group.form == EXPONENTIAL_WALL:
+        depth = WIDTH_RAD * math.exp(min(depth / WIDTH_RAD, HIGHEST_EXPONENT))
+        return float(group.stiffness_nm_per_rad * depth * max(0.0, 1.0 + inward * group.damping_s / WIDTH_RAD))
+    if depth <= 0.0:
+        return 0.0
+    if group.form == QUADRATIC_WALL:
+        push = depth * depth / REFERENCE_RAD * max(0.0, 1.0 + inward * group.damping_s / REFERENCE_RAD)
+        return float(group.stiffness_nm_per_rad * push)
+    return float(group.stiffness_nm_per_rad * max(0.0, depth + group.damping_s * inward))
+
+
+@compiled()
+def limit_stop_nm(group: Record, q: float, velocity: float) -> float:
+    """Return the torque of both walls, on the motor's side of the sensor. [N m]
+
+    A wall never pulls and never gives back more than it took. Spring and damper as in the virtual walls of haptics
+    (Colgate and Brown 1994), quadratic with the damping of Hunt and Crossley (1975), exponential as a repulsive
+    potential that is felt before the stop.
+    """
+    return _wall_push(group, -group.at_rad - q, -velocity) - _wall_push(group, q - group.at_rad, velocity)

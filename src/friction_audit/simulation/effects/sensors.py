@@ -1,0 +1,132 @@
+"""Effects of the torque sensor and of what brings its signal to the log."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, alike, must, number, strength
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueBias(HiddenEffect):
+    summary = "the torque sensor does not read zero without a load"
+    felt_at_rest = True
+    same_law = ""
+    stands_for = ("offset",)
+
+    torque_nm: float = strength(0.15, "reading without a load", like="torque_bias_nm")
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        return {"torque_nm": next(iter(values.values()))}
+
+
+RAMP, RANDOM_WALK, THERMAL = range(3)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueDrift(HiddenEffect):
+    summary = "the zero of the torque sensor moves during the recording"
+    felt_at_rest = True
+    forms = ("ramp", "random_walk", "thermal")
+
+    torque_nm: float = strength(0.3, "error at the end of the recording", "N m", lower=-inf)
+    settling_s: float = number(20.0, "time constant of the thermal form", "s", lower=0.001)
+    form: int = RAMP
+
+
+def torque_drift_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
+    """Return what is added to the interaction torque as read, shape (n,). [N m]
+
+    Only a random walk of some strength draws random numbers.
+    """
+    if group.torque_nm == 0.0:
+        return np.zeros_like(t)
+    elapsed = t - t[0]
+    if group.form == RANDOM_WALK:
+        steps = rng.normal(0.0, 1.0, len(t) - 1) * np.sqrt(np.diff(t) / elapsed[-1])
+        return group.torque_nm * np.concatenate(([0.0], np.cumsum(steps)))
+    if group.form == THERMAL:
+        return np.asarray(
+            group.torque_nm * np.expm1(-elapsed / group.settling_s) / math.expm1(-elapsed[-1] / group.settling_s)
+        )
+    return np.asarray(group.torque_nm * (elapsed / elapsed[-1]))
+
+
+TORQUE_LATE, VELOCITY_LATE = range(2)
+WHOLE_STEP = 1e-9  # a delay this close to a whole number of steps is meant to be one
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TimeDelay(HiddenEffect):
+    summary = "torque or motion reach the log late"
+    forms = ("torque_late", "velocity_late")
+
+    delay_s: float = strength(0.004, "how late", "s", upper=0.1)
+    form: int = TORQUE_LATE
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        delay = values["delay_s"]
+        return {"delay_s": abs(delay), "form": "torque_late" if delay >= 0.0 else "velocity_late"}
+
+
+def delayed(signal: Float, delay_s: float, dt: float) -> Float:
+    """Return a signal that comes late, the first value held until it arrives; the very same array without a delay.
+
+    Between two samples the line is read linearly: finely sampled, it neither overshoots at a jump nor smooths much.
+
+    Args:
+        signal: Finely sampled truth, shape (n,) or (n, j).
+        delay_s: Delay, not negative.
+        dt: Spacing of the samples.
+    """
+    if delay_s == 0.0:
+        return signal
+    steps = delay_s / dt
+    whole = math.floor(steps + WHOLE_STEP)
+    part = max(0.0, steps - whole)
+    newer = np.maximum(np.arange(len(signal)) - whole, 0)
+    if part <= WHOLE_STEP:
+        return signal[newer]
+    return np.asarray((1.0 - part) * signal[newer] + part * signal[np.maximum(newer - 1, 0)])
+
+
+NEXT, PREVIOUS, BOTH = range(3)
+# Which neighbours a sensor feels; the next joint is nearer to the hand.
+NEIGHBOURS = {NEXT: (1,), PREVIOUS: (-1,), BOTH: (-1, 1)}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueCrosstalk(HiddenEffect):
+    summary = "a torque sensor also feels the load of the neighbouring joint"
+    felt_at_rest = True
+    forms = ("next", "previous", "both")
+    needs_neighbours = True
+
+    share: float = strength(0.08, "share of the neighbour's torque that is read", lower=-1.0, upper=1.0)
+    form: int = NEXT
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        before, after, side = values.values()
+        before, after = before * (side <= 0), after * (side >= 0)
+        if before == 0.0 or after == 0.0:
+            return {"share": before + after, "form": "next" if before == 0.0 else "previous"}
+        must(alike(before, after), "its sensors feel both neighbours alike")
+        return {"share": 0.5 * (before + after), "form": "both"}
+
+
+def crosstalk_mixed(groups: Sequence[TorqueCrosstalk], torque: Float) -> Float:
+    """Return the torques as sensors with crosstalk read them; without, the same to the bit, shape (n, j). [N m]"""
+    read = torque.copy()
+    joints = range(torque.shape[1])
+    for joint, group in enumerate(groups):
+        for neighbour in (joint + offset for offset in NEIGHBOURS[group.form]):
+            if group.share != 0.0 and neighbour in joints:
+                read[:, joint] += group.share * torque[:, neighbour]
+    return read

@@ -1,0 +1,160 @@
+"""Effects of the structure: what is between motor and link, and inertia that the model does not know."""
+
+import math
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from friction_audit.compiled import Record, compiled
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
+
+LINEAR, HARDENING = range(2)
+# A stiffer gear rings faster than the integration can follow, and is rigid for all that a log shows. [rad/(N m)]
+LEAST_COMPLIANCE = 1e-5
+
+KNEE_NM = 1.0  # torque around which a strain-wave gear turns from soft to stiff. [N m]
+SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class JointElasticity(HiddenEffect):
+    """A spring and a damper between motor and link.
+
+    With the usual 1e-3 rad/(N m), a motor of 0.3 kg m^2 rings at 9.2 Hz against a link held fast and at 13.0 Hz
+    against 0.3 kg m^2 on the hand's side.
+    """
+
+    summary = "the gear twists between motor and link"
+    forms = ("linear", "hardening")
+
+    compliance_rad_per_nm: float = strength(0.001, "twist per torque", "rad/(N m)", upper=0.1)
+    damping_ratio: float = number(0.03, "damping ratio of the ringing", like="damping_ratio")
+    form: int = LINEAR
+
+    def __post_init__(self) -> None:
+        if 0.0 < self.compliance_rad_per_nm < LEAST_COMPLIANCE:
+            raise UsageError(
+                f"joint_elasticity: compliance_rad_per_nm {self.compliance_rad_per_nm:g}: expected 0, a rigid joint, "
+                f"or at least {LEAST_COMPLIANCE:g}"
+            )
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        must(values["soft_nm"] <= SMALL_NM, "its spring stiffens as a hyperbolic tangent, not evenly up to a torque")
+        must(values["far_share"] >= 1.0 - ALIKE, "all inertia is on the link side of its spring")
+        damping_ratio = setting.with_both_sides_free(values["damping_ratio"])
+        compliance = values["compliance_rad_per_nm"]
+        return {"compliance_rad_per_nm": compliance, "damping_ratio": damping_ratio, "form": "linear"}
+
+
+@compiled()
+def elastic_torque_nm(group: Record, stretch: float) -> float:
+    """Return the torque of the spring, signed as the stretch; 0 for a rigid joint, which does not twist. [N m]
+
+    Linear after Spong (1987); hardening as a strain-wave gear, half as stiff near zero torque (Tuttle and Seering 1996;
+    the smooth transition after Ruderman 2012). Conservative in both forms.
+    """
+    compliance = group.compliance_rad_per_nm
+    if compliance == 0.0:
+        return 0.0
+    if group.form == HARDENING:
+        knee = KNEE_NM * compliance
+        stretch -= knee * math.tanh(0.5 * stretch / knee)
+    return float(stretch / compliance)
+
+
+@compiled()
+def elastic_damping_nms_per_rad(group: Record, inertia: float) -> float:
+    """Return the damping between motor and link that gives the damping ratio; 0 for a rigid joint. [N m s/rad]
+
+    Inertia: the reduced one of both sides. [kg m^2]
+    """
+    if group.compliance_rad_per_nm == 0.0:
+        return 0.0
+    return float(2.0 * group.damping_ratio * math.sqrt(inertia / group.compliance_rad_per_nm))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Backlash(HiddenEffect):
+    summary = "a gap between motor and link opens at every reversal"
+
+    gap_rad: float = strength(0.002, "full width of the gap", "rad", upper=0.1)
+    contact_compliance_rad_per_nm: float = number(
+        0.0001, "twist per torque in contact", "rad/(N m)", lower=1e-05, upper=0.01
+    )
+    contact_damping_ratio: float = number(0.2, "damping ratio of the contact", like="flank_damping_ratio")
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        share, gap, contact_hz, damping_ratio, far_share = values.values()
+        must(abs(share - 1.0) <= 2 * ALIKE, "all inertia and friction are on the link side of its backlash")
+        must(far_share >= 1.0 - ALIKE, "all inertia is on the link side of its backlash")
+        return {
+            "gap_rad": gap,
+            "contact_compliance_rad_per_nm": 1.0 / (setting.joint.inertia_kg_m2 * (2.0 * math.pi * contact_hz) ** 2),
+            "contact_damping_ratio": setting.with_both_sides_free(damping_ratio),
+        }
+
+
+@compiled()
+def engaged(group: Record, stretch: float) -> float:
+    """Return what is left of the stretch (motor less link) after the dead zone; the stretch itself without a gap. [rad]
+
+    The dead zone of Nordin and Gutman, Controlling mechanical systems with backlash (2002): 0 in the gap.
+    """
+    half = 0.5 * group.gap_rad
+    if stretch > half:
+        return float(stretch - half)
+    if stretch < -half:
+        return float(stretch + half)
+    return 0.0
+
+
+@compiled()
+def contact_nm(group: Record, engaged_rad: float) -> float:
+    """Return the elastic torque of the flanks, signed as the stretch that is left after the dead zone. [N m]"""
+    return float(engaged_rad / group.contact_compliance_rad_per_nm)
+
+
+@compiled()
+def contact_damping_nms_per_rad(group: Record, inertia: float) -> float:
+    """Return the damping of the flanks while they touch, which takes the energy of the impact. [N m s/rad]
+
+    Inertia: the reduced one of both sides. [kg m^2]
+    """
+    return float(2.0 * group.contact_damping_ratio * math.sqrt(inertia / group.contact_compliance_rad_per_nm))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class InertiaError(HiddenEffect):
+    summary = "the reflected inertia is not that of the model"
+    same_law = ""
+
+    extra_kg_m2: float = strength(0.1, "true inertia less the model's, reflected", like="extra_inertia_kg_m2")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class InertialCoupling(HiddenEffect):
+    summary = "a joint's rotor also turns with the neighbouring joint nearer to the base"
+    needs_neighbours = True
+    needs_moving_neighbour = True
+
+    ratio: float = strength(0.2, "turns after the gear per turn of the neighbour", lower=-inf)
+
+
+def coupled_mass(inertias: Float, ratios: Float) -> Float:
+    """Return the mass matrix of the rotors behind the sensors, symmetric and positive semidefinite, shape (n, n).
+
+    The kinetic energy is the sum of B_i / 2 (dq_i + ratio_i dq_{i-1})^2 (De Luca and Book, Robots with flexible
+    elements, 2016). Diagonal to the bit where all ratios are 0; the first joint has no neighbour.
+    """
+    mass = np.diag(np.asarray(inertias, dtype=np.float64))
+    for joint in range(1, len(inertias)):
+        shared = inertias[joint] * ratios[joint]
+        mass[joint - 1, joint - 1] += shared * ratios[joint]
+        mass[joint - 1, joint] += shared
+        mass[joint, joint - 1] += shared
+    return mass

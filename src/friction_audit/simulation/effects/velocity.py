@@ -1,0 +1,346 @@
+"""Effects of the velocity: how friction follows the speed, the direction, the rest and the reversals of a joint."""
+
+import math
+from dataclasses import dataclass
+
+from friction_audit.compiled import Record, compiled
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects.effect import ALIKE, Given, HiddenEffect, Setting, Values, must, number, strength
+
+EXPONENTIAL, LORENTZIAN, PIECEWISE = range(3)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Stribeck(HiddenEffect):
+    summary = "friction falls from rest to the Coulomb level as the speed rises"
+    forms = ("exponential", "lorentzian", "piecewise")
+    same_law = "exponential"
+
+    excess_nm: float = strength(0.15, "friction at rest above the Coulomb level", like="stribeck_excess_nm")
+    speed_rad_s: float = number(0.1, "speed over which it falls", like="stribeck_speed_rad_s")
+    exponent: float = number(2.0, "exponent of the exponential form", like="stribeck_exponent")
+    form: int = EXPONENTIAL
+
+
+@compiled()
+def stribeck_nm(group: Record, speed: float) -> float:
+    """Return the friction above the Coulomb level at a speed (not negative). [N m]"""
+    ratio = speed / group.speed_rad_s
+    if group.form == LORENTZIAN:
+        return float(group.excess_nm / (1.0 + ratio * ratio))
+    if group.form == PIECEWISE:
+        return float(group.excess_nm * max(0.0, 1.0 - ratio))
+    return float(group.excess_nm * math.exp(-(ratio**group.exponent)))
+
+
+SATURATING, LOGARITHMIC, IMMEDIATE = range(3)
+LONG_REST_S = 10.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Stiction(HiddenEffect):
+    summary = "break-away takes more than slow sliding, the more the longer the rest"
+    forms = ("saturating", "logarithmic", "immediate")
+
+    excess_nm: float = strength(
+        0.2, "break-away above sliding after a long rest (logarithmic: 10 s)", like="breakaway_excess_nm"
+    )
+    dwell_s: float = number(0.5, "rest over which it grows", like="ageing_s")
+    form: int = SATURATING
+
+
+@compiled()
+def stiction_nm(group: Record, rest_s: float) -> float:
+    """Return the break-away level above the sliding level after a rest (not negative). [N m]
+
+    Saturating is Kato, Sato and Matsubayashi (1972) with exponent 1; logarithmic is the ageing of contacts (Rabinowicz
+    1958, Dieterich 1972): without a bound, but ten times the rest adds only a fixed amount; immediate is the stick
+    level of Karnopp (1985), there from the first moment of rest.
+    """
+    if group.form == LOGARITHMIC:
+        share = math.log1p(rest_s / group.dwell_s) / math.log1p(LONG_REST_S / group.dwell_s)
+        return float(group.excess_nm * share)
+    if group.form == IMMEDIATE:
+        return float(group.excess_nm)
+    return float(-group.excess_nm * math.expm1(-rest_s / group.dwell_s))
+
+
+POWER, EYRING, ARCTAN, CUBIC = range(4)
+BEND = 10.0
+SMALL_SPEED_RAD_S = 0.02  # a friction that bends at a lower speed is a power of the speed
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class NonlinearViscous(HiddenEffect):
+    summary = "friction grows with speed along a curve, not a line"
+    forms = ("power", "eyring", "arctan", "cubic")
+
+    torque_nm: float = strength(0.15, "extra friction at the reference speed", "N m")
+    exponent: float = number(2.0, "exponent of the power form", lower=0.2, upper=4.0)
+    speed_rad_s: float = number(1.0, "reference speed", "rad/s", lower=0.001)
+    form: int = POWER
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        torque, exponent, bend = list(values.values())[:3]
+        must(bend <= SMALL_SPEED_RAD_S, f"its friction that bends at {bend:g} rad/s is no power of the speed")
+        return {"torque_nm": torque, "exponent": exponent, "speed_rad_s": 1.0, "form": "power"}
+
+
+@compiled()
+def nonlinear_viscous_nm(group: Record, speed: float) -> float:
+    """Return the friction on top of the viscous line at a speed (not negative, never falling). [N m]
+
+    Power is Waiboer, Aarts and Jonker (2005); eyring is the shear thinning of a lubricant (Eyring 1936), arctan a curve
+    that saturates, both bent at a tenth of the reference speed; cubic is the odd polynomial of Simoni et al. (2015).
+    """
+    ratio = speed / group.speed_rad_s
+    if group.form == EYRING:
+        return float(group.torque_nm * math.asinh(BEND * ratio) / math.asinh(BEND))
+    if group.form == ARCTAN:
+        return float(group.torque_nm * math.atan(BEND * ratio) / math.atan(BEND))
+    if group.form == CUBIC:
+        return float(group.torque_nm * ratio * ratio * ratio)
+    return float(group.torque_nm * ratio**group.exponent)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AsymmetricCoulomb(HiddenEffect):
+    summary = "Coulomb friction differs between the directions"
+    same_law = ""
+
+    half_difference_nm: float = strength(
+        0.08, "half of Coulomb friction forward less backward", like="coulomb_half_difference_nm"
+    )
+
+
+@compiled()
+def asymmetric_coulomb_nm(group: Record, sign: float) -> float:
+    """Return what the Coulomb level gains in a direction of motion, +1 or -1; negative where it loses. [N m]
+
+    Passive while the joint's Coulomb level is at least the half difference.
+    """
+    return float(group.half_difference_nm * sign)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AsymmetricViscous(HiddenEffect):
+    summary = "viscous friction differs between the directions"
+    same_law = ""
+
+    half_difference_nms_per_rad: float = strength(
+        0.03, "half of the viscous coefficient forward less backward", like="viscous_half_difference_nms_per_rad"
+    )
+
+
+@compiled()
+def asymmetric_viscous_nm(group: Record, sign: float, speed: float) -> float:
+    """Return what friction gains at a speed in a direction of motion, +1 or -1; negative where it loses. [N m]
+
+    Passive while the joint's viscous coefficient is at least the half difference.
+    """
+    return float(group.half_difference_nms_per_rad * sign * speed)
+
+
+LUGRE, DAHL, MAXWELL_SLIP = range(3)
+BRISTLES = 8
+FIRST_YIELD = sum(1.0 / k for k in range(1, BRISTLES + 1)) / BRISTLES
+LINEAR = 1e-9
+LEAST_LEVEL = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Presliding(HiddenEffect):
+    summary = "friction builds up like a spring over the path since a reversal"
+    forms = ("lugre", "dahl", "maxwell_slip")
+
+    displacement_rad: float = strength(0.005, "Coulomb friction over the stiffness at rest", "rad", upper=0.1)
+    damping_s: float = number(0.005, "micro-damping over stiffness, LuGre form", "s", upper=0.1)
+    exponent: float = number(1.5, "exponent of the Dahl form", lower=0.2, upper=3.0)
+    form: int = LUGRE
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        bristles, reach, exponent, damping = values.values()
+        all_of_it = abs(bristles - setting.joint.coulomb_nm) <= 2 * ALIKE * bristles
+        must(all_of_it, "its bristles bear all of the Coulomb friction, no other share of it")
+        if exponent == 1.0:
+            return {"displacement_rad": reach, "damping_s": damping, "form": "lugre"}
+        must(damping == 0.0, "its bristles with damping have the exponent 1")
+        return {"displacement_rad": reach, "exponent": exponent, "form": "dahl"}
+
+
+@compiled()
+def presliding_stiffness(group: Record, coulomb_nm: float) -> float:
+    """Return the stiffness at rest, constant whatever the present level; takes a displacement > 0. [N m/rad]"""
+    return float(coulomb_nm / group.displacement_rad)
+
+
+@compiled()
+def lugre_advance(z: float, sigma0: float, level: float, velocity: float, h: float) -> float:
+    """Move the deflection on by h at constant velocity: the exact solution of Canudas de Wit et al. (1995), eq. 1.
+
+    Stable for every h, because the deflection decays towards its steady value by an exponential.
+    """
+    decay = sigma0 * abs(velocity) * h / level
+    reached = -math.expm1(-decay) / decay if decay > 0.0 else 1.0
+    return z * math.exp(-decay) + velocity * h * reached
+
+
+@compiled()
+def lugre_rate(z: float, sigma0: float, level: float, velocity: float) -> float:
+    """Return the rate of the deflection: Canudas de Wit et al. (1995), eq. 1."""
+    return velocity - sigma0 * abs(velocity) * z / level
+
+
+@compiled()
+def lugre_force(z: float, rate: float, sigma0: float, sigma1: float) -> float:
+    """Return the force of the bristles of Canudas de Wit et al. (1995), without the viscous term."""
+    return sigma0 * z + sigma1 * rate
+
+
+@compiled()
+def passive_damping(sigma1: float, level: float, velocity: float) -> float:
+    """Return the micro-damping, less at speed, so that LuGre is passive at every viscous coefficient.
+
+    With the stored energy sigma0 z^2 / 2, the dissipated power is a quadratic form in z and v that is not negative as
+    long as sigma1 |v| <= 4 level. A constant sigma1 would take a viscous coefficient above sigma1 (Fs - Fc) / Fc
+    (Barabanov and Ortega 2000).
+    """
+    return sigma1 / (1.0 + sigma1 * abs(velocity) / (4.0 * level))
+
+
+@compiled()
+def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: float, exponent: float) -> float:
+    """Move the deflection on by h at constant velocity: the exact solution of Dahl (1976) for any exponent.
+
+    What is missing to the steady value, as a share of the level, falls along the path at its power ``exponent``.
+    """
+    if velocity == 0.0:
+        return z
+    sign = 1.0 if velocity > 0.0 else -1.0
+    path = sigma0 * abs(velocity) * h / level
+    missing = 1.0 - sigma0 * z * sign / level
+    bend = exponent - 1.0
+    if abs(bend) < LINEAR or missing == 0.0:
+        missing *= math.exp(-path)
+    else:
+        grown = 1.0 + bend * path * abs(missing) ** bend
+        missing *= grown ** (-1.0 / bend) if grown > 0.0 else 0.0
+    return sign * level * (1.0 - missing) / sigma0
+
+
+@compiled()
+def yield_rad(group: Record, k: int) -> float:
+    """Return where element k of Maxwell-slip yields at the Coulomb level, uniformly spread (Iwan 1966). [rad]
+
+    All elements bear the same share of the level; their first yield is such that their stiffness adds up to that at
+    rest.
+    """
+    return float(group.displacement_rad * FIRST_YIELD * (k + 1))
+
+
+@compiled()
+def presliding_advance(
+    group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float, h: float
+) -> None:
+    """Move the deflections on by h at constant velocity, in place.
+
+    Without Coulomb friction there is nothing that holds the joint, and nothing happens.
+    LuGre and Dahl use the first deflection. Coulomb friction sets the stiffness; the level is that of steady sliding
+    without the viscous part, at least a millionth of it.
+    """
+    if coulomb_nm <= 0.0:
+        return
+    level = max(level, LEAST_LEVEL * coulomb_nm)
+    sigma0 = presliding_stiffness(group, coulomb_nm)
+    if group.form == LUGRE:
+        bristles[0] = lugre_advance(bristles[0], sigma0, level, velocity, h)
+    elif group.form == DAHL:
+        bristles[0] = dahl_advance(bristles[0], sigma0, level, velocity, h, group.exponent)
+    else:
+        for k in range(BRISTLES):
+            limit = yield_rad(group, k) * level / coulomb_nm
+            held = min(limit, max(-limit, bristles[k]))
+            bristles[k] = min(limit, max(-limit, held + velocity * h))
+
+
+@compiled()
+def presliding_force_nm(group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float) -> float:
+    """Return the friction torque without the viscous part, positive in steady motion forward (there: level). [N m]
+
+    Passive in every form, also while the level changes: sigma0 z^2 / 2, summed over the elements, is the stored energy.
+    LuGre and Dahl creep under a load that swings below break-away (Dupont et al. 2002); Maxwell-slip does not.
+    """
+    if coulomb_nm <= 0.0:
+        return 0.0
+    level = max(level, LEAST_LEVEL * coulomb_nm)
+    sigma0 = presliding_stiffness(group, coulomb_nm)
+    if group.form == LUGRE:
+        sigma1 = passive_damping(group.damping_s * sigma0, level, velocity)
+        return float(lugre_force(bristles[0], lugre_rate(bristles[0], sigma0, level, velocity), sigma0, sigma1))
+    if group.form == DAHL:
+        return float(sigma0 * bristles[0])
+    force = 0.0
+    for k in range(BRISTLES):
+        force += coulomb_nm / (BRISTLES * yield_rad(group, k)) * bristles[k]
+    return force
+
+
+RELAXING, DELAYED = range(2)
+LONGEST_LAG_S = 0.05
+SAMPLE_S = 0.0005
+SLOTS = 104  # of the longest lag, and room to interpolate
+AGE, NEWEST, PREVIOUS, RING = range(4)
+LAG_MEMORY = RING + SLOTS
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FrictionalLag(HiddenEffect):
+    summary = "friction answers late to a change of speed"
+    forms = ("relaxing", "delayed")
+
+    lag_s: float = strength(0.03, "time by which friction lags the speed", "s", upper=LONGEST_LAG_S)
+    form: int = RELAXING
+
+
+@compiled()
+def frictional_lag_speed(group: Record, memory: Float, speed: float, h: float) -> float:
+    """Move on by h to the present speed and return the speed that friction sees, in between those that were. [rad/s]
+
+    Relaxing is the first-order state of rate and state friction (Ruina 1983), delayed the pure time lag of Hess and
+    Soom (1990). Passive: the direction is that of the present motion.
+    The memory, shape (LAG_MEMORY,), is zero at rest and changed in place.
+    """
+    if group.lag_s == 0.0:
+        return speed
+    if group.form == DELAYED:
+        remember(memory, speed, h)
+        return float(recall(memory, group.lag_s))
+    memory[PREVIOUS] -= (speed - memory[PREVIOUS]) * math.expm1(-h / group.lag_s)
+    return float(memory[PREVIOUS])
+
+
+@compiled()
+def remember(memory: Float, speed: float, h: float) -> None:
+    """Keep a sample of the speed every 0.5 ms, whatever the steps; between two calls the speed is linear in time."""
+    memory[AGE] += h
+    while memory[AGE] >= SAMPLE_S:
+        memory[AGE] -= SAMPLE_S
+        newest = (int(memory[NEWEST]) + 1) % SLOTS
+        memory[NEWEST] = newest
+        memory[RING + newest] = speed - (speed - memory[PREVIOUS]) * memory[AGE] / h
+    memory[PREVIOUS] = speed
+
+
+@compiled()
+def recall(memory: Float, lag_s: float) -> float:
+    """Return the speed of a time ago, linear between the samples. [rad/s]"""
+    newest = int(memory[NEWEST])
+    if lag_s <= memory[AGE]:
+        return float(memory[PREVIOUS] + (memory[RING + newest] - memory[PREVIOUS]) * lag_s / memory[AGE])
+    back = (lag_s - memory[AGE]) / SAMPLE_S
+    slot = int(back)
+    later = memory[RING + (newest - slot) % SLOTS]
+    earlier = memory[RING + (newest - slot - 1) % SLOTS]
+    return float(later + (earlier - later) * (back - slot))
