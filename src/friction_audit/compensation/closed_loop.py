@@ -21,19 +21,12 @@ from friction_audit.joint_log import Float, read_only
 
 
 class Recorded(NamedTuple):
-    """One joint's recording, n samples.
+    """One joint's recording, n samples."""
 
-    Attributes:
-        t: Time. [s]
-        dq: Velocity. [rad/s]
-        torque: Interaction torque F_m. [N m]
-        logged: Torque of a compensator that was active, shape (n,), or empty. [N m]
-    """
-
-    t: Float
-    dq: Float
-    torque: Float
-    logged: Float
+    t: Float  # time [s]
+    dq: Float  # velocity [rad/s]
+    torque: Float  # interaction torque F_m [N m]
+    logged: Float  # torque of a compensator that was active, shape (n,), or empty [N m]
 
     @property
     def total(self) -> Float:
@@ -42,67 +35,39 @@ class Recorded(NamedTuple):
 
 
 class Control(NamedTuple):
-    """The compensator of a joint, and where its run is written.
+    """The compensator of a joint, and where its run is written."""
 
-    Attributes:
-        settings: Record of the compensator.
-        memory: Its memory; changed.
-        tally: Record of TALLY; changed.
-        feed: Friction that a compensator with a joint's model feeds forward.
-        cuts: Per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all.
-        torques: Zeros that receive torques in force: person, law, passivity controller, limits, shape (4, n). [N m]
-        rows: Receives a row per cycle, shape (most, COLUMNS).
-    """
-
-    settings: Record
-    memory: Record
-    tally: Record
-    feed: Feed
+    settings: Record  # record of the compensator
+    memory: Record  # its memory; changed
+    tally: Record  # record of TALLY; changed
+    feed: Feed  # friction that a compensator with a joint's model feeds forward
+    # per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all
     cuts: NDArray[np.int64]
-    torques: Float
-    rows: Float
+    torques: Float  # zeros that receive torques in force: person, law, passivity controller, limits, shape (4, n) [N m]
+    rows: Float  # receives a row per cycle, shape (most, COLUMNS)
 
 
 class Joint(NamedTuple):
-    """Joint and operator.
+    """Joint and operator."""
 
-    Attributes:
-        tables: What both take but for the operator's spring, and the inertia of both.
-        own_kg_m2: Inertia of the joint alone. [kg m^2]
-        inertia_kg_m2: Inertia of the operator. [kg m^2]
-        damping_nms_per_rad: Damping of the operator, in the tables too. [N m s/rad]
-        stiffness_nm_per_rad: Stiffness of the operator, against position zero. [N m/rad]
-        longest_s: Longest step. [s]
-        bent: State of the bristles at the first sample and at every new start, shape (r, 1 + m).
-    """
-
-    tables: Tables
-    own_kg_m2: float
-    inertia_kg_m2: float
-    damping_nms_per_rad: float
-    stiffness_nm_per_rad: float
-    longest_s: float
-    bent: Float
+    tables: Tables  # what both take but for the operator's spring, and the inertia of both
+    own_kg_m2: float  # inertia of the joint alone [kg m^2]
+    inertia_kg_m2: float  # inertia of the operator [kg m^2]
+    damping_nms_per_rad: float  # damping of the operator, in the tables too [N m s/rad]
+    stiffness_nm_per_rad: float  # stiffness of the operator, against position zero [N m/rad]
+    longest_s: float  # longest step [s]
+    bent: Float  # state of the bristles at the first sample and at every new start, shape (r, 1 + m)
 
 
 class Drive(NamedTuple):
-    """What drives the joint, n samples.
+    """What drives the joint, n samples."""
 
-    Attributes:
-        t: Time. [s]
-        push: Torque on the joint, linear between the samples; of an operator at position zero and at rest. [N m]
-        lacking: Torque that the joint's model lacks: the sensor feels it, ``push`` is without it. [N m]
-        q: Position as recorded. [rad]
-        dq: Velocity as recorded. [rad/s]
-        restart: True where the joint starts again from the recording, shape (n,).
-    """
-
-    t: Float
-    push: Float
-    lacking: Float
-    q: Float
-    dq: Float
-    restart: NDArray[np.bool_]
+    t: Float  # time [s]
+    push: Float  # torque on the joint, linear between the samples; of an operator at position zero and at rest [N m]
+    lacking: Float  # torque that the joint's model lacks: the sensor feels it, ``push`` is without it [N m]
+    q: Float  # position as recorded [rad]
+    dq: Float  # velocity as recorded [rad/s]
+    restart: NDArray[np.bool_]  # True where the joint starts again from the recording, shape (n,)
 
 
 @compiled()

@@ -35,57 +35,34 @@ CONSTANT = ("offset", "torque_bias")  # terms of a constant torque
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class MovedJoint:
-    """A joint that can be simulated in a compensator's loop.
+    """A joint that can be simulated in a compensator's loop."""
 
-    Attributes:
-        model: Its model.
-        fitted: The fit to the log that the model is; None where it is of a file.
-        tables: What its terms take along the recording.
-    """
-
-    model: JointModel
-    fitted: FittedJoint | None = None
-    tables: Tables
+    model: JointModel  # its model
+    fitted: FittedJoint | None = None  # the fit to the log that the model is; None where it is of a file
+    tables: Tables  # what its terms take along the recording
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Scene:
-    """One joint's recording, and what moves otherwise than recorded; None in the recorded motion.
+    """One joint's recording, and what moves otherwise than recorded; None in the recorded motion."""
 
-    Attributes:
-        recorded: The recording.
-        cuts: Per sample FIND, or where cycles end, shape (n,) or (1,).
-        motion: The recording as a model reads it; None where no model does.
-        joint: The joint that moves otherwise, or None.
-        operator: The person's impedance, or None.
-        lacking: Torque that its model lacks, shape (n,) or empty. [N m]
-        restart: Where the joint starts again from the recording, shape (n,) or empty.
-    """
-
-    recorded: Recorded
-    cuts: NDArray[np.int64]
-    motion: Motion | None = None
-    joint: MovedJoint | None = None
-    operator: FittedOperator | None = None
-    lacking: Float
-    restart: NDArray[np.bool_]
+    recorded: Recorded  # the recording
+    cuts: NDArray[np.int64]  # per sample FIND, or where cycles end, shape (n,) or (1,)
+    motion: Motion | None = None  # the recording as a model reads it; None where no model does
+    joint: MovedJoint | None = None  # the joint that moves otherwise, or None
+    operator: FittedOperator | None = None  # the person's impedance, or None
+    lacking: Float  # torque that its model lacks, shape (n,) or empty [N m]
+    restart: NDArray[np.bool_]  # where the joint starts again from the recording, shape (n,) or empty
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Run:
-    """What came out.
+    """What came out."""
 
-    Attributes:
-        signals: Up to where it diverged, if it did.
-        rows: A row per cycle, shape (m, COLUMNS).
-        tally: Record of TALLY.
-        last: Coefficients applied at the end, after the last whole cycle.
-    """
-
-    signals: Signals
-    rows: Float
-    tally: Record
-    last: Coefficients
+    signals: Signals  # up to where it diverged, if it did
+    rows: Float  # a row per cycle, shape (m, COLUMNS)
+    tally: Record  # record of TALLY
+    last: Coefficients  # coefficients applied at the end, after the last whole cycle
 
 
 def recording_of(interaction: Interaction, column: int) -> Recorded:

@@ -39,15 +39,10 @@ NO_MODEL = "the model file has no model of it; give one, or remove --joint-model
 
 
 class Feed(NamedTuple):
-    """Friction as tables, and the bristles of the controller.
+    """Friction as tables, and the bristles of the controller."""
 
-    Attributes:
-        tables: What friction takes.
-        bent: State of the bristles, shape (1 + m,); changed.
-    """
-
-    tables: Tables
-    bent: Float
+    tables: Tables  # what friction takes
+    bent: Float  # state of the bristles, shape (1 + m,); changed
 
 
 def straighten(tables: Tables, *, damping_nms_per_rad: float = 0.0) -> Tables:

@@ -17,15 +17,9 @@ LEAST_INERTIA_KG_M2 = 1e-3  # no motor with its gear has less; what seems to was
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FittedJoint:
-    """Inertia and friction with their 95 % intervals.
+    """Inertia and friction with their 95 % intervals."""
 
-    Attributes:
-        inertia: Reflected inertia. [kg m^2]
-        coulomb: [N m]
-        viscous: [N m s/rad]
-    """
-
-    inertia: Coefficient
+    inertia: Coefficient  # reflected inertia [kg m^2]
     coulomb: Coefficient
     viscous: Coefficient
 
@@ -78,19 +72,12 @@ TYPICAL = "an adult's arm, at a joint half a metre from the hand: --operator 0.3
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FittedOperator:
-    """Impedance of the person with its 95 % intervals; given ones have none.
-
-    Attributes:
-        inertia: [kg m^2]
-        damping: [N m s/rad]
-        stiffness: [N m/rad]
-        reversals: Reversals it rests on; 0 if it was given.
-    """
+    """Impedance of the person with its 95 % intervals; given ones have none."""
 
     inertia: Coefficient
     damping: Coefficient
     stiffness: Coefficient
-    reversals: int = 0
+    reversals: int = 0  # reversals it rests on; 0 if it was given
 
 
 def given_operator(given: OperatorImpedance) -> FittedOperator:

@@ -20,23 +20,14 @@ STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Signals:
-    """One joint over time, n samples; a torque at sample i is the one in force at t[i].
+    """One joint over time, n samples; a torque at sample i is the one in force at t[i]."""
 
-    Attributes:
-        t: Time. [s]
-        dq: Velocity. [rad/s]
-        interaction_nm: Torque of the person, the interaction torque. [N m]
-        compensation_nm: Torque that the compensator's law asks for. [N m]
-        passivity_nm: Torque that its passivity controller adds. [N m]
-        limited_nm: What the limits of torque and rate change of their sum. [N m]
-    """
-
-    t: Float
-    dq: Float
-    interaction_nm: Float
-    compensation_nm: Float
-    passivity_nm: Float
-    limited_nm: Float
+    t: Float  # time [s]
+    dq: Float  # velocity [rad/s]
+    interaction_nm: Float  # torque of the person, the interaction torque [N m]
+    compensation_nm: Float  # torque that the compensator's law asks for [N m]
+    passivity_nm: Float  # torque that its passivity controller adds [N m]
+    limited_nm: Float  # what the limits of torque and rate change of their sum [N m]
 
     @property
     def damping_nms_per_rad(self) -> Float:
@@ -53,167 +44,97 @@ class Signals:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class ReplayHistory:
-    """What happened in each cycle of the compensator, m rows.
+    """What happened in each cycle of the compensator, m rows."""
 
-    Attributes:
-        start: First sample, shape (m,).
-        stop: Sample at which the cycle ended.
-        start_s: [s]
-        stop_s: [s]
-        friction_j: What friction took, which the person would have had to give without compensation. [J]
-        net_energy_j: That less what compensator and passivity controller gave: what was left to the person. [J]
-        path_rad: Path. [rad]
-        square_speed_rad2_s: Integral of dq^2 dt. [rad^2/s]
-        coulomb_applied_nm: Coulomb friction compensated during the cycle. [N m]
-        viscous_applied_nms_per_rad: Viscous friction compensated during it. [N m s/rad]
-        coulomb_estimated_nm: Estimate in force after its end, NaN before there is one. [N m]
-        viscous_estimated_nms_per_rad: Likewise. [N m s/rad]
-        acted: True if the passivity controller acted in it.
-        status: What came of it, as in ``records``.
-    """
-
-    start: NDArray[np.int64]
-    stop: NDArray[np.int64]
+    start: NDArray[np.int64]  # first sample, shape (m,)
+    stop: NDArray[np.int64]  # sample at which the cycle ended
     start_s: Float
     stop_s: Float
-    friction_j: Float
-    net_energy_j: Float
-    path_rad: Float
-    square_speed_rad2_s: Float
-    coulomb_applied_nm: Float
-    viscous_applied_nms_per_rad: Float
-    coulomb_estimated_nm: Float
-    viscous_estimated_nms_per_rad: Float
-    acted: NDArray[np.bool_]
-    status: NDArray[np.int64]
+    friction_j: Float  # what friction took, which the person would have had to give without compensation [J]
+    net_energy_j: Float  # that less what compensator and passivity controller gave: what was left to the person [J]
+    path_rad: Float  # path [rad]
+    square_speed_rad2_s: Float  # integral of dq^2 dt [rad^2/s]
+    coulomb_applied_nm: Float  # Coulomb friction compensated during the cycle [N m]
+    viscous_applied_nms_per_rad: Float  # viscous friction compensated during it [N m s/rad]
+    coulomb_estimated_nm: Float  # estimate in force after its end, NaN before there is one [N m]
+    viscous_estimated_nms_per_rad: Float  # likewise [N m s/rad]
+    acted: NDArray[np.bool_]  # True if the passivity controller acted in it
+    status: NDArray[np.int64]  # what came of it, as in ``records``
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Passivity:
-    """How passive the compensated joint stayed; a violation is beyond what two samples and the payback exchange.
+    """How passive the compensated joint stayed; a violation is beyond what two samples and the payback exchange."""
 
-    Attributes:
-        violations: Samples at which the ledger from the start was below zero.
-        violations_since_activation: Likewise of the ledger that begins when the compensator first acts.
-        active_cycles: Cycles in which the joint gave out more than 5 % of what friction took.
-        lowest_j: Lowest value of the ledger from the start. [J]
-        lowest_since_activation_j: Lowest value of the other one. [J]
-        reserve_j: What the ledger held when the compensator first acted. [J]
-        activation_s: When that was, NaN if never. [s]
-        injected_j: What the passivity controller dissipated. [J]
-        active_fraction: Share of the time for which the passivity controller acted.
-        hidden: True where the reserve of the first cycles hides over-compensation from the ledger.
-    """
-
-    violations: int
-    violations_since_activation: int
-    active_cycles: int
-    lowest_j: float
-    lowest_since_activation_j: float
-    reserve_j: float
-    activation_s: float
-    injected_j: float
-    active_fraction: float
-    hidden: bool
+    violations: int  # samples at which the ledger from the start was below zero
+    violations_since_activation: int  # likewise of the ledger that begins when the compensator first acts
+    active_cycles: int  # cycles in which the joint gave out more than 5 % of what friction took
+    lowest_j: float  # lowest value of the ledger from the start [J]
+    lowest_since_activation_j: float  # lowest value of the other one [J]
+    reserve_j: float  # what the ledger held when the compensator first acted [J]
+    activation_s: float  # when that was, NaN if never [s]
+    injected_j: float  # what the passivity controller dissipated [J]
+    active_fraction: float  # share of the time for which the passivity controller acted
+    hidden: bool  # True where the reserve of the first cycles hides over-compensation from the ledger
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Recovery:
-    """A step of friction, and how the compensator got over it.
+    """A step of friction, and how the compensator got over it."""
 
-    Attributes:
-        step_s: When friction changed, the start of the first cycle after it. [s]
-        change: Friction after it over friction before it.
-        cycles: Cycles until the compensation was right again, None if it never was.
-        seconds: Time until then, NaN if it never was. [s]
-    """
-
-    step_s: float
-    change: float
-    cycles: int | None
-    seconds: float
+    step_s: float  # when friction changed, the start of the first cycle after it [s]
+    change: float  # friction after it over friction before it
+    cycles: int | None  # cycles until the compensation was right again, None if it never was
+    seconds: float  # time until then, NaN if it never was [s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Numbers:
-    """What a replay comes to.
+    """What a replay comes to."""
 
-    Attributes:
-        energy_recorded_j: Net energy of the person in the recording. [J]
-        energy_without_j: Net energy without a compensator. [J]
-        energy_with_j: Net energy with it. [J]
-        dissipation_removed: One less the size of ``energy_with_j`` over ``energy_without_j``: energy that is given out
-            counts as left over, so that over-compensation is no merit.
-        dissipation_removed_updated: Likewise of the cycles from the second update of the coefficients on, where what a
-            single cycle gives out counts as left over.
-        peak_torque_without_nm: Largest interaction torque without a compensator. [N m]
-        peak_torque_with_nm: With it. [N m]
-        rms_torque_without_nm: Root mean square over the time. [N m]
-        rms_torque_with_nm: With it. [N m]
-        peak_compensation_nm: Largest torque of compensator and passivity controller. [N m]
-        peak_rate_nm_s: Fastest change of it. [N m/s]
-        limited_fraction: Share of the samples at a limit of torque or rate.
-        cycles_to_converge: Cycles before the compensation stayed right, None if it never did.
-        diverged_s: When the loop ran away, NaN if it did not. [s]
-    """
-
-    energy_recorded_j: float
-    energy_without_j: float
-    energy_with_j: float
+    energy_recorded_j: float  # net energy of the person in the recording [J]
+    energy_without_j: float  # net energy without a compensator [J]
+    energy_with_j: float  # net energy with it [J]
+    # one less the size of ``energy_with_j`` over ``energy_without_j``: energy that is given out counts as left over, so
+    # that over-compensation is no merit
     dissipation_removed: float
+    # likewise of the cycles from the second update of the coefficients on, where what a single cycle gives out counts
+    # as left over
     dissipation_removed_updated: float
-    peak_torque_without_nm: float
-    peak_torque_with_nm: float
-    rms_torque_without_nm: float
-    rms_torque_with_nm: float
-    peak_compensation_nm: float
-    peak_rate_nm_s: float
-    limited_fraction: float
-    cycles_to_converge: int | None
-    diverged_s: float
+    peak_torque_without_nm: float  # largest interaction torque without a compensator [N m]
+    peak_torque_with_nm: float  # with it [N m]
+    rms_torque_without_nm: float  # root mean square over the time [N m]
+    rms_torque_with_nm: float  # with it [N m]
+    peak_compensation_nm: float  # largest torque of compensator and passivity controller [N m]
+    peak_rate_nm_s: float  # fastest change of it [N m/s]
+    limited_fraction: float  # share of the samples at a limit of torque or rate
+    cycles_to_converge: int | None  # cycles before the compensation stayed right, None if it never did
+    diverged_s: float  # when the loop ran away, NaN if it did not [s]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class JointReplay:
-    """One joint.
+    """One joint."""
 
-    Attributes:
-        joint: Number for people.
-        name: Name in the log.
-        compensator: What ran, thresholds and limits as in force.
-        limits: Limits in force.
-        without: The joint without a compensator.
-        replayed: The joint with it, up to where it diverged, if it did; None where there is a reason, as below.
-        history: Per cycle of the compensator.
-        last: Coefficients applied after the last cycle that ended, or None.
-        numbers: What it comes to.
-        passivity: How passive it stayed.
-        recovery: A step of friction in the log, or None.
-        model: The joint's model of a file, or None.
-        fitted: The joint fitted to the log that moved otherwise than recorded, or None.
-        operator: The person who moved it, or None.
-        simulated: True if a joint, fitted or of a file, moved otherwise than recorded.
-        model_error: How far the simulated joint without a compensator is from the recorded motion, over this; or NaN.
-        reason: Why the replay means nothing for this joint; empty if it does.
-    """
-
-    joint: int
-    name: str
-    compensator: Compensator
-    limits: Limits
-    without: Signals
+    joint: int  # number for people
+    name: str  # name in the log
+    compensator: Compensator  # what ran, thresholds and limits as in force
+    limits: Limits  # limits in force
+    without: Signals  # the joint without a compensator
+    # the joint with it, up to where it diverged, if it did; None where there is a reason, as below
     replayed: Signals | None = None
-    history: ReplayHistory | None = None
-    last: Coefficients | None = None
-    numbers: Numbers | None = None
-    passivity: Passivity | None = None
-    recovery: Recovery | None = None
-    model: JointModel | None = None
-    fitted: FittedJoint | None = None
-    operator: FittedOperator | None = None
-    simulated: bool = False
+    history: ReplayHistory | None = None  # per cycle of the compensator
+    last: Coefficients | None = None  # coefficients applied after the last cycle that ended, or None
+    numbers: Numbers | None = None  # what it comes to
+    passivity: Passivity | None = None  # how passive it stayed
+    recovery: Recovery | None = None  # a step of friction in the log, or None
+    model: JointModel | None = None  # the joint's model of a file, or None
+    fitted: FittedJoint | None = None  # the joint fitted to the log that moved otherwise than recorded, or None
+    operator: FittedOperator | None = None  # the person who moved it, or None
+    simulated: bool = False  # True if a joint, fitted or of a file, moved otherwise than recorded
+    # how far the simulated joint without a compensator is from the recorded motion, over this; or NaN
     model_error: float = float("nan")
-    reason: str = ""
+    reason: str = ""  # why the replay means nothing for this joint; empty if it does
 
     def __repr__(self) -> str:
         if self.numbers is None or self.reason:

@@ -30,17 +30,11 @@ FITTED, MODELLED = "the joint fitted to this log", "the joint of the model file"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Counterfactual:
-    """What is assumed of the person who would have met another joint than the recorded one.
+    """What is assumed of the person who would have met another joint than the recorded one."""
 
-    Attributes:
-        name: As on the command line.
-        title: In a few words, for figures and tables.
-        assumes: One sentence for every output.
-    """
-
-    name: str
-    title: str
-    assumes: str
+    name: str  # as on the command line
+    title: str  # in a few words, for figures and tables
+    assumes: str  # one sentence for every output
 
 
 SAME_MOTION = Counterfactual(
@@ -68,16 +62,12 @@ COUNTERFACTUALS = {one.name: one for one in (SAME_MOTION, SAME_TORQUE, SAME_OPER
 class Limits:
     """Limits of what a compensator may command on one joint.
 
-    Attributes:
-        torque_nm: Largest torque; infinite without a limit. [N m]
-        rate_nm_s: Fastest change of it. [N m/s]
-
     Raises:
         UsageError: If a limit is not above zero.
     """
 
-    torque_nm: float = inf
-    rate_nm_s: float = inf
+    torque_nm: float = inf  # largest torque; infinite without a limit [N m]
+    rate_nm_s: float = inf  # fastest change of it [N m/s]
 
     def __post_init__(self) -> None:
         for name, value in (("torque", self.torque_nm), ("torque rate", self.rate_nm_s)):
@@ -96,22 +86,18 @@ def limits_of(robot: str, joint: int) -> Limits:
 class Competitor:
     """Another compensator than the paper's, tuned from the log.
 
-    Attributes:
-        name: One of COMPETITORS. ``"fixed"``: the coefficients of the whole log from the start. ``"sigmoid"``: as
-            published for a Panda, else nearest to the log's friction. ``"lugre"``: with the log's friction.
-            ``"model"``: the friction of a model file instead of the log's.
-        observer_gain_per_s: Of the disturbance observer. [1/s]
-        motor_inertia_kg_m2: As the compensator assumes it, or None for the inertia fitted to the log. [kg m^2]
-        desired_inertia_kg_m2: Of the torque regulation, or None for half the motor's. [kg m^2]
-
     Raises:
         UsageError: If the name is unknown.
     """
 
+    # one of COMPETITORS. ``"fixed"``: the coefficients of the whole log from the start. ``"sigmoid"``: as published for
+    # a Panda, else nearest to the log's friction. ``"lugre"``: with the log's friction. ``"model"``: the friction of a
+    # model file instead of the log's
     name: str
-    observer_gain_per_s: float = 20.0
+    observer_gain_per_s: float = 20.0  # of the disturbance observer [1/s]
+    # as the compensator assumes it, or None for the inertia fitted to the log [kg m^2]
     motor_inertia_kg_m2: float | None = None
-    desired_inertia_kg_m2: float | None = None
+    desired_inertia_kg_m2: float | None = None  # of the torque regulation, or None for half the motor's [kg m^2]
 
     def __post_init__(self) -> None:
         if self.name not in COMPETITORS:
@@ -133,16 +119,11 @@ def energy_compensator(model: str = DEFAULT_MODEL, window: int | None = None, **
 class OperatorImpedance:
     """A person's arm as one joint feels it.
 
-    Attributes:
-        inertia_kg_m2: Effective inertia. [kg m^2]
-        damping_nms_per_rad: [N m s/rad]
-        stiffness_nm_per_rad: [N m/rad]
-
     Raises:
         UsageError: If a number is negative or not finite, or all are zero.
     """
 
-    inertia_kg_m2: float
+    inertia_kg_m2: float  # effective inertia [kg m^2]
     damping_nms_per_rad: float
     stiffness_nm_per_rad: float
 
@@ -157,15 +138,10 @@ class OperatorImpedance:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ModelFile:
-    """Models of the joints of a log, and where they were read.
+    """Models of the joints of a log, and where they were read."""
 
-    Attributes:
-        path: Of the file, as given.
-        model: One model per joint of the log.
-    """
-
-    path: str
-    model: ArmModel
+    path: str  # of the file, as given
+    model: ArmModel  # one model per joint of the log
 
     def joint(self, number: int) -> JointModel | None:
         """Return the model of a joint by its number for people, None where the file has none.
@@ -185,27 +161,21 @@ class ModelFile:
 class ReplaySettings:
     """Settings of a replay.
 
-    Attributes:
-        assume: ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``.
-        compensator: What runs on every joint; its thresholds give way to those of the segmentation.
-        competitor: What runs instead, tuned from the log; None for ``compensator``.
-        joint_model: Models of the joints, which move in place of those fitted to the log, and whose friction the
-            competitor ``"model"`` applies; None without a file.
-        operator: Impedance of the person with ``"same-operator"``; None to fit it from the log.
-        max_torque_nm: Limit of the torque, or None for the arm's own. [N m]
-        max_torque_rate_nm_s: Limit of its change, or None for the arm's own. [N m/s]
-
     Raises:
         UsageError: If a name is unknown or settings contradict each other.
     """
 
-    assume: str = SAME_MOTION.name
+    assume: str = SAME_MOTION.name  # ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``
+    # what runs on every joint; its thresholds give way to those of the segmentation
     compensator: Compensator = field(default_factory=energy_compensator)
-    competitor: Competitor | None = None
+    competitor: Competitor | None = None  # what runs instead, tuned from the log; None for ``compensator``
+    # models of the joints, which move in place of those fitted to the log, and whose friction the competitor
+    # ``"model"`` applies; None without a file
     joint_model: ModelFile | None = None
+    # impedance of the person with ``"same-operator"``; None to fit it from the log
     operator: OperatorImpedance | None = None
-    max_torque_nm: float | None = None
-    max_torque_rate_nm_s: float | None = None
+    max_torque_nm: float | None = None  # limit of the torque, or None for the arm's own [N m]
+    max_torque_rate_nm_s: float | None = None  # limit of its change, or None for the arm's own [N m/s]
 
     def __post_init__(self) -> None:
         if self.assume not in COUNTERFACTUALS:

@@ -30,21 +30,13 @@ SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1  # speeds at which a term is asked; the diffe
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Bristles:
-    """Bristles by their curve of k points, as Dahl has it, or as m springs.
+    """Bristles by their curve of k points, as Dahl has it, or as m springs."""
 
-    Attributes:
-        path: Path since a reversal to backwards, rising from 0, shape (k,). [rad]
-        torque: What they take there, falling, shape (k,). [N m]
-        stiffness: Of each spring, shape (m,). [N m/rad]
-        reach: Deflection at which it slips, shape (m,). [rad]
-        damping_s: Damping over stiffness. [s]
-    """
-
-    path: Float
-    torque: Float
-    stiffness: Float
-    reach: Float
-    damping_s: float
+    path: Float  # path since a reversal to backwards, rising from 0, shape (k,) [rad]
+    torque: Float  # what they take there, falling, shape (k,) [N m]
+    stiffness: Float  # of each spring, shape (m,) [N m/rad]
+    reach: Float  # deflection at which it slips, shape (m,) [rad]
+    damping_s: float  # damping over stiffness [s]
 
     @property
     def some(self) -> bool:

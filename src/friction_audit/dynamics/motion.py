@@ -14,24 +14,17 @@ INERTIAL_PARAMETERS = 10
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class RigidBody:
-    """Torques of one joint per unit of what may be wrong with the rigid-body model of the arm, at m times.
+    """Torques of one joint per unit of what may be wrong with the rigid-body model of the arm, at m times."""
 
-    Attributes:
-        t: Times, coarse enough to be stored, fine enough to be interpolated, shape (m,). [s]
-        links: Numbers (1..j) of the links whose weight is given.
-        weight: Torque per unit of first moment x, y, z [kg m] and mass [kg] of those links, by gravity, and by the
-            links' inertia where it is in the balance; linearly dependent columns are zero, shape (m, len(links), 4).
-        tilt: Gravity torque per unit of gravity along two directions across the vertical [m/s^2], shape (m, 2).
-        inertial: Torque M ddq + c of the model; None where the link's inertia is not in the balance, shape (m,). [N m]
-        tip: The same per unit of each inertial parameter of the last link, shape (m, 10), or None.
-    """
-
-    t: Float
-    links: tuple[int, ...]
+    t: Float  # times, coarse enough to be stored, fine enough to be interpolated, shape (m,) [s]
+    links: tuple[int, ...]  # numbers (1..j) of the links whose weight is given
+    # torque per unit of first moment x, y, z [kg m] and mass [kg] of those links, by gravity, and by the links' inertia
+    # where it is in the balance; linearly dependent columns are zero, shape (m, len(links), 4)
     weight: Float
-    tilt: Float
+    tilt: Float  # gravity torque per unit of gravity along two directions across the vertical [m/s^2], shape (m, 2)
+    # torque M ddq + c of the model; None where the link's inertia is not in the balance, shape (m,) [N m]
     inertial: Float | None
-    tip: Float | None
+    tip: Float | None  # the same per unit of each inertial parameter of the last link, shape (m, 10), or None
     _kept: "list[RigidBody]" = field(default_factory=list, init=False, repr=False)
 
     def on(self, t: Float) -> "RigidBody":
@@ -57,50 +50,33 @@ def _interpolated(times: Float, torque: Float, t: Float) -> Float:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Others:
-    """All joints of the arm, this one among them, j of them.
+    """All joints of the arm, this one among them, j of them."""
 
-    Attributes:
-        joint: Which of them this joint is, 0..j-1.
-        dq: Velocities, shape (n, j). [rad/s]
-        ddq: Accelerations, shape (n, j). [rad/s^2]
-        sensed: What their torque sensors read, gravity included, with the sign of the interaction torque,
-            shape (n, j). [N m]
-    """
-
-    joint: int
-    dq: Float
-    ddq: Float
+    joint: int  # which of them this joint is, 0..j-1
+    dq: Float  # velocities, shape (n, j) [rad/s]
+    ddq: Float  # accelerations, shape (n, j) [rad/s^2]
+    # what their torque sensors read, gravity included, with the sign of the interaction torque, shape (n, j) [N m]
     sensed: Float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Motion:
-    """Motion of one joint, shape (n,) each, and other inputs of a torque.
+    """Motion of one joint, shape (n,) each, and other inputs of a torque."""
 
-    Attributes:
-        t: Time. [s]
-        q: Position. [rad]
-        dq: Velocity. [rad/s]
-        ddq: Acceleration. [rad/s^2]
-        load: Load on the joint's gear in addition to ``rest``: gravity and the inertia of links as far as it is in the
-            sensor and not in ``rest``; predicted, never measured; None where it is not known. [N m]
-        temperature: Temperature; None where it was not logged. [degC]
-        others: All joints of the arm; None for a single joint.
-        rest: Torque of inertia, Coulomb and viscous friction of the same model; None where it is not needed. Effects
-            that change how torque gets to the sensor, as a delay or a spring does, act on it. [N m]
-        rigid: Torques of the rigid-body model of the arm; None where no model is known.
-        way: Mean sign of the velocity over the cell of each sample; None where the sign at the sample is meant.
-    """
-
-    t: Float
-    q: Float
-    dq: Float
-    ddq: Float
+    t: Float  # time [s]
+    q: Float  # position [rad]
+    dq: Float  # velocity [rad/s]
+    ddq: Float  # acceleration [rad/s^2]
+    # load on the joint's gear in addition to ``rest``: gravity and the inertia of links as far as it is in the sensor
+    # and not in ``rest``; predicted, never measured; None where it is not known [N m]
     load: Float | None = None
-    temperature: Float | None = None
-    others: Others | None = None
+    temperature: Float | None = None  # temperature; None where it was not logged [degC]
+    others: Others | None = None  # all joints of the arm; None for a single joint
+    # torque of inertia, Coulomb and viscous friction of the same model; None where it is not needed. Effects that
+    # change how torque gets to the sensor, as a delay or a spring does, act on it [N m]
     rest: Float | None = None
-    rigid: RigidBody | None = None
+    rigid: RigidBody | None = None  # torques of the rigid-body model of the arm; None where no model is known
+    # mean sign of the velocity over the cell of each sample; None where the sign at the sample is meant
     way: Float | None = None
 
     @property

@@ -18,21 +18,13 @@ EVENTS = 8  # stops and break-aways that are resolved in one step
 
 
 class Step(NamedTuple):
-    """A step in time, under a torque that is linear in it.
+    """A step in time, under a torque that is linear in it."""
 
-    Attributes:
-        h: Its length. [s]
-        drive0: Torque at its start. [N m]
-        drive1: Torque at its end. [N m]
-        begin: Its start, counted in samples of the recording that tables were made from.
-        end: Its end, likewise.
-    """
-
-    h: float
-    drive0: float
-    drive1: float
-    begin: float
-    end: float
+    h: float  # its length [s]
+    drive0: float  # torque at its start [N m]
+    drive1: float  # torque at its end [N m]
+    begin: float  # its start, counted in samples of the recording that tables were made from
+    end: float  # its end, likewise
 
 
 @compiled()

@@ -34,38 +34,22 @@ class Tables(NamedTuple):
     """Torque that a joint takes, against the drive, signed; n samples of a recording.
 
     Tables have one row per direction, forwards and backwards; those ``per_speed`` are multiplied by the speed.
-
-    Attributes:
-        inertia_kg_m2: Inertia.
-        speed_step: Spacing of the table over speed, which begins at rest. [rad/s]
-        speed: Torque over speed, shape (2, n). [N m]
-        place_start: First position of the tables over it. [rad]
-        place_step: Their spacing. [rad]
-        place: Torque over position, shape (2, n). [N m]
-        place_per_speed: Shape (2, n). [N m s/rad]
-        time: Torque at the stamps of the recording, shape (2, n). [N m]
-        time_per_speed: Shape (2, n). [N m s/rad]
-        bristle_path: Path of the curve of the bristles, shape (k,). [rad]
-        bristle_torque: Torque of that curve. [N m]
-        spring_stiffness: Stiffness of bristles that are springs, shape (m,). [N m/rad]
-        spring_reach: Deflection at which each slips, shape (m,). [rad]
-        bristle_damping_s: Damping of the bristles over their stiffness. [s]
     """
 
-    inertia_kg_m2: float
-    speed_step: float
-    speed: Float
-    place_start: float
-    place_step: float
-    place: Float
-    place_per_speed: Float
-    time: Float
-    time_per_speed: Float
-    bristle_path: Float
-    bristle_torque: Float
-    spring_stiffness: Float
-    spring_reach: Float
-    bristle_damping_s: float
+    inertia_kg_m2: float  # inertia
+    speed_step: float  # spacing of the table over speed, which begins at rest [rad/s]
+    speed: Float  # torque over speed, shape (2, n) [N m]
+    place_start: float  # first position of the tables over it [rad]
+    place_step: float  # their spacing [rad]
+    place: Float  # torque over position, shape (2, n) [N m]
+    place_per_speed: Float  # shape (2, n) [N m s/rad]
+    time: Float  # torque at the stamps of the recording, shape (2, n) [N m]
+    time_per_speed: Float  # shape (2, n) [N m s/rad]
+    bristle_path: Float  # path of the curve of the bristles, shape (k,) [rad]
+    bristle_torque: Float  # torque of that curve [N m]
+    spring_stiffness: Float  # stiffness of bristles that are springs, shape (m,) [N m/rad]
+    spring_reach: Float  # deflection at which each slips, shape (m,) [rad]
+    bristle_damping_s: float  # damping of the bristles over their stiffness [s]
 
     @property
     def bristles(self) -> Bristles:

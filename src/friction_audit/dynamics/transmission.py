@@ -35,36 +35,23 @@ Lanes = tuple[float, ...]  # numba compiles a loop for each length of a tuple
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FarSide:
-    """What the transmission drives.
+    """What the transmission drives."""
 
-    Attributes:
-        inertia_kg_m2: Inertia B. [kg m^2]
-        coulomb_nm: Coulomb friction mu_c. [N m]
-        viscous_nms_per_rad: Viscous friction mu_v. [N m s/rad]
-    """
-
-    inertia_kg_m2: float
-    coulomb_nm: float
-    viscous_nms_per_rad: float
+    inertia_kg_m2: float  # inertia B [kg m^2]
+    coulomb_nm: float  # Coulomb friction mu_c [N m]
+    viscous_nms_per_rad: float  # viscous friction mu_v [N m s/rad]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Transmission:
-    """A spring, a damper and a gap in a row.
+    """A spring, a damper and a gap in a row."""
 
-    Attributes:
-        stiffness_nm_per_rad: Stiffness K. [N m/rad]
-        damping_ratio: Damping ratio of the far side on the spring.
-        gap_rad: Full width of the gap. [rad]
-        soft_nm: Torque up to which the spring stiffens. [N m]
-        far_share: Part of the inertia that is on the far side, where all friction is; the rest, as a rotor's, moves
-            with the measured side.
-    """
-
-    stiffness_nm_per_rad: float
-    damping_ratio: float
-    gap_rad: float = 0.0
-    soft_nm: float = 0.0
+    stiffness_nm_per_rad: float  # stiffness K [N m/rad]
+    damping_ratio: float  # damping ratio of the far side on the spring
+    gap_rad: float = 0.0  # full width of the gap [rad]
+    soft_nm: float = 0.0  # torque up to which the spring stiffens [N m]
+    # part of the inertia that is on the far side, where all friction is; the rest, as a rotor's, moves with the
+    # measured side
     far_share: float = 1.0
 
 

@@ -25,23 +25,14 @@ from friction_audit.joint_log import Float
 
 
 class Link(NamedTuple):
-    """What is between the two sides.
+    """What is between the two sides."""
 
-    Attributes:
-        near_kg_m2: Inertia B_n of the measured side. [kg m^2]
-        stiffness_nm_per_rad: Stiffness K. [N m/rad]
-        damping_nms_per_rad: Damping D. [N m s/rad]
-        half_rad: Half of the width of the gap. [rad]
-        bend_nm: Torque b of ``transmission``, up to which the spring stiffens. [N m]
-        curve_per_nm: 1 / (4 b), 0 for a straight spring. [1/(N m)]
-    """
-
-    near_kg_m2: float
-    stiffness_nm_per_rad: float
-    damping_nms_per_rad: float
-    half_rad: float
-    bend_nm: float
-    curve_per_nm: float
+    near_kg_m2: float  # inertia B_n of the measured side [kg m^2]
+    stiffness_nm_per_rad: float  # stiffness K [N m/rad]
+    damping_nms_per_rad: float  # damping D [N m s/rad]
+    half_rad: float  # half of the width of the gap [rad]
+    bend_nm: float  # torque b of ``transmission``, up to which the spring stiffens [N m]
+    curve_per_nm: float  # 1 / (4 b), 0 for a straight spring [1/(N m)]
 
 
 def link_of(transmission: Transmission, near_kg_m2: float, far_kg_m2: float) -> Link:

@@ -27,21 +27,13 @@ PAPER, FULL, BEST, OTHER = "paper", "full", "best", "other"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Joint:
-    """What a method may be told about a joint.
+    """What a method may be told about a joint."""
 
-    Attributes:
-        column: Which joint of the arm, counted from 0.
-        parameters: Motor and friction, as the link truly sees them.
-        max_torque_nm: What the joint can give. [N m]
-        max_torque_rate_nm_s: How fast it can change. [N m/s]
-        payback_s: Time over which a passivity controller may pay without driving its elastic mode. [s]
-    """
-
-    column: int
-    parameters: JointParameters
-    max_torque_nm: float
-    max_torque_rate_nm_s: float
-    payback_s: float
+    column: int  # which joint of the arm, counted from 0
+    parameters: JointParameters  # motor and friction, as the link truly sees them
+    max_torque_nm: float  # what the joint can give [N m]
+    max_torque_rate_nm_s: float  # how fast it can change [N m/s]
+    payback_s: float  # time over which a passivity controller may pay without driving its elastic mode [s]
 
 
 def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> Joint:
@@ -71,55 +63,33 @@ Make = Callable[[Joint], Compensator]  # joint -> compensator
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Tuning:
-    """One way to set a method up.
+    """One way to set a method up."""
 
-    Attributes:
-        name: Short name.
-        meaning: What it means, in words.
-        make: Joint -> compensator.
-    """
-
-    name: str
-    meaning: str
-    make: Make
+    name: str  # short name
+    meaning: str  # what it means, in words
+    make: Make  # joint -> compensator
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sweep:
-    """One setting of a method, varied.
+    """One setting of a method, varied."""
 
-    Attributes:
-        name: What all of its tunings share.
-        axis: Name of the setting with its unit.
-        values: From careful to bold.
-        at: Value -> tuning.
-    """
-
-    name: str
-    axis: str
-    values: tuple[float, ...]
-    at: Callable[[float], Tuning]
+    name: str  # what all of its tunings share
+    axis: str  # name of the setting with its unit
+    values: tuple[float, ...]  # from careful to bold
+    at: Callable[[float], Tuning]  # value -> tuning
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Method:
-    """A way to compensate friction.
+    """A way to compensate friction."""
 
-    Attributes:
-        name: As in options and documents.
-        label: As in tables and figures.
-        paper: That of the setting in which the paper's order comes out.
-        full: That of the other named setting where it differs, or None.
-        others: Further tunings that are reported.
-        sweeps: What is varied; the best stable tuning of all sweeps is reported.
-    """
-
-    name: str
-    label: str
-    paper: Tuning
-    full: Tuning | None = None
-    others: tuple[Tuning, ...] = ()
-    sweeps: tuple[Sweep, ...] = ()
+    name: str  # as in options and documents
+    label: str  # as in tables and figures
+    paper: Tuning  # that of the setting in which the paper's order comes out
+    full: Tuning | None = None  # that of the other named setting where it differs, or None
+    others: tuple[Tuning, ...] = ()  # further tunings that are reported
+    sweeps: tuple[Sweep, ...] = ()  # what is varied; the best stable tuning of all sweeps is reported
 
 
 NONE = "none"  # the method that everything is held against

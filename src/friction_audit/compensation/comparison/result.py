@@ -52,17 +52,11 @@ def median_interval(values: Sequence[float]) -> Interval:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Point:
-    """One value of a sweep, tried by the persons who are not reported.
+    """One value of a sweep, tried by the persons who are not reported."""
 
-    Attributes:
-        value: The value.
-        tuning: The tuning that it makes.
-        outcomes: One per seed.
-    """
-
-    value: float
-    tuning: Tuning
-    outcomes: tuple[Outcome, ...]
+    value: float  # the value
+    tuning: Tuning  # the tuning that it makes
+    outcomes: tuple[Outcome, ...]  # one per seed
 
     @property
     def stable(self) -> bool:
@@ -93,21 +87,13 @@ class Point:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Curve:
-    """A sweep that was made.
+    """A sweep that was made."""
 
-    Attributes:
-        method: Name of the method.
-        label: Its label.
-        name: Name of the sweep.
-        axis: What was varied.
-        points: From careful to bold.
-    """
-
-    method: str
-    label: str
-    name: str
-    axis: str
-    points: tuple[Point, ...]
+    method: str  # name of the method
+    label: str  # its label
+    name: str  # name of the sweep
+    axis: str  # what was varied
+    points: tuple[Point, ...]  # from careful to bold
 
     @property
     def boldest_stable(self) -> float | None:
@@ -122,29 +108,20 @@ class Curve:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Row:
-    """A method with a tuning, tried by all persons.
+    """A method with a tuning, tried by all persons."""
 
-    Attributes:
-        method: Name of the method.
-        label: Its label.
-        tuning: The tuning.
-        role: ``"paper"``, ``"best"`` or ``"other"``.
-        tuning_losses: With how many of the persons of the sweeps the loop was lost at the setting that the tuning was
-            chosen by; None if it was not chosen from a sweep.
-        outcomes: One per seed.
-        margins: Factor by which the gain may grow, see ``margin``, one per seed for which it was looked for; infinite
-            if more than anybody asks for, 0 if the loop is lost as it is.
-        course: What figures show of the first seed.
-    """
-
-    method: str
-    label: str
-    tuning: Tuning
-    role: str
+    method: str  # name of the method
+    label: str  # its label
+    tuning: Tuning  # the tuning
+    role: str  # ``"paper"``, ``"best"`` or ``"other"``
+    # with how many of the persons of the sweeps the loop was lost at the setting that the tuning was chosen by; None if
+    # it was not chosen from a sweep
     tuning_losses: int | None
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[Outcome, ...]  # one per seed
+    # factor by which the gain may grow, see ``margin``, one per seed for which it was looked for; infinite if more than
+    # anybody asks for, 0 if the loop is lost as it is
     margins: tuple[float, ...]
-    course: Course
+    course: Course  # what figures show of the first seed
 
     def interval(self, measure: Callable[[Outcome], float]) -> Interval:
         """Return mean and interval of a measure over the seeds in which the loop held."""
@@ -168,27 +145,16 @@ class Row:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Comparison:
-    """All methods side by side.
+    """All methods side by side."""
 
-    Attributes:
-        scene: Name of what they were tried on.
-        title: The same in words.
-        duration_s: Length of a trial. [s]
-        seeds: Seeds that are reported.
-        tuning_seeds: Seeds of the sweeps.
-        margin_seeds: Seeds for which stability margins were looked for.
-        rows: Methods and tunings, in the order of the methods.
-        curves: The sweeps.
-    """
-
-    scene: str
-    title: str
-    duration_s: float
-    seeds: tuple[int, ...]
-    tuning_seeds: tuple[int, ...]
-    margin_seeds: tuple[int, ...]
-    rows: tuple[Row, ...]
-    curves: tuple[Curve, ...]
+    scene: str  # name of what they were tried on
+    title: str  # the same in words
+    duration_s: float  # length of a trial [s]
+    seeds: tuple[int, ...]  # seeds that are reported
+    tuning_seeds: tuple[int, ...]  # seeds of the sweeps
+    margin_seeds: tuple[int, ...]  # seeds for which stability margins were looked for
+    rows: tuple[Row, ...]  # methods and tunings, in the order of the methods
+    curves: tuple[Curve, ...]  # the sweeps
 
     def of_role(self, role: str) -> list[Row]:
         """Return the rows of a role."""

@@ -16,41 +16,25 @@ _ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, d
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Plan:
-    """How much is tried.
+    """How much is tried."""
 
-    Attributes:
-        tuning_seeds: Persons for whom the sweeps are made; none of them is reported.
-        most_values: Of the values of a sweep, at most so many are tried, evenly chosen.
-        sweeps: So many sweeps of a method are made.
-        with_others: Whether tunings beside the paper's kind and the best one are reported.
-        margin_seeds: Of the persons who are reported, those whose stability margins are looked for.
-        margin_share: Of the length of a trial, what looking for a stability margin takes.
-    """
-
-    tuning_seeds: int
-    most_values: int
-    sweeps: int
-    with_others: bool
-    margin_seeds: int
-    margin_share: float
+    tuning_seeds: int  # persons for whom the sweeps are made; none of them is reported
+    most_values: int  # of the values of a sweep, at most so many are tried, evenly chosen
+    sweeps: int  # so many sweeps of a method are made
+    with_others: bool  # whether tunings beside the paper's kind and the best one are reported
+    margin_seeds: int  # of the persons who are reported, those whose stability margins are looked for
+    margin_share: float  # of the length of a trial, what looking for a stability margin takes
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Scene:
-    """What all methods are tried on.
+    """What all methods are tried on."""
 
-    Attributes:
-        name: As in options and documents.
-        title: In words.
-        settings: Of the simulation, without compensator.
-        needs_processes: Whether a simulation keeps the interpreter busy, so that threads would wait for each other.
-        plan: How much is tried.
-    """
-
-    name: str
-    title: str
-    settings: BenchSettings | ArmSettings
-    plan: Plan
+    name: str  # as in options and documents
+    title: str  # in words
+    settings: BenchSettings | ArmSettings  # of the simulation, without compensator
+    plan: Plan  # how much is tried
+    # whether a simulation keeps the interpreter busy, so that threads would wait for each other
     needs_processes: bool = False
 
     @property

@@ -24,38 +24,23 @@ FEWEST = 4  # cycles that it takes to see a slope after the second
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Reference:
-    """What all trials of a seed are held against: the trial without compensation.
+    """What all trials of a seed are held against: the trial without compensation."""
 
-    Attributes:
-        ends: Ticks at which its cycles end, shape (m,).
-        resting: Ticks at which its joints are about to have rested for long, shape (n + 1, j).
-        rms_torque_nm: Its rms interaction torque after the second cycle, shape (j,). [N m]
-    """
-
-    ends: NDArray[np.intp]
-    resting: NDArray[np.bool_]
-    rms_torque_nm: Float
+    ends: NDArray[np.intp]  # ticks at which its cycles end, shape (m,)
+    resting: NDArray[np.bool_]  # ticks at which its joints are about to have rested for long, shape (n + 1, j)
+    rms_torque_nm: Float  # its rms interaction torque after the second cycle, shape (j,) [N m]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Course:
-    """What figures show of a trial; n samples, j joints.
+    """What figures show of a trial; n samples, j joints."""
 
-    Attributes:
-        t: Time, shape (n,). [s]
-        dq: Velocity, shape (n, j). [rad/s]
-        interaction_nm: Interaction torque, shape (n, j). [N m]
-        energy_j: Net energy that the person has put in, of all joints, shape (n,). [J]
-        from_s: End of the second cycle. [s]
-        lost_s: When the loop was lost, or infinity. [s]
-    """
-
-    t: Float
-    dq: Float
-    interaction_nm: Float
-    energy_j: Float
-    from_s: float
-    lost_s: float
+    t: Float  # time, shape (n,) [s]
+    dq: Float  # velocity, shape (n, j) [rad/s]
+    interaction_nm: Float  # interaction torque, shape (n, j) [N m]
+    energy_j: Float  # net energy that the person has put in, of all joints, shape (n,) [J]
+    from_s: float  # end of the second cycle [s]
+    lost_s: float  # when the loop was lost, or infinity [s]
 
     @property
     def is_lost(self) -> bool:
@@ -65,35 +50,20 @@ class Course:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
-    """Measures of a trial, all but the slope after the second cycle; of an arm, sums or the worst of its joints.
+    """Measures of a trial, all but the slope after the second cycle; of an arm, sums or the worst of its joints."""
 
-    Attributes:
-        stable: False if the loop diverged or rang.
-        lost_s: When it did, or infinity. [s]
-        energy_slope_w: Slope of the net energy at the ends of the cycles, from the second on; all joints. [W]
-        peak_torque_nm: Largest interaction torque of any joint. [N m]
-        drawn_peak_nm: The same as the paper draws it: low-passed, of the joint that takes most torque. [N m]
-        rms_torque_nm: Root of the mean square of the interaction torque, summed over joints. [N m]
-        vibration_nm: The same of its part that is faster than a person moves. [N m]
-        standstill_rad_s: Rms speed where the joint would have rested without compensation. [rad/s]
-        chatter_nm: Rms change of the compensator's torque from tick to tick there. [N m]
-        coulomb_left: Coulomb friction that the person feels, over the joint's; mean of the joints.
-        viscous_left: Likewise viscous friction.
-        inertia_left: Likewise the motor's inertia.
-    """
-
-    stable: bool
-    lost_s: float
-    energy_slope_w: float
-    peak_torque_nm: float
-    drawn_peak_nm: float
-    rms_torque_nm: float
-    vibration_nm: float
-    standstill_rad_s: float
-    chatter_nm: float
-    coulomb_left: float
-    viscous_left: float
-    inertia_left: float
+    stable: bool  # False if the loop diverged or rang
+    lost_s: float  # when it did, or infinity [s]
+    energy_slope_w: float  # slope of the net energy at the ends of the cycles, from the second on; all joints [W]
+    peak_torque_nm: float  # largest interaction torque of any joint [N m]
+    drawn_peak_nm: float  # the same as the paper draws it: low-passed, of the joint that takes most torque [N m]
+    rms_torque_nm: float  # root of the mean square of the interaction torque, summed over joints [N m]
+    vibration_nm: float  # the same of its part that is faster than a person moves [N m]
+    standstill_rad_s: float  # rms speed where the joint would have rested without compensation [rad/s]
+    chatter_nm: float  # rms change of the compensator's torque from tick to tick there [N m]
+    coulomb_left: float  # Coulomb friction that the person feels, over the joint's; mean of the joints
+    viscous_left: float  # likewise viscous friction
+    inertia_left: float  # likewise the motor's inertia
 
 
 def find_reference(simulation: Simulation) -> Reference:

@@ -27,25 +27,17 @@ class DisturbanceObserver:
     Without a dead-band a joint that sticks is pushed free by nothing but noise and bias, which the observer adds up;
     it then hunts. In the dead-band it is therefore silent, and observes on.
 
-    Attributes:
-        inertia_kg_m2: Motor inertia B as assumed. [kg m^2]
-        observer_gain_per_s: L, bandwidth of the observer. [1/s]
-        compensation_gain: Share of the observed friction that is compensated.
-        dead_band_rad_s: Speed up to which it is silent. [rad/s]
-        ramp_rad_s: Range of speed over which it then rises to all of it; dead-band and ramp 0: always all of it, as
-            published. [rad/s]
-        guard: Passivity controller and limits.
-
     Raises:
         UsageError: If a number is out of range.
     """
 
-    inertia_kg_m2: float
-    observer_gain_per_s: float
-    compensation_gain: float = 1.0
-    dead_band_rad_s: float = 0.01
+    inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
+    observer_gain_per_s: float  # L, bandwidth of the observer [1/s]
+    compensation_gain: float = 1.0  # share of the observed friction that is compensated
+    dead_band_rad_s: float = 0.01  # speed up to which it is silent [rad/s]
+    # range of speed over which it then rises to all of it; dead-band and ramp 0: always all of it, as published [rad/s]
     ramp_rad_s: float = 0.03
-    guard: Guard = field(default_factory=Guard)
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
         require_finite("disturbance observer", self, *(GROUP.names or ()))

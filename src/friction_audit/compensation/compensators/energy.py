@@ -17,15 +17,10 @@ RIDGE, PUBLISHED = 0.003, 0.0
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Coefficients:
-    """Friction coefficients of one joint.
+    """Friction coefficients of one joint."""
 
-    Attributes:
-        coulomb_nm: Coulomb friction. [N m]
-        viscous_nms_per_rad: Viscous friction. [N m s/rad]
-    """
-
-    coulomb_nm: float = 0.0
-    viscous_nms_per_rad: float = 0.0
+    coulomb_nm: float = 0.0  # Coulomb friction [N m]
+    viscous_nms_per_rad: float = 0.0  # viscous friction [N m s/rad]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -37,45 +32,32 @@ class EnergyCompensator(Guard):
     coefficient at standstill. With the ramp the Coulomb term stays at or below the friction it meets, so that what is
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
 
-    Attributes: Those of ``Guard``, its passivity controller acting by default, and
-        model: ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20).
-        window: Number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2.
-        ridge: Weight of the coefficients in use, by which the combined model is a ridge regression (Hoerl and Kennard
-            1970) towards them; ``PUBLISHED`` for (20) as printed, which divides by the difference of two cycles.
-        minimum_path_rad: A cycle in which the joint moved less gives no equation. [rad]
-        maximum_gap_s: A cycle with a longer gap between two ticks gives no equation. [s]
-        factor: The estimate is multiplied by this before it is applied; above 1, over-compensation on purpose.
-        dead_band_rad_s: Speed up to which the Coulomb term is silent and the joint counts as at rest. [rad/s]
-        ramp_rad_s: Range of speed over which the Coulomb term then rises to all of it. [rad/s]
-        forced: Coefficients applied, instead of the estimate, or None.
-        forced_from_cycle: First cycle in which they are applied; cycles count from 1.
-        forced_until_acted: If True, the estimate takes over after the first cycle in which the passivity controller
-            acted.
-        zero_crossings: If True, cycles end where the velocity as measured changes its sign, without filter and
-            thresholds: for signals free of noise.
-        initiation_rad_s: Filtered speed above which a cycle begins. [rad/s]
-        termination_rad_s: Filtered speed below which it may end; it ends when the joint then rests. [rad/s]
-        cutoff_hz: Corner of the causal first-order low-pass on the velocity, for detection only. [Hz]
-
     Raises:
         UsageError: If a number is out of range or a name unknown.
     """
 
-    model: str = "combined"
-    window: int | None = None
+    model: str = "combined"  # ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20)
+    window: int | None = None  # number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2
+    # weight of the coefficients in use, by which the combined model is a ridge regression (Hoerl and Kennard 1970)
+    # towards them; ``PUBLISHED`` for (20) as printed, which divides by the difference of two cycles
     ridge: float = RIDGE
-    minimum_path_rad: float = 0.02
-    maximum_gap_s: float = 0.05
+    minimum_path_rad: float = 0.02  # a cycle in which the joint moved less gives no equation [rad]
+    maximum_gap_s: float = 0.05  # a cycle with a longer gap between two ticks gives no equation [s]
+    # the estimate is multiplied by this before it is applied; above 1, over-compensation on purpose
     factor: float = 1.0
+    # speed up to which the Coulomb term is silent and the joint counts as at rest [rad/s]
     dead_band_rad_s: float = 0.01
-    ramp_rad_s: float = 0.03
-    forced: Coefficients | None = None
-    forced_from_cycle: int = 2
+    ramp_rad_s: float = 0.03  # range of speed over which the Coulomb term then rises to all of it [rad/s]
+    forced: Coefficients | None = None  # coefficients applied, instead of the estimate, or None
+    forced_from_cycle: int = 2  # first cycle in which they are applied; cycles count from 1
+    # if True, the estimate takes over after the first cycle in which the passivity controller acted
     forced_until_acted: bool = True
+    # if True, cycles end where the velocity as measured changes its sign, without filter and thresholds: for signals
+    # free of noise
     zero_crossings: bool = False
-    initiation_rad_s: float = 0.2
-    termination_rad_s: float = 0.05
-    cutoff_hz: float = 20.0
+    initiation_rad_s: float = 0.2  # filtered speed above which a cycle begins [rad/s]
+    termination_rad_s: float = 0.05  # filtered speed below which it may end; it ends when the joint then rests [rad/s]
+    cutoff_hz: float = 20.0  # corner of the causal first-order low-pass on the velocity, for detection only [Hz]
     passivity: bool = True
 
     def __post_init__(self) -> None:

@@ -10,17 +10,11 @@ from friction_audit.errors import UsageError
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FixedCompensation:
-    """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0.
+    """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
 
-    Attributes:
-        coulomb_nm: Coulomb friction compensated. [N m]
-        viscous_nms_per_rad: Viscous friction compensated. [N m s/rad]
-        dead_band_rad_s: Speed up to which it stays silent. [rad/s]
-    """
-
-    coulomb_nm: float
-    viscous_nms_per_rad: float
-    dead_band_rad_s: float = 0.02
+    coulomb_nm: float  # Coulomb friction compensated [N m]
+    viscous_nms_per_rad: float  # viscous friction compensated [N m s/rad]
+    dead_band_rad_s: float = 0.02  # speed up to which it stays silent [rad/s]
 
     def __post_init__(self) -> None:
         if not self.dead_band_rad_s >= 0:

@@ -23,20 +23,14 @@ class JointModelCompensation:
     is silent up to ``dead_band_rad_s`` and rises over the next ``ramp_rad_s``; bristles, which have no sign function,
     are applied at any speed.
 
-    Attributes:
-        terms: The terms of friction.
-        dead_band_rad_s: Speed up to which dry friction is silent. [rad/s]
-        ramp_rad_s: Range of speed over which it then rises to all of it. [rad/s]
-        guard: Passivity controller and limits.
-
     Raises:
         UsageError: If there is no term, or a number is out of range.
     """
 
-    terms: tuple[FittedTerm, ...]
-    dead_band_rad_s: float = 0.01
-    ramp_rad_s: float = 0.03
-    guard: Guard = field(default_factory=Guard)
+    terms: tuple[FittedTerm, ...]  # the terms of friction
+    dead_band_rad_s: float = 0.01  # speed up to which dry friction is silent [rad/s]
+    ramp_rad_s: float = 0.03  # range of speed over which it then rises to all of it [rad/s]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
         if not self.terms:

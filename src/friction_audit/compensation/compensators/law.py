@@ -37,29 +37,22 @@ def _require(where: str, settings: object, names: Iterable[str], holds: Callable
 class Guard:
     """Passivity controller and limits around a law of any kind.
 
-    Attributes:
-        passivity: If True, the passivity controller acts.
-        initial_energy_j: E(0) of (21). [J]
-        minimum_speed_rad_s: The passivity controller does nothing below this speed. [rad/s]
-        payback_s: Time over which it pays a deficit of the ledger; below a tick, within a tick as (22) has it. [s]
-            ``payback_s`` of this module gives the time for an elastic joint; the default is right from 40 Hz on.
-        max_damping_nms_per_rad: Largest damping it may inject. [N m s/rad] It measures the link and brakes the motor,
-            which in the elastic mode move against each other: 16 N m s/rad already drive the mode of a motor of
-            0.1 kg m^2 with a link of 0.05 kg m^2; the default is a third of that.
-        max_torque_nm: Largest torque of compensation and passivity controller together. [N m]
-        max_torque_rate_nm_s: Fastest change of it. [N m/s]
-
     Raises:
         UsageError: If a number is out of range.
     """
 
-    passivity: bool = False
-    initial_energy_j: float = 0.0
-    minimum_speed_rad_s: float = 0.01
+    passivity: bool = False  # if True, the passivity controller acts
+    initial_energy_j: float = 0.0  # E(0) of (21) [J]
+    minimum_speed_rad_s: float = 0.01  # the passivity controller does nothing below this speed [rad/s]
+    # time over which it pays a deficit of the ledger; below a tick, within a tick as (22) has it. [s] ``payback_s`` of
+    # this module gives the time for an elastic joint; the default is right from 40 Hz on
     payback_s: float = 0.02
+    # largest damping it may inject. [N m s/rad] It measures the link and brakes the motor, which in the elastic mode
+    # move against each other: 16 N m s/rad already drive the mode of a motor of 0.1 kg m^2 with a link of 0.05 kg m^2;
+    # the default is a third of that
     max_damping_nms_per_rad: float = 5.0
-    max_torque_nm: float = inf
-    max_torque_rate_nm_s: float = inf
+    max_torque_nm: float = inf  # largest torque of compensation and passivity controller together [N m]
+    max_torque_rate_nm_s: float = inf  # fastest change of it [N m/s]
 
     def __post_init__(self) -> None:
         require_not_negative("compensator", self, "initial_energy_j", "payback_s")
@@ -82,21 +75,13 @@ NONE, FIXED, ENERGY, SIGMOID, LUGRE, DISTURBANCE_OBSERVER, TORQUE_REGULATION, JO
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class CompensatorKind:
-    """One kind of compensator.
+    """One kind of compensator."""
 
-    Attributes:
-        name: As in options, tables and documentation; also the field of the records that holds its group.
-        summary: One line.
-        settings: Frozen dataclass of its settings; NoneType where nothing runs.
-        code: Value of ``kind`` in the records.
-        group: Numbers that only its own law reads; None if it has none.
-    """
-
-    name: str
-    summary: str
-    settings: type[Any]
-    code: int
-    group: np.dtype[np.void] | None = None
+    name: str  # as in options, tables and documentation; also the field of the records that holds its group
+    summary: str  # one line
+    settings: type[Any]  # frozen dataclass of its settings; NoneType where nothing runs
+    code: int  # value of ``kind`` in the records
+    group: np.dtype[np.void] | None = None  # numbers that only its own law reads; None if it has none
 
 
 def numbers_of(settings: type[Any]) -> np.dtype[np.void]:

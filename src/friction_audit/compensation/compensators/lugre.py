@@ -27,26 +27,17 @@ class LugreCompensation:
     g(dq) = Fc + (Fs - Fc) exp(-(dq/vs)^2). At standstill the bristles hold their torque; in a tick it changes by no
     more than sigma0 times the displacement, so that noise of the velocity does not make it chatter.
 
-    Attributes:
-        coulomb_nm: Fc. [N m]
-        breakaway_nm: Fs. [N m]
-        viscous_nms_per_rad: sigma2. [N m s/rad]
-        stribeck_rad_s: vs. [rad/s]
-        stiffness_nm_per_rad: sigma0. [N m/rad]
-        damping_nms_per_rad: sigma1. [N m s/rad]
-        guard: Passivity controller and limits.
-
     Raises:
         UsageError: If a number is out of range.
     """
 
-    coulomb_nm: float
-    breakaway_nm: float
-    viscous_nms_per_rad: float
-    stribeck_rad_s: float = 0.05
-    stiffness_nm_per_rad: float = 300.0
-    damping_nms_per_rad: float = 0.0
-    guard: Guard = field(default_factory=Guard)
+    coulomb_nm: float  # fc [N m]
+    breakaway_nm: float  # fs [N m]
+    viscous_nms_per_rad: float  # sigma2 [N m s/rad]
+    stribeck_rad_s: float = 0.05  # vs [rad/s]
+    stiffness_nm_per_rad: float = 300.0  # sigma0 [N m/rad]
+    damping_nms_per_rad: float = 0.0  # sigma1 [N m s/rad]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
         require_finite("LuGre compensation", self, *(GROUP.names or ()))

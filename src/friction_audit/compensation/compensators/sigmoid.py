@@ -23,20 +23,14 @@ class SigmoidCompensation:
     It is smooth through standstill, where its slope is at most phi1 phi2 / 4: noise of the velocity comes out times
     that slope, and is not amplified to the whole plateau as by a sign function.
 
-    Attributes:
-        height_nm: phi1, from plateau to plateau. [N m]
-        steepness_s_per_rad: phi2. [s/rad]
-        shift_rad_s: phi3, which makes the plateaus unequal. [rad/s]
-        guard: Passivity controller and limits.
-
     Raises:
         UsageError: If a number is out of range.
     """
 
-    height_nm: float
-    steepness_s_per_rad: float
-    shift_rad_s: float = 0.0
-    guard: Guard = field(default_factory=Guard)
+    height_nm: float  # phi1, from plateau to plateau [N m]
+    steepness_s_per_rad: float  # phi2 [s/rad]
+    shift_rad_s: float = 0.0  # phi3, which makes the plateaus unequal [rad/s]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
         require_finite("sigmoid compensation", self, "height_nm", "steepness_s_per_rad", "shift_rad_s")

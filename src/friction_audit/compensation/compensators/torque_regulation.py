@@ -19,20 +19,14 @@ class TorqueRegulation:
     The torque does not depend on the velocity: nothing chatters at standstill, and a joint breaks away at B_theta / B
     of its friction.
 
-    Attributes:
-        inertia_kg_m2: Motor inertia B as assumed. [kg m^2]
-        desired_inertia_kg_m2: B_theta; above B the joint gets heavier. [kg m^2]
-        cutoff_hz: Corner of the first-order low-pass on F_m; infinite for none. [Hz]
-        guard: Passivity controller and limits.
-
     Raises:
         UsageError: If a number is not above zero.
     """
 
-    inertia_kg_m2: float
-    desired_inertia_kg_m2: float
-    cutoff_hz: float = math.inf
-    guard: Guard = field(default_factory=Guard)
+    inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
+    desired_inertia_kg_m2: float  # B_theta; above B the joint gets heavier [kg m^2]
+    cutoff_hz: float = math.inf  # corner of the first-order low-pass on F_m; infinite for none [Hz]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
         require_positive("torque regulation", self, *(GROUP.names or ()))
