@@ -4,7 +4,7 @@ from dataclasses import replace
 from functools import cache
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
-from friction_audit.compensation.comparison.scene import Scene
+from friction_audit.compensation.comparison.methods import Scene
 
 SEEDS = 2
 CHOSEN = ("none", "disturbance_observer", "torque_regulation", "energy", "oracle")

@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from friction_audit.compensation.comparison.margin import LARGEST, amplify, find_margins
+from friction_audit.compensation.comparison.experiment import LARGEST, amplify, find_margins
 from friction_audit.compensation.compensators import (
     Compensator,
     DisturbanceObserver,

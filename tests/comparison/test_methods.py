@@ -5,7 +5,7 @@ from dataclasses import fields, replace
 import pytest
 
 from friction_audit.compensation.comparison import METHODS, SCENES
-from friction_audit.compensation.comparison.margin import amplified
+from friction_audit.compensation.comparison.experiment import amplified
 from friction_audit.compensation.comparison.methods import OBSERVED_SHARE, Joint, Method, Tuning
 from friction_audit.compensation.comparison.trial import Outcome, find_reference, measure
 from friction_audit.compensation.compensators import Compensator, DisturbanceObserver, TorqueRegulation

@@ -6,7 +6,8 @@ import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
 from friction_audit.compensation.controller import FIND, step
-from friction_audit.compensation.records import Record, fresh_memory, pack
+from friction_audit.compensation.records import fresh_memory, pack
+from friction_audit.compiled import Record
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors
 from friction_audit.simulation.bench import BenchSettings, simulate_bench

@@ -13,7 +13,7 @@ from friction_audit.compensation.compensators import (
     LugreCompensation,
     TorqueRegulation,
 )
-from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
+from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from tests.compensation.competitor_bench import COULOMB, INERTIA, TICK_S, VISCOUS, guided, work_j
 
 ORACLE = FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from friction_audit.compensation.compensators.disturbance_observer import DisturbanceObserver
+from friction_audit.compensation.compensators.feedback import DisturbanceObserver
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float

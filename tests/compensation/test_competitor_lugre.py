@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from friction_audit.compensation.compensators.lugre import LugreCompensation
+from friction_audit.compensation.compensators.model_based import LugreCompensation
 from friction_audit.errors import UsageError
 from tests.compensation.competitor_bench import TICK_S, feed
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
+from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.errors import UsageError
 from tests.compensation.competitor_bench import feed
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from friction_audit.compensation.compensators.feedback import TorqueRegulation
 from friction_audit.compensation.compensators.law import Guard
-from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation
 from friction_audit.simulation import JointParameters
 from tests.compensation.competitor_bench import COULOMB, HAND, INERTIA, TICK_S, VISCOUS, feed, guided, runs_away, work_j
 from tests.compensation.stability import loop_gain, regulation_limit

@@ -5,7 +5,7 @@ from math import isnan
 
 import numpy as np
 
-from friction_audit.compensation.compensators.sigmoid import PUBLISHED
+from friction_audit.compensation.compensators.model_based import PUBLISHED
 from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import PANDAS
 from friction_audit.friction.history import JointFriction

@@ -11,15 +11,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.compensators import (
-    disturbance_observer,
-    energy,
-    fixed,
-    joint_model,
-    lugre,
-    sigmoid,
-    torque_regulation,
-)
+from friction_audit.compensation.compensators.energy import energy_nm
+from friction_audit.compensation.compensators.feedback import filter_torque, observe, observed_nm, regulated_nm
 from friction_audit.compensation.compensators.law import (
     DISTURBANCE_OBSERVER,
     ENERGY,
@@ -28,6 +21,13 @@ from friction_audit.compensation.compensators.law import (
     LUGRE,
     SIGMOID,
     TORQUE_REGULATION,
+)
+from friction_audit.compensation.compensators.model_based import (
+    fixed_nm,
+    joint_model_nm,
+    lugre_advance,
+    lugre_nm,
+    sigmoid_nm,
 )
 from friction_audit.compensation.records import (
     COMBINED,
@@ -39,9 +39,8 @@ from friction_audit.compensation.records import (
     SQUARE,
     TOO_FEW,
     VISCOUS,
-    Record,
 )
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 
 EPSILON = 4.0 * 2.0**-52  # of a determinant that is zero but for rounding
@@ -109,11 +108,11 @@ def give_up(memory: Record) -> float:
 def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Advance what the law remembers over the interval since the previous tick."""
     if settings.kind == LUGRE and memory.ticks > 0:
-        lugre.advance(settings.lugre, memory, dq, dt)
+        lugre_advance(settings.lugre, memory, dq, dt)
     elif settings.kind == DISTURBANCE_OBSERVER and memory.ticks > 0:
-        disturbance_observer.advance(settings.disturbance_observer, memory, dq, interaction_nm, dt)
+        observe(settings.disturbance_observer, memory, dq, interaction_nm, dt)
     elif settings.kind == TORQUE_REGULATION:
-        torque_regulation.advance(settings.torque_regulation, memory, interaction_nm, dt)
+        filter_torque(settings.torque_regulation, memory, interaction_nm, dt)
 
 
 @compiled()
@@ -249,19 +248,19 @@ def choose(settings: Record, memory: Record) -> None:
 def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
     """Return the torque that the law of the compensator asks for. [N m]"""
     if settings.kind == FIXED:
-        return float(fixed.torque_nm(settings, memory, dq))
+        return float(fixed_nm(settings, memory, dq))
     if settings.kind == ENERGY:
-        return float(energy.torque_nm(settings, memory, dq))
+        return float(energy_nm(settings, memory, dq))
     if settings.kind == SIGMOID:
-        return float(sigmoid.torque_nm(settings.sigmoid, dq))
+        return float(sigmoid_nm(settings.sigmoid, dq))
     if settings.kind == LUGRE:
-        return float(lugre.torque_nm(settings.lugre, memory, dq))
+        return float(lugre_nm(settings.lugre, memory, dq))
     if settings.kind == DISTURBANCE_OBSERVER:
-        return float(disturbance_observer.torque_nm(settings.disturbance_observer, memory, dq))
+        return float(observed_nm(settings.disturbance_observer, memory, dq))
     if settings.kind == TORQUE_REGULATION:
-        return float(torque_regulation.torque_nm(settings.torque_regulation, memory))
+        return float(regulated_nm(settings.torque_regulation, memory))
     if settings.kind == JOINT_MODEL:
-        return float(joint_model.torque_nm(settings.joint_model, memory, dq))
+        return float(joint_model_nm(settings.joint_model, memory, dq))
     return 0.0
 
 

@@ -6,19 +6,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.closed_loop import (
+    COLUMNS,
+    SAMPLES,
     Control,
     Drive,
     Joint,
     Recorded,
+    fresh_tally,
     run_closed_loop,
     run_same_motion,
 )
 from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
 from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, no_feed, past_refusal, refusal, straighten
 from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedJoint, FittedOperator, fit_joint
-from friction_audit.compensation.records import Record, fresh_memory, pack
+from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import Signals
-from friction_audit.compensation.tally import COLUMNS, SAMPLES, fresh_tally
+from friction_audit.compiled import Record
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
 from friction_audit.effects.joint_model import JointModel

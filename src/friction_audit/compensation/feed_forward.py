@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.compensation.records import Record
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import Tables, bend_on, bristle_damping, bristle_nm, tabulate, taken
 from friction_audit.effects.joint_model import FittedTerm, JointModel

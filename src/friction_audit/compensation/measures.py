@@ -5,10 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.closed_loop import Recorded
-from friction_audit.compensation.records import ESTIMATED, Record
-from friction_audit.compensation.result import Numbers, Passivity, Recovery, ReplayHistory, Signals
-from friction_audit.compensation.tally import (
+from friction_audit.compensation.closed_loop import (
     ACTED,
     COULOMB_APPLIED,
     COULOMB_ESTIMATED,
@@ -21,8 +18,11 @@ from friction_audit.compensation.tally import (
     STOP,
     VISCOUS_APPLIED,
     VISCOUS_ESTIMATED,
+    Recorded,
 )
-from friction_audit.compiled import compiled
+from friction_audit.compensation.records import ESTIMATED
+from friction_audit.compensation.result import Numbers, Passivity, Recovery, ReplayHistory, Signals
+from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 
 RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right

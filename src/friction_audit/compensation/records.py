@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import fields
 from math import inf, nan
-from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +17,8 @@ from friction_audit.compensation.compensators import (
     kind_of,
 )
 from friction_audit.compensation.compensators.energy import LONGEST_WINDOW, MODELS
-from friction_audit.compensation.compensators.law import Guard
+from friction_audit.compensation.compensators.law import Guard, numbers_of
 from friction_audit.errors import UsageError
-
-Record: TypeAlias = Any  # one element of an array of SETTINGS or MEMORY
 
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))  # values of ``model``
 
@@ -30,36 +27,13 @@ NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(5)
 
 NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
 
-# Settings of every compensator, and one group for each kind that has more.
+# Settings of every compensator, those of the energy method among them, and one group for each kind that has more.
 SETTINGS = np.dtype(
     [
-        ("kind", "i8"),
-        ("model", "i8"),
-        ("window", "i8"),
-        ("forced_from_cycle", "i8"),
-        ("forced_until_acted", "i8"),
-        ("passivity", "i8"),
-        ("period_s", "f8"),
-        ("coulomb_nm", "f8"),
-        ("viscous_nms_per_rad", "f8"),
-        ("forced_coulomb_nm", "f8"),
-        ("forced_viscous_nms_per_rad", "f8"),
-        ("factor", "f8"),
-        ("dead_band_rad_s", "f8"),
-        ("ramp_rad_s", "f8"),
-        ("rest_rad_s", "f8"),
-        ("initiation_rad_s", "f8"),
-        ("termination_rad_s", "f8"),
-        ("corner_rad_s", "f8"),
-        ("ridge", "f8"),
-        ("minimum_path_rad", "f8"),
-        ("maximum_gap_s", "f8"),
-        ("initial_energy_j", "f8"),
-        ("minimum_speed_rad_s", "f8"),
-        ("payback_s", "f8"),
-        ("max_damping_nms_per_rad", "f8"),
-        ("max_torque_nm", "f8"),
-        ("max_torque_rate_nm_s", "f8"),
+        *((name, "i8") for name in ("kind", "model", "window", "forced_from_cycle", "forced_until_acted", "passivity")),
+        *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
+        *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
+        *((name, "f8") for name in numbers_of(EnergyCompensator).names or ()),
         *((kind.name, kind.group) for kind in COMPENSATORS if kind.group is not None),
     ]
 )

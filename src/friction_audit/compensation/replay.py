@@ -19,7 +19,7 @@ from friction_audit.compensation.compensators import (
     TorqueRegulation,
     guard_of,
 )
-from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
+from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, run_records
 from friction_audit.compensation.counterfactual import (
     Scene,

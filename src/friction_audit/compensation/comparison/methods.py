@@ -1,7 +1,7 @@
-"""What a compensation method is, what it may be told, and what is varied to find out how much that matters."""
+"""Compensation methods, their tunings and what is varied in them; and the joint, or the arm, that all are tried on."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from friction_audit.compensation.compensators import (
     Compensator,
@@ -10,14 +10,17 @@ from friction_audit.compensation.compensators import (
     FixedCompensation,
     Guard,
     LugreCompensation,
-    SigmoidCompensation,
     TorqueRegulation,
 )
 from friction_audit.compensation.compensators.law import payback_s
-from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
+from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.settings import PANDA_TORQUE_NM, PANDA_TORQUE_RATE_NM_S
+from friction_audit.simulation.arm import ArmSettings
+from friction_audit.simulation.bench import BenchSettings
+from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import JointElasticity
-from friction_audit.simulation.settings import JointParameters
+from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.simulation.settings import JointByJoint, JointParameters
 
 # Roles of a tuning: the setting in which the paper's order comes out, the same but for an observer that compensates all
 # that it observes, the best stable one of the sweeps, or another. The order model > disturbance observer > torque
@@ -122,23 +125,15 @@ def _oracle(joint: Joint) -> Compensator:
     return FixedCompensation(coulomb_nm=true.coulomb_nm, viscous_nms_per_rad=true.viscous_nms_per_rad)
 
 
-def _published(joint: Joint) -> SigmoidCompensation:
-    law = PUBLISHED[joint.column]
-    return SigmoidCompensation(
-        height_nm=law.height_nm,
-        steepness_s_per_rad=law.steepness_s_per_rad,
-        shift_rad_s=law.shift_rad_s,
-        guard=_guard(joint),
-    )
+def _published(joint: Joint) -> Compensator:
+    return replace(PUBLISHED[joint.column], guard=_guard(joint))
 
 
 def _sigmoid(scale: float) -> Tuning:
     def make(joint: Joint) -> Compensator:
         true = joint.parameters
         law = fit_sigmoid(scale * true.coulomb_nm, scale * true.viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S)
-        return SigmoidCompensation(
-            height_nm=law.height_nm, steepness_s_per_rad=law.steepness_s_per_rad, guard=_guard(joint)
-        )
+        return replace(law, guard=_guard(joint))
 
     return _modelled(scale, make)
 
@@ -289,3 +284,62 @@ METHODS: tuple[Method, ...] = (
     ),
 )
 """In the order of the paper's figures, the oracle last."""
+
+# In a rigid joint nothing but the controller's tick would bound the gains of what feeds torque or motion back.
+_ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Plan:
+    """How much is tried."""
+
+    tuning_seeds: int  # persons for whom the sweeps are made; none of them is reported
+    most_values: int  # of the values of a sweep, at most so many are tried, evenly chosen
+    sweeps: int  # so many sweeps of a method are made
+    with_others: bool  # whether tunings beside the paper's kind and the best one are reported
+    margin_seeds: int  # of the persons who are reported, those whose stability margins are looked for
+    margin_share: float  # of the length of a trial, what looking for a stability margin takes
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Scene:
+    """What all methods are tried on."""
+
+    name: str  # as in options and documents
+    title: str  # in words
+    settings: BenchSettings | ArmSettings  # of the simulation, without compensator
+    plan: Plan  # how much is tried
+    # whether a simulation keeps the interpreter busy, so that threads would wait for each other
+    needs_processes: bool = False
+
+    @property
+    def joints(self) -> tuple[Joint, ...]:
+        """What methods may be told about the joints."""
+        settings = self.settings
+        both = zip(settings.joints, settings.hidden, strict=True)
+        return tuple(panda_joint(column, one, hidden.joint_elasticity) for column, (one, hidden) in enumerate(both))
+
+    def compensated(self, tuning: Tuning) -> BenchSettings | ArmSettings:
+        """Return the settings with a compensator in every joint."""
+        made, settings = tuple(map(tuning.make, self.joints)), self.settings
+        if isinstance(settings, BenchSettings):
+            return replace(settings, compensator=made[0])
+        return replace(settings, compensator=JointByJoint(compensators=made))
+
+
+SCENES: tuple[Scene, ...] = (
+    Scene(
+        name="joint",
+        title="joint 1 of a Panda, elastic, moved by a person",
+        settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
+        plan=Plan(tuning_seeds=5, most_values=10, sweeps=5, with_others=True, margin_seeds=20, margin_share=0.5),
+    ),
+    Scene(
+        name="panda",
+        title="a Panda, its joints elastic, guided by a hand",
+        settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=30.0),
+        plan=Plan(tuning_seeds=5, most_values=5, sweeps=2, with_others=False, margin_seeds=6, margin_share=0.6),
+        needs_processes=True,
+    ),
+)
+"""The joint is that of the default."""

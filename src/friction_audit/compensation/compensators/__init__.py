@@ -1,23 +1,17 @@
-"""The compensators there are: one file each, with its settings and its compiled law."""
+"""The compensators there are, with their settings and their compiled laws."""
 
 from types import NoneType
 from typing import Any
 
-from friction_audit.compensation.compensators import (
-    disturbance_observer,
-    joint_model,
-    lugre,
-    sigmoid,
-    torque_regulation,
-)
-from friction_audit.compensation.compensators.disturbance_observer import DisturbanceObserver
 from friction_audit.compensation.compensators.energy import Coefficients, EnergyCompensator
-from friction_audit.compensation.compensators.fixed import FixedCompensation
-from friction_audit.compensation.compensators.joint_model import JointModelCompensation
-from friction_audit.compensation.compensators.law import CompensatorKind, Guard
-from friction_audit.compensation.compensators.lugre import LugreCompensation
-from friction_audit.compensation.compensators.sigmoid import SigmoidCompensation
-from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation
+from friction_audit.compensation.compensators.feedback import DisturbanceObserver, TorqueRegulation
+from friction_audit.compensation.compensators.law import CompensatorKind, Guard, numbers_of
+from friction_audit.compensation.compensators.model_based import (
+    FixedCompensation,
+    JointModelCompensation,
+    LugreCompensation,
+    SigmoidCompensation,
+)
 
 __all__ = [
     "COMPENSATORS",
@@ -36,29 +30,25 @@ __all__ = [
 ]
 
 # In the order of the documentation, which is that of the codes in ``law``.
-_KINDS: tuple[tuple[str, type[Any], Any, str], ...] = (
-    ("none", NoneType, None, "no compensation"),
-    ("fixed", FixedCompensation, None, "given Coulomb and viscous friction; the true ones make it an oracle"),
-    ("energy", EnergyCompensator, None, "the paper's: Coulomb and viscous friction from the energy of past cycles"),
-    ("sigmoid", SigmoidCompensation, sigmoid.GROUP, "model-based, Gaz sigmoidal (static): a sigmoid of the velocity"),
-    ("lugre", LugreCompensation, lugre.GROUP, "model-based, LuGre: bristles that bend and slip"),
-    (
-        "disturbance_observer",
-        DisturbanceObserver,
-        disturbance_observer.GROUP,
-        "friction observed as what the motor's dynamics do not explain",
-    ),
-    (
-        "torque_regulation",
-        TorqueRegulation,
-        torque_regulation.GROUP,
-        "torque feedback that makes motor inertia and friction smaller",
-    ),
-    ("joint_model", JointModelCompensation, joint_model.GROUP, "model-based: the terms of friction of a joint's model"),
+_KINDS: tuple[tuple[str, type[Any], str], ...] = (
+    ("none", NoneType, "no compensation"),
+    ("fixed", FixedCompensation, "given Coulomb and viscous friction; the true ones make it an oracle"),
+    ("energy", EnergyCompensator, "the paper's: Coulomb and viscous friction from the energy of past cycles"),
+    ("sigmoid", SigmoidCompensation, "model-based, Gaz sigmoidal (static): a sigmoid of the velocity"),
+    ("lugre", LugreCompensation, "model-based, LuGre: bristles that bend and slip"),
+    ("disturbance_observer", DisturbanceObserver, "friction observed as what the motor's dynamics do not explain"),
+    ("torque_regulation", TorqueRegulation, "torque feedback that makes motor inertia and friction smaller"),
+    ("joint_model", JointModelCompensation, "model-based: the terms of friction of a joint's model"),
 )
 COMPENSATORS = tuple(
-    CompensatorKind(name=name, summary=summary, settings=settings, code=code, group=group)
-    for code, (name, settings, group, summary) in enumerate(_KINDS)
+    CompensatorKind(
+        name=name,
+        summary=summary,
+        settings=settings,
+        code=code,
+        group=numbers_of(settings) if hasattr(settings, "guard") else None,
+    )
+    for code, (name, settings, summary) in enumerate(_KINDS)
 )
 
 # What runs on one joint; None where nothing does.

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 from math import inf
-from typing import Any
 
 from friction_audit.compensation.compensators.law import Guard, require_not_negative, require_positive, soft_sign
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.errors import UsageError
 
 MODELS = ("viscous", "coulomb", "combined")
@@ -91,7 +90,7 @@ class EnergyCompensator(Guard):
 
 
 @compiled()
-def torque_nm(settings: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 - records
+def energy_nm(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque that aids the motion, (9) with the sign that Figs 6 and 10 need. [N m]"""
     sign = soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)
     return float(memory.coulomb_nm * sign + memory.viscous_nms_per_rad * dq)

@@ -13,22 +13,22 @@ from friction_audit.errors import UsageError
 
 
 def require_not_negative(where: str, settings: object, *names: str) -> None:
-    """Raise UsageError unless every named number is zero or more."""
+    """Raise UsageError unless every named number, or every one without names, is zero or more."""
     _require(where, settings, names, lambda value: value >= 0, "expected zero or more")
 
 
 def require_positive(where: str, settings: object, *names: str) -> None:
-    """Raise UsageError unless every named number is above zero."""
+    """Raise UsageError unless every named number, or every one without names, is above zero."""
     _require(where, settings, names, lambda value: value > 0, "expected a number above zero")
 
 
 def require_finite(where: str, settings: object, *names: str) -> None:
-    """Raise UsageError unless every named number is finite."""
+    """Raise UsageError unless every named number, or every one without names, is finite."""
     _require(where, settings, names, isfinite, "expected a finite number")
 
 
 def _require(where: str, settings: object, names: Iterable[str], holds: Callable[[float], bool], expected: str) -> None:
-    for name in names:
+    for name in names or numbers_of(type(settings)).names or ():
         if not holds(getattr(settings, name)):
             raise UsageError(f"{where}: {name} {getattr(settings, name):g}: {expected}")
 

@@ -1,22 +1,23 @@
-"""Friction observer from the motor's dynamics: what the motor's motion does not explain is friction.
+"""Compensators that feed back what the joint does: a friction observer, and a torque regulation that shapes inertia.
 
 L. Le Tien, A. Albu-Schaeffer, A. De Luca, G. Hirzinger: Friction observer and compensation for control of robots with
 joint torque measurement, IEEE/RSJ International Conference on Intelligent Robots and Systems, 2008.
+
+A. Albu-Schaeffer, C. Ott, G. Hirzinger: A unified passivity-based control framework for position, torque and impedance
+control of flexible joint robots, International Journal of Robotics Research 26(1), 2007.
 """
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 from friction_audit.compensation.compensators.law import (
     Guard,
-    numbers_of,
     require_finite,
     require_not_negative,
     require_positive,
     soft_sign,
 )
-from friction_audit.compiled import compiled
+from friction_audit.compiled import Record, compiled
 from friction_audit.errors import UsageError
 
 
@@ -40,7 +41,7 @@ class DisturbanceObserver:
     guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
-        require_finite("disturbance observer", self, *(GROUP.names or ()))
+        require_finite("disturbance observer", self)
         require_positive("disturbance observer", self, "observer_gain_per_s")
         require_not_negative("disturbance observer", self, "inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s")
         if not 0 < self.compensation_gain <= 1:
@@ -49,11 +50,8 @@ class DisturbanceObserver:
             )
 
 
-GROUP = numbers_of(DisturbanceObserver)
-
-
 @compiled()
-def advance(group: Any, memory: Any, dq: float, interaction_nm: float, dt: float) -> None:  # noqa: ANN401 - records
+def observe(group: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Observe the past interval, exactly for friction that is steady over it.
 
     F_m is taken as read at the end of the interval, while the u of the interval acted. Its value at the start was read
@@ -68,9 +66,48 @@ def advance(group: Any, memory: Any, dq: float, interaction_nm: float, dt: float
 
 
 @compiled()
-def torque_nm(group: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 - records
+def observed_nm(group: Record, memory: Record, dq: float) -> float:
     """Return the torque that cancels the observed friction. [N m]"""
     share = 1.0
     if group.dead_band_rad_s + group.ramp_rad_s > 0.0:
         share = abs(soft_sign(dq, group.dead_band_rad_s, group.ramp_rad_s))
     return float(share * group.compensation_gain * memory.observed_friction_nm)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueRegulation:
+    """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
+
+    The torque does not depend on the velocity: nothing chatters at standstill, and a joint breaks away at B_theta / B
+    of its friction.
+
+    Raises:
+        UsageError: If a number is not above zero.
+    """
+
+    inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
+    desired_inertia_kg_m2: float  # B_theta; above B the joint gets heavier [kg m^2]
+    cutoff_hz: float = math.inf  # corner of the first-order low-pass on F_m; infinite for none [Hz]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
+
+    def __post_init__(self) -> None:
+        require_positive("torque regulation", self)
+        require_finite("torque regulation", self, "inertia_kg_m2", "desired_inertia_kg_m2")
+
+    @property
+    def torque_gain(self) -> float:
+        """B / B_theta - 1."""
+        return self.inertia_kg_m2 / self.desired_inertia_kg_m2 - 1.0
+
+
+@compiled()
+def filter_torque(group: Record, memory: Record, interaction_nm: float, dt: float) -> None:
+    """Filter the torque just read; the first one is taken as it is."""
+    share = 1.0 if memory.ticks == 0 else -math.expm1(-2.0 * math.pi * group.cutoff_hz * dt)
+    memory.filtered_interaction_nm += share * (interaction_nm - memory.filtered_interaction_nm)
+
+
+@compiled()
+def regulated_nm(group: Record, memory: Record) -> float:
+    """Return the torque that shapes the inertia. [N m]"""
+    return float((group.inertia_kg_m2 / group.desired_inertia_kg_m2 - 1.0) * memory.filtered_interaction_nm)

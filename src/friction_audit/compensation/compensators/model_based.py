@@ -1,0 +1,235 @@
+"""Compensators that apply a model of friction: given coefficients, a sigmoid, bristles, the terms of a joint's model.
+
+C. Gaz, M. Cognetti, A. Oliva, P. Robuffo Giordano, A. De Luca: Dynamic identification of the Franka Emika Panda robot
+with retrieval of feasible parameters using penalty-based optimization, IEEE Robotics and Automation Letters 4(4), 2019.
+The paper calls its sigmoid LuGre; it has no state and no viscous term of its own: "Gaz sigmoidal (static)".
+
+C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky: A new model for control of systems with friction, IEEE
+Transactions on Automatic Control 40(3), 1995. Passivity: N. Barahanov, R. Ortega, Necessary and sufficient conditions
+for passivity of the LuGre friction model, IEEE Transactions on Automatic Control 45(4), 2000.
+"""
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+
+from friction_audit.compensation.compensators.law import (
+    Guard,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    soft_sign,
+)
+from friction_audit.compiled import Record, compiled
+from friction_audit.effects.joint_model import FittedTerm
+from friction_audit.errors import UsageError
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FixedCompensation:
+    """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
+
+    coulomb_nm: float  # Coulomb friction compensated [N m]
+    viscous_nms_per_rad: float  # viscous friction compensated [N m s/rad]
+    dead_band_rad_s: float = 0.02  # speed up to which it stays silent [rad/s]
+
+    def __post_init__(self) -> None:
+        if not self.dead_band_rad_s >= 0:
+            raise UsageError(f"fixed compensation: dead_band_rad_s {self.dead_band_rad_s:g}: expected zero or more")
+
+    def scaled(self, factor: float) -> Self:
+        """Return it with every torque times a factor."""
+        return replace(self, coulomb_nm=factor * self.coulomb_nm, viscous_nms_per_rad=factor * self.viscous_nms_per_rad)
+
+
+@compiled()
+def fixed_nm(settings: Record, memory: Record, dq: float) -> float:
+    """Return the torque that aids the motion. [N m]"""
+    share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
+    return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SigmoidCompensation:
+    """u = phi1 / (1 + exp(-phi2 (dq + phi3))) - phi1 / (1 + exp(-phi2 phi3)).
+
+    It is smooth through standstill, where its slope is at most phi1 phi2 / 4: noise of the velocity comes out times
+    that slope, and is not amplified to the whole plateau as by a sign function.
+
+    Raises:
+        UsageError: If a number is out of range.
+    """
+
+    height_nm: float  # phi1, from plateau to plateau [N m]
+    steepness_s_per_rad: float  # phi2 [s/rad]
+    shift_rad_s: float = 0.0  # phi3, which makes the plateaus unequal [rad/s]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
+
+    def __post_init__(self) -> None:
+        require_finite("sigmoid compensation", self, "height_nm", "steepness_s_per_rad", "shift_rad_s")
+        require_positive("sigmoid compensation", self, "height_nm", "steepness_s_per_rad")
+
+    @property
+    def plateaus_nm(self) -> tuple[float, float]:
+        """Friction at high speed in the positive and in the negative direction, both above zero. [N m]"""
+        backward = self.height_nm / (1.0 + math.exp(-self.steepness_s_per_rad * self.shift_rad_s))
+        return self.height_nm - backward, backward
+
+    def scaled(self, factor: float) -> Self:
+        """Return it with every torque times a factor."""
+        return replace(self, height_nm=factor * self.height_nm)
+
+
+# Of the seven joints, as published.
+PUBLISHED = (
+    SigmoidCompensation(height_nm=0.54615, steepness_s_per_rad=5.1181, shift_rad_s=0.039533),
+    SigmoidCompensation(height_nm=0.87224, steepness_s_per_rad=9.0657, shift_rad_s=0.025882),
+    SigmoidCompensation(height_nm=0.64068, steepness_s_per_rad=10.136, shift_rad_s=-0.04607),
+    SigmoidCompensation(height_nm=1.2794, steepness_s_per_rad=5.590, shift_rad_s=0.036194),
+    SigmoidCompensation(height_nm=0.83904, steepness_s_per_rad=8.3469, shift_rad_s=0.026226),
+    SigmoidCompensation(height_nm=0.30301, steepness_s_per_rad=17.133, shift_rad_s=-0.021047),
+    SigmoidCompensation(height_nm=0.56489, steepness_s_per_rad=10.336, shift_rad_s=0.0035526),
+)
+
+TYPICAL_STEEPNESS_S_PER_RAD = 9.0657  # median of the published ones
+
+
+def fit_sigmoid(
+    coulomb_nm: float,
+    viscous_nms_per_rad: float,
+    *,
+    top_speed_rad_s: float = 1.0,
+    offset_nm: float = 0.0,
+    steepness_s_per_rad: float = TYPICAL_STEEPNESS_S_PER_RAD,
+) -> SigmoidCompensation:
+    """Return the sigmoid nearest to Coulomb and viscous friction over speeds up to a highest one, by least squares.
+
+    The steepness is given and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
+    it may be, which at standstill turns noise of the velocity into torque.
+
+    Args:
+        coulomb_nm: Coulomb friction. [N m]
+        viscous_nms_per_rad: Viscous friction. [N m s/rad]
+        top_speed_rad_s: Highest speed that counts; all up to it count alike. [rad/s]
+        offset_nm: By so much friction is larger in the positive direction than on average. [N m]
+        steepness_s_per_rad: phi2. [s/rad]
+
+    Raises:
+        UsageError: If there is no friction to fit, or the offset is larger than it.
+    """
+    speed = np.linspace(0.0, top_speed_rad_s, 401)[1:]
+    level = coulomb_nm + viscous_nms_per_rad * speed
+    if not (top_speed_rad_s > 0 and coulomb_nm >= 0 and viscous_nms_per_rad >= 0 and level[-1] > 0):
+        raise UsageError(
+            f"sigmoid compensation: Coulomb {coulomb_nm:g}, viscous {viscous_nms_per_rad:g}, top speed "
+            f"{top_speed_rad_s:g}: expected friction above zero and a speed above zero"
+        )
+    shape = np.tanh(steepness_s_per_rad * speed / 2)
+    half = float(shape @ level / (shape @ shape))
+    if not abs(offset_nm) < half:
+        raise UsageError(f"sigmoid compensation: offset {offset_nm:g} N m: expected less than the friction {half:g}")
+    shift = math.log((half - offset_nm) / (half + offset_nm)) / steepness_s_per_rad
+    return SigmoidCompensation(height_nm=2 * half, steepness_s_per_rad=steepness_s_per_rad, shift_rad_s=shift)
+
+
+@compiled()
+def sigmoid_nm(group: Record, dq: float) -> float:
+    """Return the torque that aids the motion. [N m]"""
+    at_rest = 1.0 / (1.0 + math.exp(-group.steepness_s_per_rad * group.shift_rad_s))
+    moving = 1.0 / (1.0 + math.exp(-group.steepness_s_per_rad * (dq + group.shift_rad_s)))
+    return float(group.height_nm * (moving - at_rest))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LugreCompensation:
+    """u = sigma0 z + sigma1 dz/dt + sigma2 dq, with dz/dt = dq - sigma0 |dq| z / g(dq).
+
+    g(dq) = Fc + (Fs - Fc) exp(-(dq/vs)^2). At standstill the bristles hold their torque; in a tick it changes by no
+    more than sigma0 times the displacement, so that noise of the velocity does not make it chatter.
+
+    Raises:
+        UsageError: If a number is out of range.
+    """
+
+    coulomb_nm: float  # Fc [N m]
+    breakaway_nm: float  # Fs [N m]
+    viscous_nms_per_rad: float  # sigma2 [N m s/rad]
+    stribeck_rad_s: float = 0.05  # vs [rad/s]
+    stiffness_nm_per_rad: float = 300.0  # sigma0 [N m/rad]
+    damping_nms_per_rad: float = 0.0  # sigma1 [N m s/rad]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
+
+    def __post_init__(self) -> None:
+        require_finite("LuGre compensation", self)
+        require_positive("LuGre compensation", self, "coulomb_nm", "stribeck_rad_s", "stiffness_nm_per_rad")
+        require_not_negative("LuGre compensation", self, "viscous_nms_per_rad", "damping_nms_per_rad")
+        if self.breakaway_nm < self.coulomb_nm:
+            raise UsageError(
+                f"LuGre compensation: breakaway_nm {self.breakaway_nm:g}: expected coulomb_nm {self.coulomb_nm:g} "
+                f"or more"
+            )
+
+    def scaled(self, factor: float) -> Self:
+        """Return it with every torque times a factor."""
+        torques = ("coulomb_nm", "breakaway_nm", "viscous_nms_per_rad", "stiffness_nm_per_rad", "damping_nms_per_rad")
+        return replace(self, **{name: factor * getattr(self, name) for name in torques})
+
+
+@compiled()
+def level_nm(group: Record, dq: float) -> float:
+    """Return g(dq), the friction of steady sliding without its viscous part. [N m]"""
+    ratio = dq / group.stribeck_rad_s
+    return float(group.coulomb_nm + (group.breakaway_nm - group.coulomb_nm) * math.exp(-ratio * ratio))
+
+
+@compiled()
+def lugre_advance(group: Record, memory: Record, dq: float, dt: float) -> None:
+    """Bend the bristles over the past interval; exact for the mean of the two velocities.
+
+    An explicit step is unstable as soon as sigma0 |dq| dt > 2 g, which the speeds of an arm reach.
+    """
+    mean = 0.5 * (memory.dq + dq)
+    level = level_nm(group, mean)
+    steady = math.copysign(level / group.stiffness_nm_per_rad, mean)
+    share = -math.expm1(-group.stiffness_nm_per_rad * abs(mean) * dt / level)
+    memory.bristle_rad += share * (steady - memory.bristle_rad)
+
+
+@compiled()
+def lugre_nm(group: Record, memory: Record, dq: float) -> float:
+    """Return the torque that aids the motion. [N m]"""
+    rate = dq - group.stiffness_nm_per_rad * abs(dq) * memory.bristle_rad / level_nm(group, dq)
+    elastic = group.stiffness_nm_per_rad * memory.bristle_rad
+    return float(elastic + group.damping_nms_per_rad * rate + group.viscous_nms_per_rad * dq)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class JointModelCompensation:
+    """A compensator that applies the terms of friction of a joint's model instead of the log's friction.
+
+    It runs in a replay, which gives it at every tick what they take. As with the compensator of the paper, dry friction
+    is silent up to ``dead_band_rad_s`` and rises over the next ``ramp_rad_s``; bristles, which have no sign function,
+    are applied at any speed.
+
+    Raises:
+        UsageError: If there is no term, or a number is out of range.
+    """
+
+    terms: tuple[FittedTerm, ...]
+    dead_band_rad_s: float = 0.01  # speed up to which dry friction is silent [rad/s]
+    ramp_rad_s: float = 0.03  # range of speed over which it then rises to all of it [rad/s]
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
+
+    def __post_init__(self) -> None:
+        if not self.terms:
+            raise UsageError("compensation by a joint's model: no term of friction; expected one at least")
+        require_finite("compensation by a joint's model", self)
+        require_not_negative("compensation by a joint's model", self)
+
+
+@compiled()
+def joint_model_nm(group: Record, memory: Record, dq: float) -> float:
+    """Return the torque that aids the motion. [N m]"""
+    return float(soft_sign(dq, group.dead_band_rad_s, group.ramp_rad_s) * memory.modelled_nm + memory.bristle_nm)
