@@ -15,7 +15,7 @@ from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySe
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, simple_model
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
-from friction_audit.simulation.from_model import with_model
+from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 

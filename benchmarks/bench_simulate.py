@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
 from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, BenchSettings, simulate
-from friction_audit.simulation.motion import intend, plan_hand
+from friction_audit.simulation.motion import plan_hand
 from friction_audit.simulation.settings import make_streams
 
 DT = 1e-3
@@ -92,7 +92,7 @@ def one_joint(duration_s: float) -> tuple[Callable[[], Float], Callable[[], Floa
     """Return the simulator and its rival, each giving the positions at the ticks."""
     settings = BenchSettings(sensors=(IDEAL_SENSORS,), duration_s=duration_s)
     hand, ticks = settings.operator, round(duration_s / DT)
-    meant = intend(hand.motion, ticks, DT, make_streams(SEED, 1).person)
+    meant = hand.motion.intend(ticks, DT, make_streams(SEED, 1).person)
     push = hand.stiffness_nm_per_rad * meant.position + hand.damping_nms_per_rad * meant.velocity
     return lambda: simulate(settings, SEED).truth.motion.q[:, 0], OneJoint(settings, push).run
 

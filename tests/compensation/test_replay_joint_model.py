@@ -22,7 +22,7 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
-from friction_audit.simulation.from_model import with_model
+from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
 

@@ -11,7 +11,6 @@ from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.effects.velocity import Presliding, Stiction
-from friction_audit.simulation.motion import intend
 from friction_audit.simulation.settings import IDEAL_SENSORS, make_streams
 
 SEED = 3
@@ -32,7 +31,7 @@ HIDDEN = {
 def drive_torque(settings: BenchSettings, q: Float, dq: Float) -> Float:
     """Return the torque of the operator's spring and damper, shape (n + 1,)."""
     hand, ticks = settings.operator, len(q) - 1
-    wanted = intend(hand.motion, ticks, 1e-3, make_streams(SEED, 1).person)
+    wanted = hand.motion.intend(ticks, 1e-3, make_streams(SEED, 1).person)
     spring, damper = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
     return np.asarray(spring * (wanted.position - q) + damper * (wanted.velocity - dq))
 

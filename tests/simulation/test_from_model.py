@@ -14,8 +14,7 @@ from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects.velocity import Stribeck
-from friction_audit.simulation.from_model import EQUALS, with_model
-from friction_audit.simulation.hide import hidden_effects
+from friction_audit.simulation.hide import EQUALS, hidden_effects, with_model
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
 from tests.effects.recordings import typical_term
 

@@ -188,8 +188,7 @@ def changed(settings: Any, change: ChangeOptions, model: Path | None = None, **a
     """
     from friction_audit.effects.model_file import load_model
     from friction_audit.simulation.assign import assign_texts
-    from friction_audit.simulation.from_model import with_model
-    from friction_audit.simulation.hide import hide
+    from friction_audit.simulation.hide import hide, with_model
     from friction_audit.simulation.settings import IDEAL_SENSORS
 
     given = {name: value for name, value in asked.items() if value is not None}

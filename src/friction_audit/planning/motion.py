@@ -15,8 +15,7 @@ from friction_audit.joint_log import Float
 from friction_audit.planning.task import Joint
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
-from friction_audit.simulation.motion.motion import PEAK
-from friction_audit.simulation.motion.prescribed import Stroke
+from friction_audit.simulation.motion.strokes import PEAK, Stroke
 
 # Of joints 1 to 7, a quarter of what libfranka allows, in rad/s^2; with it 300 rad/s^3: joint_limits.yaml of
 # moveit_resources. Positions and speeds of the built-in URDF are those of libfranka.

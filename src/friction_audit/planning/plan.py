@@ -24,9 +24,8 @@ from friction_audit.planning.task import AUTO, Arm, Joint, Task, reference, subj
 from friction_audit.simulation import BenchSettings, Hidden, simulate
 from friction_audit.simulation.effects import HiddenEffect
 from friction_audit.simulation.effects.effect import NoEqualError, Setting
-from friction_audit.simulation.from_model import EQUALS, equal_of, near_of
-from friction_audit.simulation.motion import intend
-from friction_audit.simulation.motion.prescribed import Prescribed
+from friction_audit.simulation.hide import EQUALS, equal_of, near_of
+from friction_audit.simulation.motion import Prescribed
 
 DURATION_S = 120.0
 END_S = 0.5  # rest after the last stroke
@@ -85,7 +84,7 @@ class JointPlan:
     def trajectory(self, rate_hz: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         """Return time, position, velocity and acceleration, shape (4, n). [s], [rad], [rad/s], [rad/s^2]"""
         ticks = round(self.duration_s * RATE_HZ)
-        found = intend(self.motion, ticks, 1.0 / RATE_HZ, np.random.default_rng(0))
+        found = self.motion.intend(ticks, 1.0 / RATE_HZ, np.random.default_rng(0))
         t = np.arange(ticks + 1) / RATE_HZ
         rate = np.gradient(found.velocity, t)
         whole = np.array([t, self.limits.start_rad + found.position, found.velocity, rate])

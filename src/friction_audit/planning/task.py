@@ -23,8 +23,7 @@ from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.robot.arm import BUILT_IN
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, JointParameters, Operator, simulate
-from friction_audit.simulation.motion import MotionSettings
-from friction_audit.simulation.motion.stop_and_go import StopAndGo
+from friction_audit.simulation.motion import MotionSettings, StopAndGo
 from friction_audit.simulation.panda_joint import READY_RAD
 
 Purpose = Literal["decide", "diagnose", "estimate"]

@@ -13,7 +13,7 @@ from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics import records as rows
 from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
-from friction_audit.simulation.motion import MotionSettings, StopAndGo, intend
+from friction_audit.simulation.motion import MotionSettings, StopAndGo
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     PANDA_SENSORS,
@@ -114,7 +114,7 @@ def move(
     from friction_audit.simulation.mechanics.tick import run_bench, settle
 
     ticks, hand = count_ticks(settings.duration_s, settings.rate_hz), settings.operator
-    intended = intend(hand.motion, ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
+    intended = hand.motion.intend(ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
     place = start_rad + intended.position
     push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams, driven=settings.driven)

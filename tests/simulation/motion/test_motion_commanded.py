@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.motion.commanded import Commanded, frequencies_hz, intend, intend_joints
+from friction_audit.simulation.motion.periodic import Commanded, frequencies_hz, intend_joints
 
 DT = 1e-3
 
@@ -25,7 +25,7 @@ def test_frequencies_by_hand() -> None:
 
 def test_spectrum_has_the_sines_and_nothing_else() -> None:
     ticks = 400_000
-    velocity = intend(Commanded(sines=3), ticks, DT, np.random.default_rng(1)).velocity
+    velocity = Commanded(sines=3).intend(ticks, DT, np.random.default_rng(1)).velocity
     spectrum = np.abs(np.fft.rfft(velocity * np.hanning(ticks + 1)))
     found = np.flatnonzero((spectrum[1:-1] > spectrum[:-2]) & (spectrum[1:-1] > spectrum[2:])) + 1
     found = found[spectrum[found] > 0.1 * spectrum.max()]
@@ -55,7 +55,7 @@ def test_meets_one_of_its_bounds_and_keeps_all(
     seed: int, sines: int, low: float, high: float, speed: float, ticks: int
 ) -> None:
     commanded = Commanded(sines=sines, range_rad=(-low, high), peak_speed_rad_s=speed)
-    intention = intend(commanded, ticks, DT, np.random.default_rng(seed))
+    intention = commanded.intend(ticks, DT, np.random.default_rng(seed))
     shares = (
         -intention.position.min() / low,
         intention.position.max() / high,

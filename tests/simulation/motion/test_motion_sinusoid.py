@@ -5,14 +5,14 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.motion.sinusoid import Sinusoid, intend
+from friction_audit.simulation.motion import Sinusoid
 
 DT = 1e-3
 
 
 def _intend(sinusoid: Sinusoid, duration_s: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     ticks = round(duration_s / DT)
-    intention = intend(sinusoid, ticks, DT, np.random.default_rng(seed))
+    intention = sinusoid.intend(ticks, DT, np.random.default_rng(seed))
     return np.arange(ticks + 1) * DT, intention.position, intention.velocity
 
 

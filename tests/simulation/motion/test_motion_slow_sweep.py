@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.motion.slow_sweep import SlowSweep, intend
+from friction_audit.simulation.motion import SlowSweep
 
 DT = 1e-3
 USUAL = SlowSweep()
@@ -21,7 +21,7 @@ def _rng(seed: int) -> np.random.Generator:
 def test_one_speed_by_hand() -> None:
     """0.1 rad/s for 2 s to one side and back, then to the other; a stroke lasts 2 s and one ease."""
     sweep = SlowSweep(speeds_rad_s=(0.1, 0.1), steps=1, longest_s=2.0, ease_s=0.5, dwell_s=0.5)
-    intention = intend(sweep, 14_000, DT, _rng(0))
+    intention = sweep.intend(14_000, DT, _rng(0))
     t = np.arange(14_001) * DT
     going = (t > 1.0 + 1e-9) & (t < 2.5 - 1e-9)
     assert_allclose(intention.velocity[going], -0.1, rtol=1e-12)
@@ -32,7 +32,7 @@ def test_one_speed_by_hand() -> None:
 
 def test_a_pass_of_a_minute_has_every_speed_in_both_directions() -> None:
     for seed in range(5):
-        intention = intend(USUAL, 60_000, DT, _rng(seed))
+        intention = USUAL.intend(60_000, DT, _rng(seed))
         for speed in np.geomspace(0.01, 1.0, 7):
             for signed in (speed, -speed):
                 assert np.isclose(intention.velocity, signed, rtol=1e-9).sum() > 100
@@ -40,7 +40,7 @@ def test_a_pass_of_a_minute_has_every_speed_in_both_directions() -> None:
 
 def test_small_reversals_are_small_and_come_back() -> None:
     sweep = replace(USUAL, reversals=20)
-    intention = intend(sweep, 22_000, DT, _rng(1))
+    intention = sweep.intend(22_000, DT, _rng(1))
     turns = np.flatnonzero(np.diff(np.sign(intention.velocity[:20_800])) != 0)
     ways = np.abs(np.diff(intention.position[turns]))
     ways = ways[ways > 1e-9]
@@ -61,7 +61,7 @@ def test_small_reversals_are_small_and_come_back() -> None:
 @settings(max_examples=30, deadline=None)
 def test_range_and_speeds_hold(seed: int, fastest: float, low: float, high: float, reversals: int, steps: int) -> None:
     sweep = SlowSweep(speeds_rad_s=(0.01, fastest), range_rad=(-low, high), reversals=reversals, steps=steps)
-    intention = intend(sweep, 10_000, 4e-3, _rng(seed))
+    intention = sweep.intend(10_000, 4e-3, _rng(seed))
     assert -low - 1e-9 <= intention.position.min()
     assert intention.position.max() <= high + 1e-9
     assert np.abs(intention.velocity).max() <= max(fastest, 3e-2 / 0.5) + 1e-9

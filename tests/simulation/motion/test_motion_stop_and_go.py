@@ -7,25 +7,23 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.motion.stop_and_go import StopAndGo, Strokes, intend, intended_motion, plan_strokes
+from friction_audit.simulation.motion.strokes import PEAK, StopAndGo, plan_strokes
 
 USUAL = StopAndGo()
 
 
-def test_stroke_by_hand() -> None:
-    stroke = Strokes(
-        start_s=np.array([1.0]), duration_s=np.array([2.0]), origin_rad=np.array([0.5]), length_rad=np.array([-1.0])
-    )
-    position, velocity = intended_motion(stroke, np.array([0.0, 1.0, 2.0, 3.0, 4.0]))
-    assert_allclose(position, [0.5, 0.5, 0.0, -0.5, -0.5], atol=1e-15)
-    assert_allclose(velocity, [0.0, 0.0, -0.9375, 0.0, 0.0], atol=1e-15)
-    assert_allclose(stroke.peak_speed_rad_s, [0.9375])
+def test_the_first_stroke_starts_stops_and_is_fastest_half_way() -> None:
+    start, lasts, origin, length = plan_strokes(USUAL, 10.0, _rng(5))[0]
+    motion = USUAL.intend(100_000, 1e-4, _rng(5))
+    begin, middle, end = (round(1e4 * (start + share * lasts)) for share in (0.0, 0.5, 1.0))
+    assert_allclose(motion.position[[begin, middle, end]], origin + length * np.array([0.0, 0.5, 1.0]), atol=1e-3)
+    assert_allclose(motion.velocity[[begin, middle, end]], [0.0, PEAK * length / lasts, 0.0], atol=1e-3)
 
 
 def test_strokes_of_a_seed_stay_the_same() -> None:
     """The committed sample logs and benchmark tables depend on them."""
     strokes = plan_strokes(USUAL, 10.0, np.random.default_rng(5))
-    table = np.stack([strokes.start_s, strokes.duration_s, strokes.length_rad])
+    table = strokes[:, [0, 1, 3]].T
     assert table.shape == (3, 5)
     assert table[:, 0] == pytest.approx([0.5, 1.3437207168585683, -0.8773761539252232], rel=1e-9)
     assert table[:, -1] == pytest.approx([7.447505816635416, 0.9166654959031897, 0.38676348599823623], rel=1e-9)
@@ -33,7 +31,7 @@ def test_strokes_of_a_seed_stay_the_same() -> None:
 
 def test_mean_and_spread_of_the_peak_speeds() -> None:
     strokes = plan_strokes(replace(USUAL, speed_limits_rad_s=(0.01, 9.0), range_rad=(-30.0, 30.0)), 3600.0, _rng(6))
-    speeds = strokes.peak_speed_rad_s
+    speeds = PEAK * np.abs(strokes[:, 3]) / strokes[:, 1]
     assert_allclose(speeds.mean(), 0.9, rtol=0.02)
     assert_allclose(speeds.std() / speeds.mean(), 0.4, rtol=0.05)
 
@@ -49,7 +47,7 @@ def test_mean_and_spread_of_the_peak_speeds() -> None:
 def test_range_and_speed_limits_hold(seed: int, speed: float, low: float, high: float, reversing: float) -> None:
     limits = (speed / 2, speed * 2)
     moved = StopAndGo(speed_rad_s=speed, speed_limits_rad_s=limits, range_rad=(low, high), reversing=reversing)
-    intention = intend(moved, 5000, 2e-3, _rng(seed))
+    intention = moved.intend(5000, 2e-3, _rng(seed))
     assert low - 1e-9 <= intention.position.min() <= intention.position.max() <= high + 1e-9
     assert np.abs(intention.velocity).max() <= limits[1] * (1 + 1e-9)
 

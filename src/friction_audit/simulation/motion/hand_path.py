@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.motion import PEAK, REST_S, SHORTEST_S, course, latest, slope, tick_times
+from friction_audit.simulation.motion.strokes import PEAK, REST_S, SHORTEST_S, course, latest, slope, tick_times
 from friction_audit.simulation.settings import require_order, require_positive, require_within
 
 WHERE = "hand path"

@@ -1,0 +1,158 @@
+"""Periodic motions: a sinusoid, every half-period of which is an energy cycle, and the multisine of a commanded robot.
+
+A robot excites itself by a multisine, as identification practice has it (Swevers et al., 1997).
+"""
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulation.motion.strokes import SHORTEST_S, Intention, area, course, rising, slope, tick_times
+from friction_audit.simulation.settings import require_order, require_positive, require_within
+
+SINUSOID = "sinusoid"
+
+WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
+ROUNDING = 1e-9  # a half-period that ends with the recording still fits
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sinusoid:
+    """Position A (1 - cos(2 pi t / T)): from rest at 0 to 2 A and back, as in the paper's simulations.
+
+    Raises:
+        UsageError: If a number has the wrong sign or the spread is above one half.
+    """
+
+    amplitude_rad: float = 0.5  # half the travel, A [rad]
+    period_s: float = 4.0  # period of a there and back, T [s]
+    # largest relative change of the amplitude; each end of the travel after the first draws its own, evenly
+    # distributed, and the amplitude passes smoothly from one to the next
+    spread: float = 0.0
+    # time in which the sinusoid picks up its pace; 0 for at once. It comes late by half of that [s]
+    ease_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(SINUSOID, amplitude_rad=self.amplitude_rad, period_s=self.period_s)
+        require_within(SINUSOID, SHORTEST_S, inf, period_s=self.period_s)
+        require_within(SINUSOID, 0, WIDEST, spread=self.spread)
+        require_within(SINUSOID, 0, inf, ease_s=self.ease_s)
+
+    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+        """Return the whole half-periods that fit, then rest; at rest throughout if not one fits."""
+        halves, pace = _pace(tick_times(ticks, dt), self)
+        fitting = int(halves[-1] + ROUNDING)
+        pace[halves >= fitting] = 0.0
+        halves = np.minimum(halves, fitting)
+        amplitude, change = _amplitude(self, halves, fitting, rng)
+        half = np.minimum(np.floor(halves), max(fitting - 1, 0))
+        x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
+        rate = pi * amplitude * np.sin(pi * x) - change * np.cos(pi * x)
+        position = self.amplitude_rad - side * amplitude * np.cos(pi * x)
+        return Intention(position=position, velocity=side * rate * pace)
+
+
+def _pace(t: Float, settings: Sinusoid) -> tuple[Float, Float]:
+    """Return how many half-periods have passed and how many pass in a second [1/s], both of the shape of t."""
+    half_period = settings.period_s / 2
+    if settings.ease_s == 0:
+        return t / half_period, np.full_like(t, 1 / half_period)
+    eased = t / settings.ease_s
+    return settings.ease_s * area(eased) / half_period, rising(eased) / half_period
+
+
+def _amplitude(settings: Sinusoid, halves: Float, fitting: int, rng: np.random.Generator) -> tuple[Float, Float]:
+    """Return the amplitude and its derivative by the number of half-periods, both of the shape of halves. [rad]"""
+    ends = settings.amplitude_rad * (1.0 + settings.spread * rng.uniform(-1.0, 1.0, fitting + 2))
+    ends[0] = settings.amplitude_rad
+    half = np.minimum(np.floor(halves), fitting).astype(np.intp)
+    x, change = halves - half, np.diff(ends)[half]
+    return ends[half] + change * course(x), change * slope(x)
+
+
+COMMANDED = "commanded"
+STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take as many as they have joints
+MOST_SINES = 100  # more are noise, and take as many primes
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Commanded:
+    """A sum of sines of equal speed and random phase, scaled until it meets the range or the peak speed.
+
+    The frequencies go with the square roots of the primes: no sum of some is ever a multiple of others, neither in one
+    joint nor across joints.
+
+    Raises:
+        UsageError: If a number has the wrong sign or the start is not inside the range.
+    """
+
+    lowest_hz: float = 0.1  # lowest frequency, that of the first joint [Hz]
+    sines: int = 5  # number of sines; five reach up to 7.3 times the lowest frequency
+    range_rad: tuple[float, float] = (-0.8, 0.8)  # lowest and highest position, relative to the start [rad]
+    peak_speed_rad_s: float = 1.2  # highest speed [rad/s]
+    ease_s: float = 2.0  # time of the smooth start, and of the smooth end [s]
+
+    def __post_init__(self) -> None:
+        require_positive(COMMANDED, lowest_hz=self.lowest_hz, ease_s=self.ease_s)
+        require_within(COMMANDED, 1, MOST_SINES, sines=self.sines)
+        require_positive(COMMANDED, peak_speed_rad_s=self.peak_speed_rad_s)
+        require_order(COMMANDED, range_rad=self.range_rad)
+        low, high = self.range_rad
+        if not low < 0 < high:
+            raise UsageError(f"{COMMANDED}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
+
+    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+        """Return the multisine of one joint; it starts and ends at rest at 0."""
+        joints = intend_joints(self, 1, ticks, dt, rng)
+        return Intention(position=joints.position[:, 0], velocity=joints.velocity[:, 0])
+
+
+def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+    """Return a multisine for each of the joints, shape (ticks + 1, joints), all frequencies different."""
+    t = tick_times(ticks, dt)
+    pulsation = 2 * np.pi * frequencies_hz(settings, joints)
+    phase = rng.uniform(0.0, 2 * np.pi, pulsation.shape)
+    envelope, steepness = _envelope(t, min(settings.ease_s, t[-1] / 2))
+    position, velocity = np.empty((2, ticks + 1, joints))
+    for joint in range(joints):
+        # One joint at a time keeps the arrays inside the cache.
+        angle = np.outer(t, pulsation[joint]) + phase[joint]
+        swing, speed = np.sin(angle) @ (1 / pulsation[joint]), np.cos(angle).sum(axis=1)
+        position[:, joint], velocity[:, joint] = envelope * swing, steepness * swing + envelope * speed
+    excess = _excess(settings, position, velocity)
+    return Intention(position=position / excess, velocity=velocity / excess)
+
+
+def frequencies_hz(settings: Commanded, joints: int) -> Float:
+    """Return the frequencies, shape (joints, sines). [Hz]"""
+    stride = max(STRIDE, joints)
+    roots = np.sqrt(_primes(stride * settings.sines) / 2)
+    return settings.lowest_hz * roots.reshape(settings.sines, stride).T[:joints]
+
+
+def _primes(count: int) -> Float:
+    """Return the first primes, shape (count,), by Eratosthenes' sieve below Rosser's bound n (ln n + ln ln n)."""
+    limit = int(count * (np.log(count) + np.log(np.log(count)))) + 1
+    prime = np.ones(limit + 1, dtype=bool)
+    prime[:2] = False
+    for number in range(2, int(limit**0.5) + 1):
+        prime[number * number :: number] &= not prime[number]
+    return np.flatnonzero(prime)[:count].astype(np.float64)
+
+
+def _envelope(t: Float, ease_s: float) -> tuple[Float, Float]:
+    """Return a factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s], shape of t."""
+    rise, fall = t / ease_s, (t[-1] - t) / ease_s
+    steepness = slope(np.clip(rise, 0.0, 1.0)) - slope(np.clip(fall, 0.0, 1.0))
+    return np.minimum(rising(rise), rising(fall)), steepness / ease_s
+
+
+def _excess(settings: Commanded, position: Float, velocity: Float) -> Float:
+    """Return by how much each joint exceeds the tighter of its bounds, shape (joints,); 1 where nothing moves."""
+    low, high = settings.range_rad
+    peaks = (position.max(axis=0) / high, position.min(axis=0) / low, np.abs(velocity).max(axis=0))
+    excess: Float = np.maximum.reduce([*peaks[:2], peaks[2] / settings.peak_speed_rad_s])
+    return np.where(excess > 0, excess, 1.0)

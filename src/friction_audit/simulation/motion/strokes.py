@@ -1,0 +1,306 @@
+"""Strokes of a person or a planner: stop and go, slow sweeps, prescribed ones; the minimum-jerk course under them.
+
+The course is that of Flash and Hogan (1985).
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import cycle
+from math import inf
+from statistics import NormalDist
+from typing import NamedTuple
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulation.settings import require_order, require_positive, require_within
+
+PEAK = 1.875  # steepest slope of the course, half-way: the peak speed of a stroke of length 1 in time 1
+REST_S = 0.5  # rest before the first stroke of a motion and after the last
+SHORTEST_S = 0.01  # no person starts a stroke and ends it in less
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Intention:
+    """The intended motion at the controller's ticks t = k dt, k = 0..n, from rest at 0.
+
+    The shape is (n + 1,) for one joint and (n + 1, joints) for several.
+    """
+
+    position: Float  # relative to the start [rad]
+    velocity: Float  # its exact derivative [rad/s]
+
+
+def tick_times(ticks: int, dt: float) -> Float:
+    """Return the times of the controller's ticks, shape (ticks + 1,). [s]"""
+    return np.arange(ticks + 1, dtype=np.float64) * dt
+
+
+def course(x: Float) -> Float:
+    """Return the share of the way covered at the share x of the time, in [0, 1]."""
+    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
+
+
+def slope(x: Float) -> Float:
+    """Return the derivative of the course at x in [0, 1]."""
+    return 30.0 * x * x * (1.0 - x) * (1.0 - x)
+
+
+def area(x: Float) -> Float:
+    """Return the integral from 0 to x of the course, which stays 0 below 0 and 1 above 1."""
+    inside = np.clip(x, 0.0, 1.0)
+    return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
+
+
+def rising(x: Float) -> Float:
+    """Return the course for any x: 0 below 0 and 1 above 1."""
+    return course(np.clip(x, 0.0, 1.0))
+
+
+def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
+    """Return for every time the last of the strokes that has begun, the first before any has; shape of t."""
+    return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)
+
+
+def at_constant_speed(t: Float, start_s: Float, way: Float, speed: Float, ease_s: Float) -> Intention:
+    """Return strokes of a constant speed, each with a smooth rise of the velocity and a fall; arrays one per stroke."""
+    if not len(start_s):
+        return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
+    stroke = latest(start_s, t)
+    rise = (t - start_s[stroke]) / ease_s[stroke]
+    fall = rise - (np.abs(way) / speed / ease_s)[stroke]
+    signed, origin = np.copysign(speed, way)[stroke], (np.cumsum(way) - way)[stroke]
+    position = origin + signed * ease_s[stroke] * (area(rise) - area(fall))
+    return Intention(position=position, velocity=signed * (rising(rise) - rising(fall)))
+
+
+STOP_AND_GO = "stop-and-go"
+
+STRATA = 10  # the speeds of so many strokes in a row are spread evenly over their distribution
+TINY = 1e-9  # keeps a rank off 0, whose normal deviate is infinite
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class StopAndGo:
+    """Strokes of a person who stops between them.
+
+    Raises:
+        UsageError: If a number has the wrong sign, a pair the wrong order, or the start is outside of the range.
+    """
+
+    # shortest and longest duration of a stroke; its length follows from the peak speed [s]
+    stroke_s: tuple[float, float] = (0.9, 1.8)
+    speed_rad_s: float = 0.9  # mean of the strokes' peak speeds [rad/s]
+    speed_spread: float = 0.4  # coefficient of variation of the strokes' peak speeds
+    speed_limits_rad_s: tuple[float, float] = (0.3, 1.8)  # no stroke has a slower or a faster peak [rad/s]
+    pause_s: tuple[float, float] = (0.2, 0.7)  # shortest and longest pause between two strokes [s]
+    range_rad: tuple[float, float] = (-1.2, 1.2)  # lowest and highest position, relative to the start [rad]
+    reversing: float = 0.8  # share of the strokes that turn back, where the range leaves the choice
+
+    def __post_init__(self) -> None:
+        pairs = ("stroke_s", "speed_limits_rad_s", "pause_s", "range_rad")
+        require_positive(STOP_AND_GO, speed_rad_s=self.speed_rad_s)
+        require_positive(STOP_AND_GO, slowest_rad_s=self.speed_limits_rad_s[0])
+        require_within(STOP_AND_GO, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
+        require_within(STOP_AND_GO, 0, inf, speed_spread=self.speed_spread, shortest_pause_s=self.pause_s[0])
+        require_within(STOP_AND_GO, 0, 1, reversing=self.reversing)
+        require_order(STOP_AND_GO, **{name: getattr(self, name) for name in pairs})
+        low, high = self.range_rad
+        if not low <= 0 <= high or low == high:
+            raise UsageError(f"{STOP_AND_GO}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
+
+    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+        """Return strokes at the ticks of the controller; at rest throughout if not one fits."""
+        strokes, t = plan_strokes(self, ticks * dt, rng), tick_times(ticks, dt)
+        if not len(strokes):
+            return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
+        start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
+        x = np.clip((t - start) / lasts, 0.0, 1.0)
+        return Intention(position=origin + length * course(x), velocity=length / lasts * slope(x))
+
+
+def plan_strokes(settings: StopAndGo, duration_s: float, rng: np.random.Generator) -> Float:
+    """Draw the strokes that fit between a rest at the start and a rest at the end, shape (m, 4).
+
+    One row each: start [s], duration [s], origin [rad] and length, signed [rad].
+    """
+    rows: list[tuple[float, float, float, float]] = []
+    speeds: list[float] = []
+    start, place, direction = REST_S, 0.0, 1.0
+    while True:
+        speeds = speeds or _draw_speeds(settings, rng)
+        speed = speeds.pop()
+        length = _draw_length(settings, speed, place, direction, rng)
+        lasts = PEAK * abs(length) / speed
+        if start + lasts > duration_s - REST_S:
+            break
+        rows.append((start, lasts, place, length))
+        start += lasts + rng.uniform(*settings.pause_s)
+        place, direction = place + length, float(np.sign(length))
+    return np.asarray(rows, dtype=np.float64).reshape(-1, 4)
+
+
+def _draw_speeds(settings: StopAndGo, rng: np.random.Generator) -> list[float]:
+    """Draw the peak speeds of the next strokes: log-normal, stratified, within the limits."""
+    ranks = (rng.permutation(STRATA) + rng.uniform(TINY, 1.0, STRATA)) / STRATA
+    sigma = np.sqrt(np.log1p(settings.speed_spread**2))
+    deviates = np.array([NormalDist().inv_cdf(rank) for rank in ranks])
+    speeds = settings.speed_rad_s * np.exp(sigma * deviates - sigma**2 / 2)
+    return [float(speed) for speed in np.clip(speeds, *settings.speed_limits_rad_s)]
+
+
+def _draw_length(settings: StopAndGo, speed: float, place: float, direction: float, rng: np.random.Generator) -> float:
+    """Draw the signed length of the next stroke; it mostly turns back and always stays in the range."""
+    low, high = settings.range_rad
+    length = speed * rng.uniform(*settings.stroke_s) / PEAK
+    turned = -direction if rng.random() < settings.reversing else direction
+    for way in (turned, -turned):
+        if low <= place + way * length <= high:
+            return way * length
+    return (high - place) if high - place > place - low else (low - place)
+
+
+SLOW_SWEEP = "slow-sweep"
+
+Target = tuple[float, float]  # a place to go to [rad] and the speed to go with [rad/s]
+MOST = 1000  # speeds or small reversals of a pass: more would outlast every recording
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SlowSweep:
+    """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
+
+    The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
+    pass with the usual settings takes less than a minute.
+
+    Raises:
+        UsageError: If a number has the wrong sign, a pair the wrong order, or the range is too narrow for the fastest
+            speed or for the reversals.
+    """
+
+    speeds_rad_s: tuple[float, float] = (0.01, 1.0)  # slowest and fastest speed [rad/s]
+    steps: int = 7  # number of speeds in a pass, evenly spaced on a logarithmic scale
+    range_rad: tuple[float, float] = (-0.6, 0.6)  # lowest and highest position, relative to the start [rad]
+    longest_s: float = 3.0  # a stroke turns back after this time although the range goes on [s]
+    dwell_s: float = 0.3  # rest after every stroke [s]
+    ease_s: float = 0.2  # time in which a stroke reaches its speed, and in which it loses it [s]
+    reversals: int = 0  # number of small reversals at the start of every pass
+    # smallest and largest way of a small reversal, drawn evenly on a logarithmic scale [rad]
+    reversal_rad: tuple[float, float] = (1e-3, 3e-2)
+    reversal_s: float = 0.5  # way divided by speed of a small reversal [s]
+
+    def __post_init__(self) -> None:
+        require_positive(SLOW_SWEEP, slowest_rad_s=self.speeds_rad_s[0], smallest_reversal_rad=self.reversal_rad[0])
+        require_positive(SLOW_SWEEP, longest_s=self.longest_s, reversal_s=self.reversal_s, ease_s=self.ease_s)
+        require_within(SLOW_SWEEP, 1, MOST, steps=self.steps)
+        require_within(SLOW_SWEEP, 0, MOST, reversals=self.reversals)
+        require_within(SLOW_SWEEP, 0, inf, dwell_s=self.dwell_s)
+        pairs = {"speeds_rad_s": self.speeds_rad_s, "range_rad": self.range_rad, "reversal_rad": self.reversal_rad}
+        require_order(SLOW_SWEEP, **pairs)
+        shortest = min(self.longest_s, self.reversal_s) if self.reversals else self.longest_s
+        if self.ease_s > shortest:
+            raise UsageError(
+                f"{SLOW_SWEEP}: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
+                "longest_s or, with reversals, reversal_s"
+            )
+        wide = max(self.speeds_rad_s[1] * self.ease_s, self.reversal_rad[1] / 2 if self.reversals else 0.0)
+        if -self.range_rad[0] < wide or self.range_rad[1] < wide:
+            raise UsageError(
+                f"{SLOW_SWEEP}: range_rad {self.range_rad[0]:g}, {self.range_rad[1]:g}: expected a range around the "
+                f"start at 0, from {-wide:g} or less to {wide:g} or more"
+            )
+
+    def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+        """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
+        start, way, speed = _plan(self, ticks * dt, rng)
+        return at_constant_speed(tick_times(ticks, dt), start, way, speed, np.full(len(start), self.ease_s))
+
+
+def _plan(settings: SlowSweep, duration_s: float, rng: np.random.Generator) -> tuple[Float, Float, Float]:
+    """Return start [s], signed way [rad] and speed [rad/s] of the strokes that fit, each of shape (m,)."""
+    start: list[float] = []
+    way: list[float] = []
+    speed: list[float] = []
+    now = REST_S
+    for targets in _excursions(settings, rng):
+        places, speeds = np.array(targets).T
+        ways = np.diff(places, prepend=0.0)
+        lasts = np.abs(ways) / speeds + settings.ease_s + settings.dwell_s
+        if now + lasts.sum() - settings.dwell_s > duration_s - REST_S:
+            break
+        start.extend(now + np.cumsum(lasts) - lasts)
+        way.extend(ways)
+        speed.extend(speeds)
+        now += float(lasts.sum())
+    return np.array(start), np.array(way), np.array(speed)
+
+
+def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
+    speeds = np.geomspace(*settings.speeds_rad_s, settings.steps)
+    sides = cycle(settings.range_rad)
+    while True:
+        if settings.reversals:
+            yield _reversals(settings, rng)
+        for speed in rng.permutation(speeds):
+            far = float(speed) * settings.longest_s
+            yield [(float(np.clip(next(sides), -far, far)), float(speed)), (0.0, float(speed))]
+
+
+def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
+    """Draw small reversals to and fro about 0; a way, but for the first and the last, is within the limits."""
+    smallest, largest = np.log(settings.reversal_rad)
+    half = np.exp(rng.uniform(smallest, largest, settings.reversals)) / 2
+    places = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
+    ways = np.abs(np.diff(places, prepend=0.0))
+    return [(float(place), float(way / settings.reversal_s)) for place, way in zip(places, ways, strict=True)]
+
+
+PRESCRIBED = "prescribed"
+TOO_SHORT = 1e-9  # rounding of a way that is all rise and fall
+
+
+class Stroke(NamedTuple):
+    """A stroke and the rest after it."""
+
+    way_rad: float  # signed; at least the speed times the ease [rad]
+    speed_rad_s: float  # highest speed [rad/s]
+    ease_s: float  # time of the rise of the velocity, and of its fall [s]
+    rest_s: float  # rest afterwards [s]
+
+    @property
+    def moving_s(self) -> float:
+        """How long it takes, without the rest. [s]"""
+        return abs(self.way_rad) / self.speed_rad_s + self.ease_s
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Prescribed:
+    """Strokes one after the other.
+
+    Raises:
+        UsageError: If a number has the wrong sign or a way is shorter than rise and fall of its speed.
+    """
+
+    # in order: way [rad], highest speed [rad/s], ease [s], rest afterwards [s]
+    strokes: tuple[Stroke, ...] = (Stroke(0.5, 0.5, 0.3, 0.5), Stroke(-0.5, 0.5, 0.3, 0.5)) * 4
+    start_s: float = 0.5  # rest before the first one [s]
+
+    def __post_init__(self) -> None:
+        require_within(PRESCRIBED, 0.0, inf, start_s=self.start_s)
+        for one in self.strokes:
+            require_positive(PRESCRIBED, speed_rad_s=one.speed_rad_s, ease_s=one.ease_s)
+            least = one.speed_rad_s * one.ease_s * (1.0 - TOO_SHORT)
+            require_within(PRESCRIBED, 0.0, inf, rest_s=one.rest_s)
+            require_within(PRESCRIBED, least, inf, way_rad=abs(one.way_rad))
+
+    def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
+        """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
+        way, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
+        return at_constant_speed(tick_times(ticks, dt), starts_of(self)[:-1], way, speed, ease)
+
+
+def starts_of(settings: Prescribed) -> Float:
+    """Return when each stroke begins, and when the last rest ends, shape (m + 1,). [s]"""
+    lasts = [one.moving_s + one.rest_s for one in settings.strokes]
+    return settings.start_s + np.concatenate([[0.0], np.cumsum(lasts)])
