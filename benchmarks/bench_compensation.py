@@ -16,8 +16,8 @@ from friction_audit.compensation.comparison.trial import find_reference, measure
 from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator, Guard
 from friction_audit.compensation.compensators.energy import PUBLISHED, RIDGE
 from friction_audit.compensation.compensators.law import payback_s
-from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_by, peak_nm
+from friction_audit.reproduce.reproduction import make_course
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings

@@ -2,8 +2,8 @@
 
 import pytest
 
-from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.one_joint import BAND
+from friction_audit.reproduce.reproduction import make_course
 from tests.reproduce.conftest import SEEDS, Check, simulated
 
 

@@ -6,7 +6,7 @@ import pytest
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction
-from friction_audit.reproduce.compared import KEPT, ORDER, rows_of
+from friction_audit.reproduce.arm import KEPT, ORDER, rows_of
 
 SEEDS = 2
 COMPARED = [one for one in REPRODUCTIONS if one.figure in ("13", "14")]

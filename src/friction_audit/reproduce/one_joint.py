@@ -8,8 +8,17 @@ from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.panels import smooth
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.reproduction import MANY, Claim, Reproduction, Simulations, each, relative, share, spread
+from friction_audit.reproduce.reproduction import (
+    MANY,
+    Claim,
+    Reproduction,
+    Simulations,
+    each,
+    make_course,
+    relative,
+    share,
+    spread,
+)
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
 

@@ -7,8 +7,7 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, relative
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, relative
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
 
