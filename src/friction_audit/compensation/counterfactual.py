@@ -98,12 +98,7 @@ def _tables(model: JointModel, motion: Motion) -> tuple[Tables, tuple[Term, ...]
 
 
 def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str:
-    """Return the joint of a model file, or why it cannot be simulated.
-
-    Args:
-        model: Its model, if the file has one.
-        motion: The recording.
-    """
+    """Return the joint of a model file, or why it cannot be simulated."""
     if model is None:
         return NO_MODEL
     unable = refusal(model.terms)

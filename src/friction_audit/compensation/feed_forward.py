@@ -61,10 +61,6 @@ def straighten(tables: Tables, *, damping_nms_per_rad: float = 0.0) -> Tables:
 def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
     """Return the feed-forward of terms of friction, before the first tick.
 
-    Args:
-        terms: Terms of friction that can run in the loop.
-        motion: The recording, n samples.
-
     Raises:
         AnalysisError: If a term follows from more than the motion of the instant.
     """

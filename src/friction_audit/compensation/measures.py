@@ -100,15 +100,7 @@ def sum_up(t: Float, dq: Float, torque: Float) -> tuple[float, float, float]:
 
 
 def measure(recorded: Recorded, without: Signals, replayed: Signals, history: ReplayHistory, tally: Record) -> Numbers:
-    """Return what a replay comes to.
-
-    Args:
-        recorded: The recording.
-        without: The joint without a compensator.
-        replayed: The joint with it, fewer samples if it diverged.
-        history: Per cycle.
-        tally: What was counted.
-    """
+    """Return what a replay comes to."""
     samples = len(replayed.t)
     before = sum_up(without.t, without.dq, without.interaction_nm)
     own = before if without.interaction_nm is recorded.torque else sum_up(recorded.t, recorded.dq, recorded.torque)

@@ -165,14 +165,7 @@ def _replay_joint(
 def tune(  # noqa: PLR0911 - one per compensator
     competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None
 ) -> Compensator | str:
-    """Return a compensator for one joint, or why it cannot be tuned.
-
-    Args:
-        competitor: Which one.
-        friction: What the log says about the joint.
-        robot: As ``Source.robot`` names it.
-        model: Of a model file, if it has one of this joint.
-    """
+    """Return a compensator for one joint, or why it cannot be tuned."""
     if competitor.name == MODEL:
         return _modelled(model)
     if competitor.name == "sigmoid" and robot in PANDAS and 1 <= friction.joint <= len(PUBLISHED):

@@ -160,13 +160,7 @@ ADVICE = {
 
 
 def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
-    """Say why there was nothing to apply; empty if there was.
-
-    Args:
-        history: Per cycle of the compensator.
-        friction: What the whole log says.
-        compensator: What ran.
-    """
+    """Say why there was nothing to apply; empty if there was."""
     cycles = len(history.status)
     if not cycles:
         return friction.reason or (

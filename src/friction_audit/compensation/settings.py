@@ -60,11 +60,7 @@ COUNTERFACTUALS = {one.name: one for one in (SAME_MOTION, SAME_TORQUE, SAME_OPER
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Limits:
-    """Limits of what a compensator may command on one joint.
-
-    Raises:
-        UsageError: If a limit is not above zero.
-    """
+    """Limits of what a compensator may command on one joint."""
 
     torque_nm: float = inf  # largest torque; infinite without a limit [N m]
     rate_nm_s: float = inf  # fastest change of it [N m/s]
@@ -84,11 +80,7 @@ def limits_of(robot: str, joint: int) -> Limits:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Competitor:
-    """Another compensator than the paper's, tuned from the log.
-
-    Raises:
-        UsageError: If the name is unknown.
-    """
+    """Another compensator than the paper's, tuned from the log."""
 
     # one of COMPETITORS. ``"fixed"``: the coefficients of the whole log from the start. ``"sigmoid"``: as published for
     # a Panda, else nearest to the log's friction. ``"lugre"``: with the log's friction. ``"model"``: the friction of a
@@ -105,23 +97,13 @@ class Competitor:
 
 
 def energy_compensator(model: str = DEFAULT_MODEL, window: int | None = None, **kept: Any) -> EnergyCompensator:  # noqa: ANN401
-    """Return the compensator of the paper with the default window of a log.
-
-    Args:
-        model: Friction model.
-        window: Cycles per estimate, or None for the default.
-        kept: Its other settings.
-    """
+    """Return the compensator of the paper with the default window of a log."""
     return EnergyCompensator(model=model, window=DEFAULT_WINDOW.get(model) if window is None else window, **kept)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class OperatorImpedance:
-    """A person's arm as one joint feels it.
-
-    Raises:
-        UsageError: If a number is negative or not finite, or all are zero.
-    """
+    """A person's arm as one joint feels it."""
 
     inertia_kg_m2: float  # effective inertia [kg m^2]
     damping_nms_per_rad: float
@@ -159,11 +141,7 @@ class ModelFile:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ReplaySettings:
-    """Settings of a replay.
-
-    Raises:
-        UsageError: If a name is unknown or settings contradict each other.
-    """
+    """Settings of a replay."""
 
     assume: str = SAME_MOTION.name  # ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``
     # what runs on every joint; its thresholds give way to those of the segmentation

@@ -69,11 +69,7 @@ class Servo:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ArmSettings:
-    """A Panda, who moves it, one recording; the tuples have one entry per joint.
-
-    Raises:
-        UsageError: If the numbers of joints disagree, or there is no such joint.
-    """
+    """A Panda, who moves it, one recording; the tuples have one entry per joint."""
 
     joints: tuple[JointParameters, ...] = PANDA_JOINTS  # motors and friction
     hidden: tuple[Hidden, ...] = (Hidden(),) * 7  # what is hidden in each joint

@@ -135,11 +135,7 @@ def move(
 
 
 def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> TrueMotion:
-    """Return the truth by its names.
-
-    Raises:
-        AnalysisError: If the simulation diverged; it names the path of the log that is not made.
-    """
+    """Return the truth by its names."""
     row = np.swapaxes(mechanism.out, 0, 1)
     link, speed = (rows.INNER, rows.SPEED) if driven else (rows.OUTER, rows.OUTER_SPEED)
     motion = TrueMotion(

@@ -124,10 +124,6 @@ EQUALS: dict[str, type[HiddenEffect]] = {
 def with_model(settings: Settings, model: "ArmModel") -> Settings:
     """Return the settings with the joints of a model.
 
-    Args:
-        settings: Of a scenario.
-        model: A model for every joint; one that is None leaves the scenario's joint as it is.
-
     Raises:
         UsageError: If the numbers of joints differ, a joint has no inertia, or the simulator has no equal of a term.
     """

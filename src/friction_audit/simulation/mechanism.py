@@ -66,11 +66,7 @@ class Mechanism:
 
 
 def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
-    """Return the mass matrix of the motors, with what is hidden in it, shape (n, n). [kg m^2]
-
-    Raises:
-        UsageError: If an inertia error leaves a joint no inertia.
-    """
+    """Return the mass matrix of the motors, with what is hidden in it, shape (n, n). [kg m^2]"""
     pairs = zip(joints, hidden, strict=True)
     inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
     for number, inertia in enumerate(inertias, start=1):

@@ -35,11 +35,7 @@ JOINTS = 7
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class HandGuidedPanda:
-    """One joint of a Panda moved by hand; of the others only the sensors matter.
-
-    Raises:
-        UsageError: If there is no such joint, there are not seven of something, or the recording has no length.
-    """
+    """One joint of a Panda moved by hand; of the others only the sensors matter."""
 
     joint: int = 1  # number of the joint that is moved, 1..7
     joints: tuple[JointParameters, ...] = PANDA_JOINTS  # the seven joints

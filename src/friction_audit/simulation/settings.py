@@ -25,22 +25,14 @@ FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.BINARY_NOIS
 
 
 def require_positive(where: str, **numbers: float) -> None:
-    """Refuse numbers that are not finite and above zero.
-
-    Raises:
-        UsageError: At the first such number.
-    """
+    """Refuse numbers that are not finite and above zero."""
     for name, number in numbers.items():
         if not 0 < number < inf:
             raise UsageError(f"{where}: {name} {number:g}: expected a number above zero")
 
 
 def require_within(where: str, low: float, high: float, **numbers: float) -> None:
-    """Refuse numbers outside of [low, high].
-
-    Raises:
-        UsageError: At the first such number.
-    """
+    """Refuse numbers outside of [low, high]."""
     for name, number in numbers.items():
         if not low <= number <= high or number == inf:
             least = "zero or more" if low == 0 else f"{low:g} or more"
@@ -49,22 +41,14 @@ def require_within(where: str, low: float, high: float, **numbers: float) -> Non
 
 
 def require_order(where: str, **pairs: tuple[float, float]) -> None:
-    """Refuse pairs that do not put the smaller of two finite numbers first.
-
-    Raises:
-        UsageError: At the first such pair.
-    """
+    """Refuse pairs that do not put the smaller of two finite numbers first."""
     for name, (low, high) in pairs.items():
         if not -inf < low <= high < inf:
             raise UsageError(f"{where}: {name} {low:g}, {high:g}: expected the smaller number first")
 
 
 def require_hand(where: str, hand: str, hidden: "Iterable[Hidden]", compensator: object) -> None:
-    """Refuse what takes a person's hand where motors move the joints.
-
-    Raises:
-        UsageError: If a compensation is hidden or a compensator active.
-    """
+    """Refuse what takes a person's hand where motors move the joints."""
     if any(inside.unlogged_compensation.share != 0.0 for inside in hidden):
         raise UsageError(
             f"{where}: unlogged_compensation takes {hand}: where motors move the joints, the sensors read all that "
@@ -75,11 +59,7 @@ def require_hand(where: str, hand: str, hidden: "Iterable[Hidden]", compensator:
 
 
 def count_ticks(duration_s: float, rate_hz: float) -> int:
-    """Return the number of the controller's ticks in a recording, after checking its length and its rate.
-
-    Raises:
-        UsageError: If the recording is too short or too long, or the rate is above that of the controller.
-    """
+    """Return the number of the controller's ticks in a recording, after checking its length and its rate."""
     require_positive("simulation", duration_s=duration_s, rate_hz=rate_hz)
     if rate_hz > CONTROL_RATE_HZ:
         raise UsageError(
@@ -232,11 +212,7 @@ AnyCompensator = Compensator | JointByJoint  # what runs in an arm; None where n
 
 
 def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Compensator | None, ...]:
-    """Return what runs in each joint.
-
-    Raises:
-        UsageError: If there are not as many as joints.
-    """
+    """Return what runs in each joint."""
     if not isinstance(compensator, JointByJoint):
         return (compensator,) * joints
     if len(compensator.compensators) != joints:

@@ -314,12 +314,7 @@ def search_margin() -> Generator[float, bool, float]:
 
 
 def find_margins(searches: int, hold: Callable[[Sequence[tuple[int, float]]], Sequence[bool]]) -> list[float]:
-    """Return several margins, searched for side by side.
-
-    Args:
-        searches: How many.
-        hold: Numbers of searches, each with a factor -> whether their loops hold.
-    """
+    """Return several margins, searched for side by side."""
     margins = [0.0] * searches
     under_way = {number: search_margin() for number in range(searches)}
     asked = {number: next(search) for number, search in under_way.items()}

@@ -30,9 +30,6 @@ class EnergyCompensator(Guard):
     function of a velocity that is held for a tick and carries noise would flip between plus and minus the whole
     coefficient at standstill. With the ramp the Coulomb term stays at or below the friction it meets, so that what is
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
-
-    Raises:
-        UsageError: If a number is out of range or a name unknown.
     """
 
     model: str = "combined"  # ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20)

@@ -27,9 +27,6 @@ class DisturbanceObserver:
 
     Without a dead-band a joint that sticks is pushed free by nothing but noise and bias, which the observer adds up;
     it then hunts. In the dead-band it is therefore silent, and observes on.
-
-    Raises:
-        UsageError: If a number is out of range.
     """
 
     inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
@@ -80,9 +77,6 @@ class TorqueRegulation:
 
     The torque does not depend on the velocity: nothing chatters at standstill, and a joint breaks away at B_theta / B
     of its friction.
-
-    Raises:
-        UsageError: If a number is not above zero.
     """
 
     inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]

@@ -35,11 +35,7 @@ def _require(where: str, settings: object, names: Iterable[str], holds: Callable
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Guard:
-    """Passivity controller and limits around a law of any kind.
-
-    Raises:
-        UsageError: If a number is out of range.
-    """
+    """Passivity controller and limits around a law of any kind."""
 
     passivity: bool = False  # if True, the passivity controller acts
     initial_energy_j: float = 0.0  # E(0) of (21) [J]

@@ -57,9 +57,6 @@ class SigmoidCompensation:
 
     It is smooth through standstill, where its slope is at most phi1 phi2 / 4: noise of the velocity comes out times
     that slope, and is not amplified to the whole plateau as by a sign function.
-
-    Raises:
-        UsageError: If a number is out of range.
     """
 
     height_nm: float  # phi1, from plateau to plateau [N m]
@@ -148,9 +145,6 @@ class LugreCompensation:
 
     g(dq) = Fc + (Fs - Fc) exp(-(dq/vs)^2). At standstill the bristles hold their torque; in a tick it changes by no
     more than sigma0 times the displacement, so that noise of the velocity does not make it chatter.
-
-    Raises:
-        UsageError: If a number is out of range.
     """
 
     coulomb_nm: float  # Fc [N m]
@@ -212,9 +206,6 @@ class JointModelCompensation:
     It runs in a replay, which gives it at every tick what they take. As with the compensator of the paper, dry friction
     is silent up to ``dead_band_rad_s`` and rises over the next ``ramp_rad_s``; bristles, which have no sign function,
     are applied at any speed.
-
-    Raises:
-        UsageError: If there is no term, or a number is out of range.
     """
 
     terms: tuple[FittedTerm, ...]

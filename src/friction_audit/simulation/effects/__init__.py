@@ -31,11 +31,7 @@ __all__ = ["EFFECTS", "Hidden", "HiddenEffect"]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Hidden:
-    """One group per effect, named as the effect.
-
-    Raises:
-        UsageError: If one effect would keep another from doing anything.
-    """
+    """One group per effect, named as the effect."""
 
     stribeck: Stribeck = Stribeck()
     stiction: Stiction = Stiction()

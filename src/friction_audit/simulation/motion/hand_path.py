@@ -21,9 +21,6 @@ class HandPath:
 
     A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
     of a Panda that starts in its ready pose, the first one the least, and keep its limits.
-
-    Raises:
-        UsageError: If a number has the wrong sign, a pair the wrong order, or the rotation is half a turn or more.
     """
 
     reach_m: float = 0.12  # radius of the ball of positions around the start [m]

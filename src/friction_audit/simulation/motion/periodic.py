@@ -21,11 +21,7 @@ ROUNDING = 1e-9  # a half-period that ends with the recording still fits
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sinusoid:
-    """Position A (1 - cos(2 pi t / T)): from rest at 0 to 2 A and back, as in the paper's simulations.
-
-    Raises:
-        UsageError: If a number has the wrong sign or the spread is above one half.
-    """
+    """Position A (1 - cos(2 pi t / T)): from rest at 0 to 2 A and back, as in the paper's simulations."""
 
     amplitude_rad: float = 0.5  # half the travel, A [rad]
     period_s: float = 4.0  # period of a there and back, T [s]
@@ -84,9 +80,6 @@ class Commanded:
 
     The frequencies go with the square roots of the primes: no sum of some is ever a multiple of others, neither in one
     joint nor across joints.
-
-    Raises:
-        UsageError: If a number has the wrong sign or the start is not inside the range.
     """
 
     lowest_hz: float = 0.1  # lowest frequency, that of the first joint [Hz]

@@ -83,11 +83,7 @@ TINY = 1e-9  # keeps a rank off 0, whose normal deviate is infinite
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StopAndGo:
-    """Strokes of a person who stops between them.
-
-    Raises:
-        UsageError: If a number has the wrong sign, a pair the wrong order, or the start is outside of the range.
-    """
+    """Strokes of a person who stops between them."""
 
     # shortest and longest duration of a stroke; its length follows from the peak speed [s]
     stroke_s: tuple[float, float] = (0.9, 1.8)
@@ -173,10 +169,6 @@ class SlowSweep:
 
     The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
     pass with the usual settings takes less than a minute.
-
-    Raises:
-        UsageError: If a number has the wrong sign, a pair the wrong order, or the range is too narrow for the fastest
-            speed or for the reversals.
     """
 
     speeds_rad_s: tuple[float, float] = (0.01, 1.0)  # slowest and fastest speed [rad/s]
@@ -276,11 +268,7 @@ class Stroke(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Prescribed:
-    """Strokes one after the other.
-
-    Raises:
-        UsageError: If a number has the wrong sign or a way is shorter than rise and fall of its speed.
-    """
+    """Strokes one after the other."""
 
     # in order: way [rad], highest speed [rad/s], ease [s], rest afterwards [s]
     strokes: tuple[Stroke, ...] = (Stroke(0.5, 0.5, 0.3, 0.5), Stroke(-0.5, 0.5, 0.3, 0.5)) * 4
