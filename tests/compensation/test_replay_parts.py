@@ -91,7 +91,7 @@ def test_the_hand_ends_cycles_when_all_joints_have_moved() -> None:
     dq = np.stack([np.sin(np.pi * t), np.where(t < 1.0, 0.0, np.sin(np.pi * t))], axis=1)
 
     def cuts(minimum_path_rad: float) -> list[float]:
-        found = hand_cuts(t, speed, dq, thresholds=(0.1, 0.025), rest_rad_s=0.01, minimum_path_rad=minimum_path_rad)
+        found = hand_cuts(t, speed, dq, (0.1, 0.025), 0.01, minimum_path_rad)
         return [float(t[i]) for i in np.flatnonzero(found)]
 
     # The second joint stands still in the first second: its cycle is the first two.

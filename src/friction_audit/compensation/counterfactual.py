@@ -1,6 +1,6 @@
 """A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,8 +54,10 @@ class Scene:
     motion: Motion | None = None  # the recording as a model reads it; None where no model does
     joint: MovedJoint | None = None  # the joint that moves otherwise, or None
     operator: FittedOperator | None = None  # the person's impedance, or None
-    lacking: Float  # torque that its model lacks, shape (n,) or empty [N m]
-    restart: NDArray[np.bool_]  # where the joint starts again from the recording, shape (n,) or empty
+    # torque that its model lacks, shape (n,) or empty [N m]
+    lacking: Float = field(default_factory=lambda: np.empty(0))
+    # where the joint starts again from the recording, shape (n,) or empty
+    restart: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -119,11 +121,6 @@ def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str
     if min(forwards.min(), -backwards.max()) < 0.0:
         return "its model's friction pushes at some speed, and a joint that pushes cannot be simulated"
     return MovedJoint(model=model, tables=tables)
-
-
-def same_motion(recorded: Recorded, cuts: NDArray[np.int64], motion: Motion | None = None) -> Scene:
-    """Return the scene of the recorded motion."""
-    return Scene(recorded=recorded, cuts=cuts, motion=motion, lacking=np.empty(0), restart=np.empty(0, np.bool_))
 
 
 def other_motion(

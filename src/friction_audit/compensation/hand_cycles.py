@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.joint_log import Float, read_only
+from friction_audit.joint_log import Float
 
 FILTERED_M_S, UNDER_WAY = range(2)  # state of the hand: its filtered speed, and whether a cycle is under way
 CYCLE_STATE = 2
@@ -31,43 +31,21 @@ def hand_rests(cycle: Float, speed: float, dt: float, initiation: float, termina
     return bool(cycle[UNDER_WAY] == 1.0 and cycle[FILTERED_M_S] <= termination)
 
 
+@compiled()
 def hand_cuts(
-    t: Float,
-    hand_speed: Float,
-    dq: Float,
-    *,
-    thresholds: tuple[float, float],
-    rest_rad_s: float,
-    minimum_path_rad: float,
+    t: Float, speed: Float, dq: Float, thresholds: tuple[float, float], rest_rad_s: float, minimum_path_rad: float
 ) -> NDArray[np.int64]:
-    """Find where a controller would have ended the cycles of all joints.
+    """Find where a controller would have ended the cycles of all joints: 1 where a cycle ends, else 0, shape (n,).
 
     Args:
         t: Time, shape (n,). [s]
-        hand_speed: Speed of the end effector, shape (n,). [m/s]
+        speed: Speed of the end effector, shape (n,). [m/s]
         dq: Velocity of every joint, shape (n, j). [rad/s]
         thresholds: Hand speeds at which a cycle begins and ends. [m/s]
         rest_rad_s: Speed up to which a joint counts as at rest. [rad/s]
         minimum_path_rad: A cycle goes on until every joint has moved this far. [rad]
-
-    Returns:
-        1 where a cycle ends, else 0, shape (n,).
     """
     cuts = np.zeros(len(t), np.int64)
-    _find_cuts(read_only(t), read_only(hand_speed), read_only(dq), thresholds, rest_rad_s, minimum_path_rad, cuts)
-    return cuts
-
-
-@compiled()
-def _find_cuts(
-    t: Float,
-    speed: Float,
-    dq: Float,
-    thresholds: tuple[float, float],
-    rest_rad_s: float,
-    minimum_path_rad: float,
-    cuts: NDArray[np.int64],
-) -> None:
     cycle = np.zeros(CYCLE_STATE)
     joints = dq.shape[1]
     path, added = np.zeros(joints), np.zeros(joints)
@@ -83,3 +61,4 @@ def _find_cuts(
             cuts[i] = 1
             path[:] = 0.0
             added[:] = 0.0
+    return cuts

@@ -29,7 +29,6 @@ from friction_audit.compensation.counterfactual import (
     recorded_motion,
     recording_of,
     run_scene,
-    same_motion,
 )
 from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
 from friction_audit.compensation.hand_cycles import hand_cuts
@@ -50,7 +49,7 @@ from friction_audit.compensation.settings import (
 )
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import FrictionHistory, JointFriction
-from friction_audit.joint_log import Float, median_step
+from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
@@ -84,14 +83,9 @@ def replay(
     if hand_speed is not None:
         energy = settings.compensator
         energy = energy if isinstance(energy, EnergyCompensator) else EnergyCompensator()
-        cuts = hand_cuts(
-            interaction.t,
-            hand_speed,
-            interaction.dq,
-            thresholds=(float(cycles.initiation[0]), float(cycles.termination[0])),
-            rest_rad_s=energy.dead_band_rad_s,
-            minimum_path_rad=energy.minimum_path_rad,
-        )
+        signals = map(read_only, (interaction.t, hand_speed, interaction.dq))
+        thresholds = (float(cycles.initiation[0]), float(cycles.termination[0]))
+        cuts = hand_cuts(*signals, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
     work = partial(_replay_joint, interaction, cycles, friction, settings, robot, cuts)
     numbers = interaction.joint_numbers
     columns = [column for column, number in enumerate(numbers) if joints is None or number in joints]
@@ -229,7 +223,7 @@ def _scene(
     """Return what the compensator meets, or why it is not known."""
     column = interaction.joint_numbers.index(friction.joint)
     if settings.assume == SAME_MOTION.name:
-        return same_motion(recorded, cuts, recorded_motion(interaction, column) if modelled else None)
+        return Scene(recorded=recorded, cuts=cuts, motion=recorded_motion(interaction, column) if modelled else None)
     motion = recorded_motion(interaction, column)
     if settings.joint_model is None:
         joint = fitted_joint(friction, motion)

@@ -6,9 +6,7 @@ the comparison is made once for both.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,29 +21,21 @@ from friction_audit.reproduce.reproduction import (
     Claim,
     Progress,
     Reproduction,
-    Simulations,
     each,
     make_course,
     share,
     spread,
 )
+from friction_audit.simulation.panda_joint import PANDA_JOINTS
 from friction_audit.simulation.simulation import Simulation
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 # Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
 SLOPE_BOUND = 0.1
 
 
-def check_12(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check that the cycles of all joints end at once, and what the energies do after the second."""
-    arms = simulations["fig12"]
-    return (_updated_at_once(arms), _arm_stops(arms), _joints_stop(arms), _keeps_value(arms))
-
-
 def _updated_at_once(arms: Sequence[Simulation]) -> Claim:
-    alone = sum(map(ends_alone, arms))
+    ended = [np.diff(arm.truth.compensators["cycle"], axis=0) != 0 for arm in arms]
+    alone = sum(int((one.any(axis=1) & ~one.all(axis=1)).sum()) for one in ended)
     return Claim(
         figure="12",
         claim="the coefficients of all joints are updated at the same instants",
@@ -97,12 +87,6 @@ def _keeps_value(arms: Sequence[Simulation]) -> Claim:
     )
 
 
-def ends_alone(simulation: Simulation) -> int:
-    """Return the number of instants at which some joints ended a cycle and others did not."""
-    ended = np.diff(simulation.truth.compensators["cycle"], axis=0) != 0
-    return int((ended.any(axis=1) & ~ended.all(axis=1)).sum())
-
-
 def cyclic_energies(simulation: Simulation) -> tuple[Float, Float]:
     """Return when cycles end, shape (m,) [s], and the net energies of the joints then, shape (m, j) [J]."""
     traces = simulation.truth.compensators
@@ -139,18 +123,15 @@ def slope_ratios(cyclic: tuple[Float, Float]) -> Float:
     return np.asarray(after / before)
 
 
-def _draw_12(simulations: Simulations) -> "Figure":
-    arm = simulations["fig12"][0]
-    return paper.draw_whole_arm([make_course(arm, joint) for joint in range(len(arm.log.joint_names))])
-
-
 FIGURE_12 = Reproduction(
     figure="12",
     title="A Panda guided by a hand, combined friction of all joints compensated from two cycles of the hand",
     scenarios=("fig12",),
     most_seeds=5,
-    check=check_12,
-    draw=_draw_12,
+    check=lambda done: tuple(
+        claim(done["fig12"]) for claim in (_updated_at_once, _arm_stops, _joints_stop, _keeps_value)
+    ),
+    draw=lambda done: paper.draw_whole_arm([make_course(done["fig12"][0], j) for j in range(len(PANDA_JOINTS))]),
 )
 
 
@@ -193,18 +174,7 @@ def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: 
     return "; ".join([f"{order} {unit}", *lost])
 
 
-def draw_compared(simulations: Simulations, name: str) -> "Figure":
-    """Draw a figure of the comparison."""
-    return draw_comparison(simulations[SCENARIO])[name]
-
-
 KEPT = 0.1  # slope, over that without compensation, up to which the net energy counts as kept
-
-
-def check_13(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the order of the slopes in both named settings, and that the proposed method keeps the energy."""
-    comparison: Comparison = simulations[SCENARIO]
-    return (_order(comparison, PAPER), _keeps(comparison), _order(comparison, FULL))
 
 
 def _order(comparison: Comparison, role: str) -> Claim:
@@ -243,16 +213,10 @@ FIGURE_13 = Reproduction(
     title="Net energy of a Panda guided by a hand, with five compensation methods",
     scenarios=(SCENARIO,),
     most_seeds=MOST_SEEDS,
-    check=check_13,
-    draw=partial(draw_compared, name="energy"),
+    check=lambda done: (_order(done[SCENARIO], PAPER), _keeps(done[SCENARIO]), _order(done[SCENARIO], FULL)),
+    draw=lambda done: draw_comparison(done[SCENARIO])["energy"],
     compare=compare_methods,
 )
-
-
-def check_14(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the order of the largest torques, and what is left of Coulomb friction in both named settings."""
-    comparison: Comparison = simulations[SCENARIO]
-    return (_peaks(comparison), _plateaus(comparison, PAPER), _plateaus(comparison, FULL))
 
 
 def _peaks(comparison: Comparison) -> Claim:
@@ -291,7 +255,7 @@ FIGURE_14 = Reproduction(
     title="Velocity and interaction torque of a joint of a Panda, with five compensation methods",
     scenarios=(SCENARIO,),
     most_seeds=MOST_SEEDS,
-    check=check_14,
-    draw=partial(draw_compared, name="velocity-torque"),
+    check=lambda done: (_peaks(done[SCENARIO]), *(_plateaus(done[SCENARIO], role) for role in (PAPER, FULL))),
+    draw=lambda done: draw_comparison(done[SCENARIO])["velocity-torque"],
     compare=compare_methods,
 )

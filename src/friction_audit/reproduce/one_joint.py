@@ -1,7 +1,5 @@
 """Figs 8 to 11: one joint moved by a person, without compensation and with it."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from friction_audit.joint_log import Float
@@ -21,9 +19,6 @@ from friction_audit.reproduce.reproduction import (
 )
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 PEAK_NM = (1.3, 1.7)  # what still is approximately 1.5 N m
 
@@ -75,12 +70,6 @@ FIGURE_8 = Reproduction(
 
 NEAR_ZERO = 0.05  # share of the peak speed that counts as near zero
 PLATEAU_BOUND = 0.02
-
-
-def check_9(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the plateaus, and what is left of them after compensation."""
-    (raw,), (aided,) = simulations["fig9-friction"], simulations["fig9-compensated"]
-    return (_plateaus(raw), *_ellipse(raw, aided))
 
 
 def last_period(simulation: Simulation) -> Course:
@@ -161,18 +150,16 @@ def one_tick_of_silence(simulation: Simulation) -> float:
     return float(settings.operator.damping_nms_per_rad / CONTROL_RATE_HZ / moved)
 
 
-def _draw_9(simulations: Simulations) -> "Figure":
-    (raw,), (aided,) = simulations["fig9-friction"], simulations["fig9-compensated"]
-    return paper.draw_plateaus(last_period(raw), last_period(aided))
-
-
 FIGURE_9 = Reproduction(
     figure="9",
     title="Interaction torque over velocity: combined friction, and the same perfectly compensated",
     scenarios=("fig9-friction", "fig9-compensated"),
     most_seeds=1,
-    check=check_9,
-    draw=_draw_9,
+    check=lambda done: (
+        _plateaus(*done["fig9-friction"]),
+        *_ellipse(*done["fig9-friction"], *done["fig9-compensated"]),
+    ),
+    draw=lambda done: paper.draw_plateaus(last_period(*done["fig9-friction"]), last_period(*done["fig9-compensated"])),
 )
 
 
@@ -296,16 +283,13 @@ def against_nm(course: Course) -> float:
     return float((course.interaction_nm[fast] * np.sign(course.dq[fast])).mean())
 
 
-def _draw_11(simulations: Simulations) -> "Figure":
-    without, course = make_course(simulations["fig8"][0]), compensated(make_course(simulations["fig10"][0]))
-    return paper.draw_compensated_loop(course, without)
-
-
 FIGURE_11 = Reproduction(
     figure="11",
     title="Interaction torque over velocity, combined friction compensated",
     scenarios=("fig8", "fig10"),
     most_seeds=MANY,
     check=check_11,
-    draw=_draw_11,
+    draw=lambda done: paper.draw_compensated_loop(
+        compensated(make_course(done["fig10"][0])), make_course(done["fig8"][0])
+    ),
 )

@@ -112,7 +112,8 @@ def _count(reproductions: Sequence[Reproduction], seeds: int) -> list[tuple[Scen
     return [(scenario, most[scenario.name]) for scenario in PAPER_SCENARIOS if scenario.name in most]
 
 
-SHOWN = ("energy_j", "cycle", "coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad")
+APPLIED = ("coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad")
+SHOWN = ("energy_j", "cycle", *APPLIED)
 
 
 def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool = False) -> Course:
@@ -125,7 +126,12 @@ def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool 
             False if they are found by the thresholds of the paper's section V.
     """
     log, torque = simulation.log, interaction_nm(simulation)[:, joint]
-    traces = _known(simulation, joint) or _observed(log.t, log.dq[:, joint], torque, zero_crossings=zero_crossings)
+    if simulation.truth.compensators:  # what the compensator in the loop knew at the stamps of the log
+        ticks = np.rint(log.t * CONTROL_RATE_HZ).astype(np.intp)
+        traces = {name: simulation.truth.compensators[name][ticks, joint] for name in SHOWN}
+    else:  # what a compensator that does nothing would have seen: energy and cycles
+        observer = EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0)
+        traces = run(observer, log.t, log.dq[:, joint], torque) | dict.fromkeys(APPLIED, np.zeros_like(log.t))
     ends = np.flatnonzero(np.diff(traces["cycle"])) + 1
     return Course(
         t=log.t,
@@ -134,9 +140,7 @@ def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool 
         energy_j=traces["energy_j"],
         ends_s=log.t[ends],
         ends_j=traces["energy_j"][ends],
-        coulomb_nm=traces["coulomb_nm"],
-        viscous_nms_per_rad=traces["viscous_nms_per_rad"],
-        damping_nms_per_rad=traces["damping_nms_per_rad"],
+        **{name: traces[name] for name in APPLIED},
     )
 
 
@@ -148,21 +152,3 @@ def interaction_nm(simulation: Simulation) -> Float:
     if log.gravity is None or log.tau_J is None:
         raise AssertionError("simulated logs hold the interaction torque, or the sensor's and gravity")
     return np.asarray(log.gravity - log.tau_J)
-
-
-def _known(simulation: Simulation, joint: int) -> dict[str, Float]:
-    """Return what the compensator in the loop knew at the stamps of the log; nothing if none was there."""
-    compensators = simulation.truth.compensators
-    if not compensators:
-        return {}
-    ticks = np.rint(simulation.log.t * CONTROL_RATE_HZ).astype(np.intp)
-    return {name: compensators[name][ticks, joint] for name in SHOWN}
-
-
-def _observed(t: Float, dq: Float, torque: Float, *, zero_crossings: bool) -> dict[str, Float]:
-    """Return what a compensator that does nothing would have seen: energy and cycles."""
-    observer = EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0)
-    traces = run(observer, t, dq, torque)
-    nothing = np.zeros_like(t)
-    idle = dict.fromkeys(("coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad"), nothing)
-    return {"energy_j": traces["energy_j"], "cycle": traces["cycle"], **idle}

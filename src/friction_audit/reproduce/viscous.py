@@ -90,7 +90,7 @@ def check_6(simulations: Simulations) -> tuple[Claim, ...]:
     course = make_course(simulation)
     before = simulation.truth.settings.joints[0].viscous_nms_per_rad
     after = before * (1.0 + simulation.truth.settings.hidden[0].friction_step.change)
-    first, last = _error(course, 1, before), _error(course, 4, after)
+    first, last = (abs(_applied(course, cycle) / truth - 1.0) for cycle, truth in ((1, before), (4, after)))
     ends = course.ends_j
     idle = float(np.abs(ends[1:3] / ends[0] - 1.0).max())
     return (
@@ -127,10 +127,6 @@ def _applied(course: Course, cycle: int) -> float:
     return float(course.viscous_nms_per_rad[np.searchsorted(course.t, course.ends_s[cycle - 1])])
 
 
-def _error(course: Course, cycle: int, truth: float) -> float:
-    return abs(_applied(course, cycle) / truth - 1.0)
-
-
 def _draw_6(simulations: Simulations) -> "Figure":
     (simulation,) = simulations["fig6"]
     settings, truth = simulation.truth.settings, simulation.truth.motion
@@ -151,12 +147,6 @@ FIGURE_6 = Reproduction(
 
 FOURTH = 4
 RETURN_BOUND = 1e-2
-
-
-def check_7(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check the energy without and with the controller, when it acts, its damping and the coefficient after it."""
-    (bare,), (guarded,) = simulations["fig7-unprotected"], simulations["fig7"]
-    return (_falls_below(bare), *_stays_above(guarded), *_returns(guarded))
 
 
 def _falls_below(bare: Simulation) -> Claim:
@@ -213,7 +203,7 @@ def _returns(guarded: Simulation) -> tuple[Claim, ...]:
     course, truth = make_course(guarded), guarded.truth.settings.joints[0].viscous_nms_per_rad
     highest = float(course.damping_nms_per_rad.max())
     cap = guarded.truth.settings.compensator.max_damping_nms_per_rad
-    after = float(course.viscous_nms_per_rad[np.searchsorted(course.t, course.ends_s[FOURTH - 1])])
+    after = _applied(course, FOURTH)
     taken = float(guarded.truth.compensators["dissipated_j"][-1, 0] / course.ends_j[0])
     error = abs(after / truth - 1.0)
     return (
@@ -237,16 +227,15 @@ def _returns(guarded: Simulation) -> tuple[Claim, ...]:
     )
 
 
-def _draw_7(simulations: Simulations) -> "Figure":
-    (bare,), (guarded,) = simulations["fig7-unprotected"], simulations["fig7"]
-    return paper.draw_overcompensation(make_course(bare), make_course(guarded))
-
-
 FIGURE_7 = Reproduction(
     figure="7",
     title="Viscous friction compensated by half as much again, without and with the passivity controller",
     scenarios=("fig7-unprotected", "fig7"),
     most_seeds=1,
-    check=check_7,
-    draw=_draw_7,
+    check=lambda done: (
+        _falls_below(*done["fig7-unprotected"]),
+        *_stays_above(*done["fig7"]),
+        *_returns(*done["fig7"]),
+    ),
+    draw=lambda done: paper.draw_overcompensation(make_course(*done["fig7-unprotected"]), make_course(*done["fig7"])),
 )

@@ -1,6 +1,6 @@
 """The mechanism of a simulation: joints, coordinates, compensators and what they see, at rest at the start."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -38,11 +38,7 @@ HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class _Joint:
-    inertia_kg_m2: float
-    coulomb_nm: float
-    viscous_nms_per_rad: float
-    torque_loop: TorqueLoop
+class _Joint(JointParameters):
     hidden: Hidden
 
 
@@ -98,16 +94,8 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
         draw_events(inside.contact_event, settings.duration_s, rng)
         for inside, rng in zip(hidden, streams.events, strict=True)
     ]
-    rows = [
-        _Joint(
-            inertia_kg_m2=joint.inertia_kg_m2,
-            coulomb_nm=joint.coulomb_nm,
-            viscous_nms_per_rad=joint.viscous_nms_per_rad,
-            torque_loop=joint.torque_loop,
-            hidden=inside,
-        )
-        for joint, inside in zip(settings.joints, hidden, strict=True)
-    ]
+    own = [{item.name: getattr(joint, item.name) for item in fields(joint)} for joint in settings.joints]
+    rows = [_Joint(**numbers, hidden=inside) for numbers, inside in zip(own, hidden, strict=True)]
     two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
     free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
     states = np.zeros(n, STATE)
