@@ -18,14 +18,14 @@ from friction_audit.compensation.closed_loop import (
 )
 from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
 from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, no_feed, past_refusal, refusal, straighten
-from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedJoint, FittedOperator, fit_joint
+from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedOperator, fit_joint
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import Signals
 from friction_audit.compiled import Record
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
-from friction_audit.effects.joint_model import JointModel
-from friction_audit.friction.history import JointFriction
+from friction_audit.effects.joint_model import JointModel, simple_model
+from friction_audit.friction.history import JointFriction, TorqueRegression
 from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
@@ -41,7 +41,7 @@ class MovedJoint:
     """A joint that can be simulated in a compensator's loop."""
 
     model: JointModel  # its model
-    fitted: FittedJoint | None = None  # the fit to the log that the model is; None where it is of a file
+    fitted: TorqueRegression | None = None  # the fit to the log that the model is; None where it is of a file
     tables: Tables  # what its terms take along the recording
 
 
@@ -88,7 +88,12 @@ def fitted_joint(friction: JointFriction, motion: Motion) -> MovedJoint | str:
     fitted = fit_joint(friction)
     if isinstance(fitted, str):
         return fitted
-    return MovedJoint(model=fitted.model, fitted=fitted, tables=_tables(fitted.model, motion)[0])
+    model = simple_model(
+        inertia_kg_m2=fitted.inertia.value,
+        coulomb_nm=max(0.0, fitted.coulomb.value),
+        viscous_nms_per_rad=max(0.0, fitted.viscous.value),
+    )
+    return MovedJoint(model=model, fitted=fitted, tables=_tables(model, motion)[0])
 
 
 def _tables(model: JointModel, motion: Motion) -> tuple[Tables, tuple[Term, ...]]:

@@ -8,39 +8,19 @@ from numpy.typing import NDArray
 
 from friction_audit.compensation.closed_loop import Recorded
 from friction_audit.compensation.settings import OperatorImpedance
-from friction_audit.effects.joint_model import JointModel, simple_model
-from friction_audit.friction.history import Coefficient, JointFriction
+from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
 from friction_audit.joint_log import Float, median_step
 
 LEAST_INERTIA_KG_M2 = 1e-3  # no motor with its gear has less; what seems to was recorded without its inertia
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FittedJoint:
-    """Inertia and friction with their 95 % intervals."""
-
-    inertia: Coefficient  # reflected inertia [kg m^2]
-    coulomb: Coefficient
-    viscous: Coefficient
-
-    @property
-    def model(self) -> JointModel:
-        """The joint as it can be simulated."""
-        return simple_model(
-            inertia_kg_m2=self.inertia.value,
-            coulomb_nm=max(0.0, self.coulomb.value),
-            viscous_nms_per_rad=max(0.0, self.viscous.value),
-        )
-
-
-def fit_joint(friction: JointFriction) -> FittedJoint | str:
-    """Return the joint that the torque regression of the log found, or why it cannot be simulated."""
+def fit_joint(friction: JointFriction) -> TorqueRegression | str:
+    """Return inertia and friction as the torque regression of the log found them, or why they cannot be simulated."""
     if friction.reason:
         return friction.reason
     found = friction.regression
     if found is None:
         return "too few moving samples or motions to fit inertia and friction; record more motions back and forth"
-    joint = FittedJoint(inertia=found.inertia, coulomb=found.coulomb, viscous=found.viscous)
     if not (found.inertia.low > 0.0 and found.inertia.value > LEAST_INERTIA_KG_M2):
         one = found.inertia
         value = f"{one.value:.3g}, 95 % {one.low:.3g} to {one.high:.3g}" if isfinite(one.value) else "no value"
@@ -48,10 +28,10 @@ def fit_joint(friction: JointFriction) -> FittedJoint | str:
             f"its inertia is not determined ({value} kg m^2), and without it the motion cannot "
             "be predicted; record brisker motions with quick reversals, or use --assume same-motion"
         )
-    pushing = [name for name, one in (("Coulomb", joint.coulomb), ("viscous", joint.viscous)) if not one.high > 0.0]
+    pushing = [name for name, one in (("Coulomb", found.coulomb), ("viscous", found.viscous)) if not one.high > 0.0]
     if pushing:
         return f"its fitted {' and '.join(pushing)} friction is negative; a joint that pushes cannot be simulated"
-    return joint
+    return found
 
 
 BAND_HZ = (3.0, 15.0)  # above what a person intends, below where sensors show noise only

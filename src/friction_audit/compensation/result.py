@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
-from friction_audit.compensation.operator_fit import FittedJoint, FittedOperator
+from friction_audit.compensation.operator_fit import FittedOperator
 from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
 from friction_audit.compensation.settings import Counterfactual, Limits
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.friction.history import JointFriction
+from friction_audit.friction.history import JointFriction, TorqueRegression
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
@@ -129,7 +129,7 @@ class JointReplay:
     passivity: Passivity | None = None  # how passive it stayed
     recovery: Recovery | None = None  # a step of friction in the log, or None
     model: JointModel | None = None  # the joint's model of a file, or None
-    fitted: FittedJoint | None = None  # the joint fitted to the log that moved otherwise than recorded, or None
+    fitted: TorqueRegression | None = None  # the joint fitted to the log that moved otherwise than recorded, or None
     operator: FittedOperator | None = None  # the person who moved it, or None
     simulated: bool = False  # True if a joint, fitted or of a file, moved otherwise than recorded
     # how far the simulated joint without a compensator is from the recorded motion, over this; or NaN

@@ -105,14 +105,6 @@ class Law(Protocol):
         """How it takes part in a forward simulation."""
 
     @property
-    def speed_only(self) -> bool:
-        """True if the torque follows from the velocity alone."""
-
-    @property
-    def coefficients(self) -> Sequence[Named]:
-        """Parameters in which the torque is linear."""
-
-    @property
     def parameters(self) -> Sequence[Named]:
         """All parameters, in the order of a term's values."""
 
@@ -149,9 +141,6 @@ class Model(Protocol):
 
     def torque(self, motion: Motion) -> Float:
         """Return the torque F_m + u that the motion takes. [N m], shape (n,)."""
-
-    def friction(self, motion: Motion) -> Float:
-        """Return the torque of the friction terms. [N m], shape (n,)."""
 
     def rest(self, motion: Motion) -> Float:
         """Return the torque of inertia, Coulomb and viscous friction. [N m], shape (n,)."""

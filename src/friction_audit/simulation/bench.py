@@ -136,25 +136,11 @@ def move(
 
 def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> TrueMotion:
     """Return the truth by its names."""
-    row = np.swapaxes(mechanism.out, 0, 1)
-    link, speed = (rows.INNER, rows.SPEED) if driven else (rows.OUTER, rows.OUTER_SPEED)
-    motion = TrueMotion(
-        t=np.arange(len(mechanism.out), dtype=np.float64) * mechanism.clock.dt,
-        q=row[link],
-        dq=row[speed],
-        inner_q=row[rows.INNER],
-        inner_dq=row[rows.SPEED],
-        inner_ddq=row[rows.ACCELERATION],
-        interaction_nm=row[rows.PORT] + row[rows.SUPPORT],
-        support_nm=row[rows.SUPPORT],
-        port_nm=row[rows.PORT],
-        friction_nm=row[rows.FRICTION],
-        compensation_nm=row[rows.COMPENSATION],
-        passivity_nm=row[rows.PASSIVITY],
-        unlogged_nm=row[rows.UNLOGGED],
-        dissipated_j=row[rows.DISSIPATED],
-        warmth=row[rows.WARMTH],
-    )
+    row = dict(zip(rows.KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True))
+    outer = row.pop("outer_q"), row.pop("outer_dq")
+    q, dq = (row["inner_q"], row["inner_dq"]) if driven else outer
+    t = np.arange(len(mechanism.out), dtype=np.float64) * mechanism.clock.dt
+    motion = TrueMotion(t=t, q=q, dq=dq, interaction_nm=row["port_nm"] + row["support_nm"], **row)
     return require_sane(motion, path)
 
 

@@ -125,23 +125,14 @@ def pad_events(tables: Sequence[Float]) -> Float:
     return padded
 
 
-# Rows that are kept of every tick: positions, velocities, torques, energy and warmth of each joint.
-(
-    OUTER,
-    OUTER_SPEED,
-    INNER,
-    SPEED,
-    ACCELERATION,
-    PORT,
-    SUPPORT,
-    FRICTION,
-    COMPENSATION,
-    PASSIVITY,
-    UNLOGGED,
-    DISSIPATED,
-    WARMTH,
-) = range(13)
-ROWS = 13
+# What is kept of every tick and joint, place and speed of the outer side, the others as in ``TrueMotion``; their rows.
+KEPT = (
+    *("outer_q", "outer_dq", "inner_q", "inner_dq", "inner_ddq", "port_nm", "support_nm", "friction_nm"),
+    *("compensation_nm", "passivity_nm", "unlogged_nm", "dissipated_j", "warmth"),
+)
+ROWS = len(KEPT)
+OUTER, OUTER_SPEED, INNER, SPEED, ACCELERATION, PORT, SUPPORT, FRICTION = range(8)
+COMPENSATION, PASSIVITY, UNLOGGED, DISSIPATED, WARMTH = range(8, ROWS)
 
 
 class Clock(NamedTuple):
