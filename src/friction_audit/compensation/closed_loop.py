@@ -17,20 +17,15 @@ from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, bristle_damping, bristle_nm, taken
 from friction_audit.joint_log import Float, read_only
 
-(
-    STOP,
-    FRICTION,
-    NET,
-    PATH_LENGTH,
-    SQUARED,
-    COULOMB_APPLIED,
-    VISCOUS_APPLIED,
-    COULOMB_ESTIMATED,
-    VISCOUS_ESTIMATED,
-    ACTED,
-    STATUS,
-) = range(11)  # columns of a row per cycle; the estimates are those made at the cycle's end
-COLUMNS = 11
+# A cycle of the compensator by the names of ``ReplayHistory``; the estimates are those made at its end.
+CYCLE = np.dtype(
+    [
+        *((name, "i8") for name in ("stop", "acted", "status")),
+        *((name, "f8") for name in ("friction_j", "net_energy_j", "path_rad", "square_speed_rad2_s")),
+        *((f"coulomb_{name}_nm", "f8") for name in ("applied", "estimated")),
+        *((f"viscous_{name}_nms_per_rad", "f8") for name in ("applied", "estimated")),
+    ]
+)
 
 TALLY = np.dtype(
     [
@@ -125,17 +120,16 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
 
 
 @compiled()
-def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, acted: int, i: int, rows: Float) -> None:
+def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, acted: int, i: int, rows: Record) -> None:
     """Write the row of the cycle that ended at sample i, during which these coefficients were applied."""
     row = rows[tally.cycles]
-    row[STOP] = i
-    row[FRICTION], row[NET] = tally.friction_j - tally.cycle_friction_j, tally.net_j - tally.cycle_net_j
-    row[PATH_LENGTH] = tally.path_rad - tally.cycle_path_rad
-    row[SQUARED] = tally.square_rad2_s - tally.cycle_square_rad2_s
-    row[COULOMB_APPLIED], row[VISCOUS_APPLIED] = coulomb, viscous
-    row[COULOMB_ESTIMATED] = memory.estimated_coulomb_nm
-    row[VISCOUS_ESTIMATED] = memory.estimated_viscous_nms_per_rad
-    row[ACTED], row[STATUS] = acted, memory.status
+    row.stop, row.acted, row.status = i, acted, memory.status
+    row.friction_j, row.net_energy_j = tally.friction_j - tally.cycle_friction_j, tally.net_j - tally.cycle_net_j
+    row.path_rad = tally.path_rad - tally.cycle_path_rad
+    row.square_speed_rad2_s = tally.square_rad2_s - tally.cycle_square_rad2_s
+    row.coulomb_applied_nm, row.viscous_applied_nms_per_rad = coulomb, viscous
+    row.coulomb_estimated_nm = memory.estimated_coulomb_nm
+    row.viscous_estimated_nms_per_rad = memory.estimated_viscous_nms_per_rad
     tally.cycle_friction_j, tally.cycle_net_j = tally.friction_j, tally.net_j
     tally.cycle_path_rad, tally.cycle_square_rad2_s = tally.path_rad, tally.square_rad2_s
     tally.cycles += 1
@@ -165,7 +159,7 @@ class Control(NamedTuple):
     # per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all
     cuts: NDArray[np.int64]
     torques: Float  # zeros that receive torques in force: person, law, passivity controller, limits, shape (4, n) [N m]
-    rows: Float  # receives a row per cycle, shape (most, COLUMNS)
+    rows: Record  # receives a record of CYCLE for every cycle, shape (most,)
 
 
 class Joint(NamedTuple):
@@ -196,7 +190,7 @@ def tick(  # noqa: PLR0913 - a tuple of arrays handed on at every tick costs thr
     settings: Record,
     memory: Record,
     tally: Record,
-    rows: Float,
+    rows: Record,
     i: int,
     dt: float,
     v: float,

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.closed_loop import (
-    COLUMNS,
+    CYCLE,
     SAMPLES,
     Control,
     Drive,
@@ -65,7 +65,7 @@ class Run:
     """What came out."""
 
     signals: Signals  # up to where it diverged, if it did
-    rows: Float  # a row per cycle, shape (m, COLUMNS)
+    rows: Record  # records of CYCLE, shape (m,)
     tally: Record  # record of TALLY
     last: Coefficients  # coefficients applied at the end, after the last whole cycle
 
@@ -177,7 +177,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
         feed=feed,
         cuts=scene.cuts,
         torques=np.zeros((4, len(t))),
-        rows=np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS)),
+        rows=np.zeros(len(t) // SHORTEST_CYCLE + 2, CYCLE),
     )
     if scene.joint is None:
         samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))

@@ -5,21 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.closed_loop import (
-    ACTED,
-    COULOMB_APPLIED,
-    COULOMB_ESTIMATED,
-    FRICTION,
-    GIVEN_OUT,
-    NET,
-    PATH_LENGTH,
-    SQUARED,
-    STATUS,
-    STOP,
-    VISCOUS_APPLIED,
-    VISCOUS_ESTIMATED,
-    Recorded,
-)
+from friction_audit.compensation.closed_loop import CYCLE, GIVEN_OUT, Recorded
 from friction_audit.compensation.records import ESTIMATED
 from friction_audit.compensation.result import Numbers, Passivity, Recovery, ReplayHistory, Signals
 from friction_audit.compiled import Record, compiled
@@ -35,26 +21,12 @@ AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is
 TOO_ALIKE = 1e-6  # squared sine between the columns below which they are one
 
 
-def read_history(rows: Float, t: Float) -> ReplayHistory:
-    """Return the rows of a tally, shape (m, COLUMNS), by their names."""
-    stop = rows[:, STOP].astype(np.int64)
+def read_history(rows: Record, t: Float) -> ReplayHistory:
+    """Return records of CYCLE, shape (m,), by their names."""
+    stop = rows["stop"]
     start = np.concatenate([[0], stop[:-1]]).astype(np.int64)[: len(stop)]
-    return ReplayHistory(
-        start=start,
-        stop=stop,
-        start_s=t[start],
-        stop_s=t[stop],
-        friction_j=rows[:, FRICTION],
-        net_energy_j=rows[:, NET],
-        path_rad=rows[:, PATH_LENGTH],
-        square_speed_rad2_s=rows[:, SQUARED],
-        coulomb_applied_nm=rows[:, COULOMB_APPLIED],
-        viscous_applied_nms_per_rad=rows[:, VISCOUS_APPLIED],
-        coulomb_estimated_nm=rows[:, COULOMB_ESTIMATED],
-        viscous_estimated_nms_per_rad=rows[:, VISCOUS_ESTIMATED],
-        acted=rows[:, ACTED] == 1,
-        status=rows[:, STATUS].astype(np.int64),
-    )
+    columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
+    return ReplayHistory(start=start, start_s=t[start], stop_s=t[stop], **columns)
 
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
