@@ -12,8 +12,9 @@ from friction_audit.robot import STANDARD_GRAVITY, Arm, load_arm
 from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import Progress, make_motion, make_traces
 from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, settle, tick_arm
-from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
+from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import Commanded, HandMotion, HandPath, Intention, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
 from friction_audit.simulation.settings import (
@@ -184,9 +185,8 @@ class RigidBody:
         self._known, self._model = known.model, true.model
         self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
         self._flange = self._model.body(known.flange).id
-        self._parts, self._cycle = mechanism.parts, np.zeros(CYCLE_STATE)
+        self._cycle = np.zeros(CYCLE_STATE)
         self._half = 0.5 * mechanism.clock.dt
-        self._last = len(mechanism.out) - 1
         self._joints = n = len(settings.joints)
         self._mass, self._bias, self._held, self._jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
         # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.
@@ -230,10 +230,6 @@ class RigidBody:
     def tick(self, k: int, gravity: Float) -> None:
         """Move on from half a tick before tick k to half a tick after it; write the gravity compensation down."""
         raise NotImplementedError
-
-    def _advance(self, k: int, *, by_hand: bool) -> None:
-        out, traced = self.mechanism.out, self.mechanism.traced
-        tick_arm(self._parts, self._jacobian, self._cycle, by_hand, k, self._last, out, traced)
 
 
 class GuidedArm(RigidBody):
@@ -284,7 +280,8 @@ class GuidedArm(RigidBody):
             self.rotor,
             gravity,
         )
-        self._advance(k, by_hand=self.settings.compensator is not None and self.settings.hand_cycles)
+        by_hand = self.settings.compensator is not None and self.settings.hand_cycles
+        tick_arm(self.mechanism, jacobian, self._cycle, by_hand, k)
 
 
 class ServoedArm(RigidBody):
@@ -311,4 +308,5 @@ class ServoedArm(RigidBody):
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
         load_masses(body, self.rotor, mass)
-        self._advance(k, by_hand=False)
+        by_hand = False
+        tick_arm(self.mechanism, self._jacobian, self._cycle, by_hand, k)

@@ -12,7 +12,8 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics import records as rows
-from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
+from friction_audit.simulation.mechanics.records import Mechanism
+from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import MotionSettings, StopAndGo
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
@@ -128,7 +129,7 @@ def move(
     settle(mechanism.joints, body, np.array([-weight if settings.driven else weight]))
     for first in range(0, ticks + 1, CHUNK_TICKS):
         last = min(first + CHUNK_TICKS, ticks + 1)
-        run_bench(mechanism.parts, push, gravity, settings.driven, first, last, mechanism.out, mechanism.traced)
+        run_bench(mechanism, push, gravity, settings.driven, first, last)
         if progress is not None:
             progress(last / (ticks + 1))
     return mechanism

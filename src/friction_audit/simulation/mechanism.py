@@ -1,7 +1,7 @@
 """The mechanism of a simulation: joints, coordinates, compensators and what they see, at rest at the start."""
 
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -16,10 +16,9 @@ from friction_audit.simulation.effects.structure import coupled_mass
 from friction_audit.simulation.mechanics.records import (
     ROWS,
     STATE,
-    Body,
     Clock,
     Loop,
-    Parts,
+    Mechanism,
     make_body,
     pack,
     pad_events,
@@ -40,25 +39,6 @@ HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Joint(JointParameters):
     hidden: Hidden
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Mechanism:
-    """Everything that moves, and where it is written down; n joints."""
-
-    joints: np.ndarray[Any, Any]  # records of the joints, shape (n,)
-    states: np.ndarray[Any, Any]  # their states, shape (n,)
-    events: Float  # contact events, shape (n, m, 3)
-    body: Body  # coordinates and matrices
-    loop: Loop  # compensators and what they see
-    clock: Clock  # the controller's clock
-    out: Float  # truth of every tick, shape (ticks + 1, ROWS, n)
-    traced: Float  # memory of the compensators, shape (ticks + 1, n, columns); no columns without one
-
-    @property
-    def parts(self) -> Parts:
-        """What the compiled loops work on."""
-        return Parts(self.joints, self.states, self.events, self.body, self.loop, self.clock)
 
 
 def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:

@@ -155,8 +155,8 @@ class Loop(NamedTuple):
     velocity_step: Float  # resolution of the velocity, shape (n,) [rad/s]
 
 
-class Parts(NamedTuple):
-    """What the loops work on, all of it changed in place but the joints and the clock."""
+class Mechanism(NamedTuple):
+    """Everything that moves, and where it is written down; n joints. All but the joints and the clock is changed."""
 
     joints: Any  # records of the joints, shape (n,)
     states: Any  # their states, shape (n,)
@@ -164,3 +164,5 @@ class Parts(NamedTuple):
     body: Any  # coordinates and matrices
     loop: Loop  # compensators and what they see
     clock: Clock
+    out: Float  # truth of every tick, shape (ticks + 1, ROWS, n)
+    traced: Float  # memory of the compensators, shape (ticks + 1, n, columns); no columns without one

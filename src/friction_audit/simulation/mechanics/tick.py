@@ -119,15 +119,13 @@ def control(joints: Record, states: Record, body: Record, loop: Record, clock: R
 
 
 @compiled()
-def run_bench(
-    parts: Record, push: Float, gravity: Float, driven: bool, first: int, last: int, out: Float, traced: Float
-) -> None:
+def run_bench(mechanism: Record, push: Float, gravity: Float, driven: bool, first: int, last: int) -> None:
     """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
 
     ``push`` is the torque of the drive with the joint at zero, ``gravity`` amplitude and phase of the load's gravity
-    torque. The truth goes to ``out``, shape (ticks + 1, ROWS, 1), the memory of the compensator to ``traced``.
+    torque.
     """
-    joints, states, events, body, loop, clock = parts
+    joints, states, events, body, loop, clock, out, traced = mechanism
     half, link = 0.5 * clock.dt, body.inner[0] if driven else 0
     for k in range(first, last):
         t = k * clock.dt
@@ -216,15 +214,12 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
 
 
 @compiled()
-def tick_arm(
-    parts: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int, last: int, out: Float, traced: Float
-) -> None:
+def tick_arm(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int) -> None:
     """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise.
 
-    ``by_hand``: the hand ends the cycles of all joints. The truth goes to ``out``, shape (ticks + 1, ROWS, n), the
-    memory of the compensators to ``traced``.
+    ``by_hand``: the hand ends the cycles of all joints.
     """
-    joints, states, events, body, loop, clock = parts
+    joints, states, events, body, loop, clock, out, traced = mechanism
     t, half = k * clock.dt, 0.5 * clock.dt
     if k > 0:
         advance(joints, states, events, body, clock, t - half, -half)
@@ -235,5 +230,5 @@ def tick_arm(
     if traced.shape[2] > 0:
         for j in range(len(joints)):
             trace(loop.memory[j], traced[k, j])
-    if k < last:
+    if k + 1 < len(out):
         advance(joints, states, events, body, clock, t, 0.0)
