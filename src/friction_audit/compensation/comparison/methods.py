@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 from friction_audit.compensation.compensators import (
     Compensator,
@@ -115,70 +116,44 @@ def _guard(joint: Joint) -> Guard:
     return Guard(max_torque_nm=joint.max_torque_nm, max_torque_rate_nm_s=joint.max_torque_rate_nm_s)
 
 
-def _idle(joint: Joint) -> Compensator:  # noqa: ARG001 - what every tuning takes
-    """Return a compensator that does nothing, but counts the cycles."""
-    return FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+def _fixed(coulomb_nm: float, viscous_nms_per_rad: float) -> FixedCompensation:
+    return FixedCompensation(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad)
 
 
-def _oracle(joint: Joint) -> Compensator:
-    true = joint.parameters
-    return FixedCompensation(coulomb_nm=true.coulomb_nm, viscous_nms_per_rad=true.viscous_nms_per_rad)
+def _fitted(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
+    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S), guard=_guard(joint))
 
 
-def _published(joint: Joint) -> Compensator:
-    return replace(PUBLISHED[joint.column], guard=_guard(joint))
+def _bristles(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
+    viscous, guard = viscous_nms_per_rad, _guard(joint)
+    return LugreCompensation(coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous, guard=guard)
 
 
-def _sigmoid(scale: float) -> Tuning:
-    def make(joint: Joint) -> Compensator:
-        true = joint.parameters
-        law = fit_sigmoid(scale * true.coulomb_nm, scale * true.viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S)
-        return replace(law, guard=_guard(joint))
-
-    return _modelled(scale, make)
-
-
-def _lugre(scale: float) -> Tuning:
-    def make(joint: Joint) -> Compensator:
-        true = joint.parameters
-        return _bristles(joint, scale * true.coulomb_nm, scale * true.viscous_nms_per_rad)
-
-    return _modelled(scale, make)
-
-
-def _bristles(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> LugreCompensation:
-    return LugreCompensation(
-        coulomb_nm=coulomb_nm,
-        breakaway_nm=coulomb_nm,
-        viscous_nms_per_rad=viscous_nms_per_rad,
-        guard=_guard(joint),
+def _modelled(law: Callable[[Joint, float, float], Compensator], scale: float) -> Tuning:
+    """Return a law with the true Coulomb and viscous friction times a scale."""
+    return Tuning(
+        name="right" if scale == 1.0 else f"{100 * (scale - 1):+.0f} %",
+        meaning="the true friction" if scale == 1.0 else f"friction {scale:g} times the true one",
+        make=lambda joint: law(
+            joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad
+        ),
     )
 
 
-def _lugre_of_another_arm(joint: Joint) -> Compensator:
-    return _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2, 0.0)
-
-
-def _modelled(scale: float, make: Make) -> Tuning:
-    name = "right" if scale == 1.0 else f"{100 * (scale - 1):+.0f} %"
-    meaning = "the true friction" if scale == 1.0 else f"friction {scale:g} times the true one"
-    return Tuning(name=name, meaning=meaning, make=make)
+_sigmoid, _lugre = partial(_modelled, _fitted), partial(_modelled, _bristles)
 
 
 def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tuning:
-    def make(joint: Joint) -> Compensator:
-        return DisturbanceObserver(
-            inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
-            observer_gain_per_s=gain_per_s,
-            compensation_gain=share,
-            guard=_guard(joint),
-        )
-
     return Tuning(
         name=f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s, {100 * share:.0f} %",
         meaning=f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s, {share:g} of "
         "what is observed compensated",
-        make=make,
+        make=lambda joint: DisturbanceObserver(
+            inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
+            observer_gain_per_s=gain_per_s,
+            compensation_gain=share,
+            guard=_guard(joint),
+        ),
     )
 
 
@@ -193,33 +168,34 @@ def _observer_sweep(ratio: float) -> Sweep:
 
 def _regulation(gain: float) -> Tuning:
     """Return a torque regulation by its torque gain B / B_theta - 1."""
-
-    def make(joint: Joint) -> Compensator:
-        inertia = joint.parameters.inertia_kg_m2
-        return TorqueRegulation(
-            inertia_kg_m2=inertia, desired_inertia_kg_m2=inertia / (1.0 + gain), guard=_guard(joint)
-        )
-
     ratio = 1.0 / (1.0 + gain)
     return Tuning(
-        name=f"B_theta = {ratio:.2g} B", meaning=f"desired motor inertia {ratio:.2g} times the true one", make=make
+        name=f"B_theta = {ratio:.2g} B",
+        meaning=f"desired motor inertia {ratio:.2g} times the true one",
+        make=lambda joint: TorqueRegulation(
+            inertia_kg_m2=joint.parameters.inertia_kg_m2,
+            desired_inertia_kg_m2=joint.parameters.inertia_kg_m2 / (1.0 + gain),
+            guard=_guard(joint),
+        ),
     )
 
 
 def _energy(window: float) -> Tuning:
-    def make(joint: Joint) -> Compensator:
-        return EnergyCompensator(
+    return Tuning(
+        name=f"k = {window:g}",
+        meaning=f"estimated from {window:g} cycles",
+        make=lambda joint: EnergyCompensator(
             model="combined",
             window=int(window),
             max_torque_nm=joint.max_torque_nm,
             max_torque_rate_nm_s=joint.max_torque_rate_nm_s,
             payback_s=joint.payback_s,
-        )
+        ),
+    )
 
-    return Tuning(name=f"k = {window:g}", meaning=f"estimated from {window:g} cycles", make=make)
 
-
-NO_COMPENSATION = Tuning(name="none", meaning="no compensation", make=_idle)
+# A compensator that does nothing, but counts the cycles.
+NO_COMPENSATION = Tuning(name="none", meaning="no compensation", make=lambda _: _fixed(0.0, 0.0))
 METHODS: tuple[Method, ...] = (
     Method(name=NONE, label="none", paper=NO_COMPENSATION),
     Method(
@@ -227,7 +203,11 @@ METHODS: tuple[Method, ...] = (
         label="model-based",
         paper=_sigmoid(MODELLED_SHARE),
         others=(
-            Tuning(name="another arm", meaning="as published for another Panda", make=_published),
+            Tuning(
+                name="another arm",
+                meaning="as published for another Panda",
+                make=lambda joint: replace(PUBLISHED[joint.column], guard=_guard(joint)),
+            ),
             *(_sigmoid(1.0), _sigmoid(0.8), _sigmoid(1.2)),
         ),
         sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_sigmoid),),
@@ -237,7 +217,11 @@ METHODS: tuple[Method, ...] = (
         label="LuGre",
         paper=_lugre(MODELLED_SHARE),
         others=(
-            Tuning(name="another arm", meaning="plateaus as published for another Panda", make=_lugre_of_another_arm),
+            Tuning(
+                name="another arm",
+                meaning="plateaus as published for another Panda",
+                make=lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2, 0.0),
+            ),
             *(_lugre(1.0), _lugre(0.8), _lugre(1.2)),
         ),
         sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_lugre),),
@@ -280,7 +264,11 @@ METHODS: tuple[Method, ...] = (
     Method(
         name="oracle",
         label="oracle",
-        paper=Tuning(name="true friction", meaning="given the true Coulomb and viscous friction", make=_oracle),
+        paper=Tuning(
+            name="true friction",
+            meaning="given the true Coulomb and viscous friction",
+            make=lambda joint: _fixed(joint.parameters.coulomb_nm, joint.parameters.viscous_nms_per_rad),
+        ),
     ),
 )
 """In the order of the paper's figures, the oracle last."""
