@@ -101,4 +101,4 @@ def test_what_no_table_holds_is_left_to_the_past(torque: Callable[[Motion], Floa
 def test_second_bristles_are_left_to_the_past() -> None:
     tables, past = tabulate(0.3, (BRISTLES, BRISTLES), RECORDING)
     assert past == (BRISTLES,)
-    assert len(tables.bristle_path) > 0
+    assert len(tables.bristles.path) > 0

@@ -70,7 +70,7 @@ def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
         raise AnalysisError(
             f"friction of {names} follows from more than speed, place and moment; take it out of the model"
         )
-    return Feed(straighten(tables), np.zeros(1 + len(tables.spring_reach)))
+    return Feed(straighten(tables), np.zeros(1 + len(tables.bristles.reach)))
 
 
 def no_feed() -> Feed:

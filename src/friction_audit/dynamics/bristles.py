@@ -13,7 +13,7 @@ References:
     (2005) 1883.
 """
 
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,8 +28,7 @@ LEAST_SHARE = 1e-6  # a spring that bears less of the torque is left out
 SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1  # speeds at which a term is asked; the difference is its damping
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Bristles:
+class Bristles(NamedTuple):
     """Bristles by their curve of k points, as Dahl has it, or as m springs."""
 
     path: Float  # path since a reversal to backwards, rising from 0, shape (k,) [rad]
@@ -72,14 +71,14 @@ def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
     more = _reversal(term, FAST_RAD_S)[1] - slow
     square = float(rate[1:] @ rate[1:])
     damping = float(rate[1:] @ more[1:]) / square / (FAST_RAD_S - SLOW_RAD_S) if square > 0.0 else 0.0
-    damped = replace(NO_BRISTLES, damping_s=max(damping, 0.0))
+    damped = NO_BRISTLES._replace(damping_s=max(damping, 0.0))
     # Points of the curve at even steps of its height and of the logarithm of its path.
     last = len(curve) - 1
     heights = np.searchsorted(-curve, -np.linspace(curve[0], curve[-1], POINTS)).clip(max=last)
     chosen = np.unique(np.concatenate([[0], heights, np.rint(np.geomspace(1, last, POINTS)).astype(int)]))
     stiffness, reach = _springs(path, curve)
-    dahl = replace(damped, path=path[chosen], torque=curve[chosen])
-    return float(dry), dahl, replace(damped, stiffness=stiffness, reach=reach)
+    dahl = damped._replace(path=path[chosen], torque=curve[chosen])
+    return float(dry), dahl, damped._replace(stiffness=stiffness, reach=reach)
 
 
 def _springs(path: Float, curve: Float) -> tuple[Float, Float]:

@@ -45,22 +45,7 @@ class Tables(NamedTuple):
     place_per_speed: Float  # shape (2, n) [N m s/rad]
     time: Float  # torque at the stamps of the recording, shape (2, n) [N m]
     time_per_speed: Float  # shape (2, n) [N m s/rad]
-    bristle_path: Float  # path of the curve of the bristles, shape (k,) [rad]
-    bristle_torque: Float  # torque of that curve [N m]
-    spring_stiffness: Float  # stiffness of bristles that are springs, shape (m,) [N m/rad]
-    spring_reach: Float  # deflection at which each slips, shape (m,) [rad]
-    bristle_damping_s: float  # damping of the bristles over their stiffness [s]
-
-    @property
-    def bristles(self) -> Bristles:
-        """The bristles."""
-        return Bristles(
-            path=self.bristle_path,
-            torque=self.bristle_torque,
-            stiffness=self.spring_stiffness,
-            reach=self.spring_reach,
-            damping_s=self.bristle_damping_s,
-        )
+    bristles: Bristles
 
 
 def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
@@ -100,27 +85,17 @@ def _empty(motion: Motion) -> Tables:
     still = np.zeros((2, n))
     steps: dict[str, Any] = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
     torques: dict[str, Any] = dict.fromkeys(("speed", "place", "place_per_speed", "time", "time_per_speed"), still)
-    return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, **_as_fields(NO_BRISTLES))
+    return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, bristles=NO_BRISTLES)
 
 
-def _as_fields(bristles: Bristles) -> dict[str, Any]:
-    return {
-        "bristle_path": bristles.path,
-        "bristle_torque": bristles.torque,
-        "spring_stiffness": bristles.stiffness,
-        "spring_reach": bristles.reach,
-        "bristle_damping_s": bristles.damping_s,
-    }
-
-
-ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per_speed", "bristle_damping_s")
-APPENDED = ("bristle_path", "bristle_torque", "spring_stiffness", "spring_reach")
+ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per_speed")
 
 
 def _add(one: Tables, other: Tables) -> Tables:
     added: dict[str, Any] = {name: getattr(one, name) + getattr(other, name) for name in ADDED}
-    added |= {name: np.append(getattr(one, name), getattr(other, name)) for name in APPENDED}
-    return one._replace(**added)
+    (*arrays, damping_s), (*more, more_s) = one.bristles, other.bristles
+    joined = [np.append(a, b) for a, b in zip(arrays, more, strict=True)]
+    return one._replace(**added, bristles=Bristles(*joined, damping_s=damping_s + more_s))
 
 
 def _holds(share: Tables, term: Term, motion: Motion) -> bool:
@@ -137,7 +112,7 @@ def read_along(tables: Tables, motion: Motion) -> Float:
     speed = np.abs(motion.dq)
     at_speed, at_place = speed / tables.speed_step, (motion.q - tables.place_start) / tables.place_step
     held = tables.bristles.along(motion.q)
-    held = held + tables.bristle_damping_s * np.gradient(held, motion.t)
+    held = held + tables.bristles.damping_s * np.gradient(held, motion.t)
     ways = [
         _read(tables.speed[way], at_speed)
         + _read(tables.place[way], at_place)
@@ -200,7 +175,7 @@ def _bristle_forms(term: Term, empty: Tables) -> Iterable[Tables]:
     dry, dahl, springs = bristles_of(term)
     speed = np.broadcast_to(np.array([[dry], [-dry]]), empty.speed.shape)
     for found in (dahl, springs):
-        yield empty._replace(speed=speed, **_as_fields(found))
+        yield empty._replace(speed=speed, bristles=found)
 
 
 @compiled()
@@ -223,36 +198,36 @@ def taken(way: int, q: float, speed: float, moment: float, tables: Tables) -> fl
 @compiled()
 def bristle_nm(bent: Float, way: float, tables: Tables) -> float:
     """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
-    torque = bend(bent[0], way, tables.bristle_path, tables.bristle_torque)
-    for k in range(len(tables.spring_reach)):
-        torque += tables.spring_stiffness[k] * stretch(bent[1 + k], way, tables.spring_reach[k])
+    torque = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
+    for k in range(len(tables.bristles.reach)):
+        torque += tables.bristles.stiffness[k] * stretch(bent[1 + k], way, tables.bristles.reach[k])
     return torque
 
 
 @compiled()
 def bend_on(bent: Float, way: float, tables: Tables) -> None:
     """Let the bristles follow a displacement, in place."""
-    bent[0] = bend(bent[0], way, tables.bristle_path, tables.bristle_torque)
-    for k in range(len(tables.spring_reach)):
-        bent[1 + k] = stretch(bent[1 + k], way, tables.spring_reach[k])
+    bent[0] = bend(bent[0], way, tables.bristles.path, tables.bristles.torque)
+    for k in range(len(tables.bristles.reach)):
+        bent[1 + k] = stretch(bent[1 + k], way, tables.bristles.reach[k])
 
 
 @compiled()
 def bristle_damping(bent: Float, sign: float, tables: Tables) -> float:
     """Return the damping of the bristles that bend on in a direction. [N m s/rad]"""
-    if tables.bristle_damping_s == 0.0:
+    if tables.bristles.damping_s == 0.0:
         return 0.0
-    stiffness = slope(bent[0], sign, tables.bristle_path, tables.bristle_torque)
-    for k in range(len(tables.spring_reach)):
-        if bent[1 + k] * sign < tables.spring_reach[k]:
-            stiffness += tables.spring_stiffness[k]
-    return float(tables.bristle_damping_s * stiffness)
+    stiffness = slope(bent[0], sign, tables.bristles.path, tables.bristles.torque)
+    for k in range(len(tables.bristles.reach)):
+        if bent[1 + k] * sign < tables.bristles.reach[k]:
+            stiffness += tables.bristles.stiffness[k]
+    return float(tables.bristles.damping_s * stiffness)
 
 
 def steps_per_sample(step_s: float, tables: Tables) -> int:
     """Return how many steps a sample of the recording takes, so that no spring is too stiff for them."""
-    drops = -np.diff(tables.bristle_torque) / np.diff(tables.bristle_path)
-    stiffness = np.max(drops, initial=np.sum(tables.spring_stiffness))
+    drops = -np.diff(tables.bristles.torque) / np.diff(tables.bristles.path)
+    stiffness = np.max(drops, initial=np.sum(tables.bristles.stiffness))
     steepest = np.max(np.abs(np.diff(tables.place)) / tables.place_step, initial=0.0)
     swing = np.sqrt((stiffness + steepest) / tables.inertia_kg_m2)
     longest = min(LONGEST_STEP_S, SHARE_OF_SWING / max(swing, 1e-9))

@@ -121,7 +121,7 @@ def _follow(q: Float, dq: Float, load: Float, step_s: float, between: Float, lin
     """Position, velocity and bristles of a far side whose near side moves as recorded, shape (n, 3 + m)."""
     steps = len(between)
     h = step_s / steps
-    bent = np.zeros(1 + len(far.spring_reach))
+    bent = np.zeros(1 + len(far.bristles.reach))
     out = np.zeros((len(q), 2 + len(bent)))
     theta, omega = q[0] - twisted(load[0], link.stiffness_nm_per_rad, link.half_rad, link.bend_nm), dq[0]
     sign = np.sign(omega)
