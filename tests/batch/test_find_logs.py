@@ -2,9 +2,8 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.batch.find_logs import find_logs, is_bag
+from friction_audit.batch.find_logs import LogFile, find_logs, is_bag
 from friction_audit.batch.manifest import read_manifest
-from friction_audit.batch.remote import LogFile
 from friction_audit.errors import InputError, UsageError
 
 

@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import pytest
 
+from friction_audit.batch.find_logs import LogFile, ManifestRow
 from friction_audit.batch.identity import Identified, Recorded, identify, robot_folder
-from friction_audit.batch.remote import LogFile, ManifestRow
 from friction_audit.drift.session import Conditions, JointSummary, Session
 
 NAN = float("nan")

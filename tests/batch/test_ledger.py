@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
+from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.ledger import Ledger, move_aside
 from friction_audit.batch.ledger_rows import SCHEMA_VERSION
 from friction_audit.batch.manifest import RESULTS_VERSION, BatchSettings
-from friction_audit.batch.remote import LogFile
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from friction_audit.drift.session import COEFFICIENTS, Conditions, JointSummary, SpeedCurve
+from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Fit, fit_windows, set_up
@@ -18,10 +18,6 @@ if TYPE_CHECKING:
 BINS = 40  # of speed, in the curve; both directions of motion together
 FEWEST_SAMPLES = 20  # a mean of fewer samples is no point of the curve
 OUTERMOST = 0.002  # share of the samples beyond each end of the curve: single glitches of the velocity would stretch it
-# A change of method from session to session would look like drift.
-BY_REGRESSION = (
-    "too few energy cycles count; estimate gives a regression of the torque, which is not compared between sessions"
-)
 
 
 def conditions_of(log: JointLog, interaction: Interaction, payload: str = "") -> Conditions:
