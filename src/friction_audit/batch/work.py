@@ -131,9 +131,14 @@ def _record(settings: BatchSettings, path: Path, topic: str) -> Recorded:
 
 def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
     """Return what is kept of an estimate."""
-    from friction_audit.drift.summarise import conditions_of, summarise_joints
+    from friction_audit.drift.summarise import summarise_joints
 
-    log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
+    log, interaction, source, choice = (
+        estimate.log,
+        estimate.interaction,
+        estimate.log.source,
+        estimate.interaction.choice,
+    )
     noticed = [(one.joint, one.message) for one in source.findings]
     noticed += [(one.joint, one.message) for one in interaction.warnings]
     warnings = [message if joint is None else f"joint {joint}: {message}" for joint, message in noticed]
@@ -144,7 +149,13 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         start_s=source.start_s,
         start_from="nothing" if source.start_s is None else "log",
         duration_s=log.duration_s,
-        conditions=conditions_of(log, interaction),
+        conditions=Conditions(
+            drive=choice.drive,
+            torque=choice.source,
+            gravity=choice.gravity,
+            inertia=choice.inertia,
+            rate_hz=log.rate_hz,
+        ),
         joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
         warnings=tuple(dict.fromkeys(warnings)),
         damaged=any(finding.damaged for finding in source.findings),

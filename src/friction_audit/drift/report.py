@@ -131,13 +131,16 @@ class JointDrift:
         joint: Number for people.
         name: Its name.
         coefficients: What became of each coefficient.
-        drift: Whether one of them drifts.
     """
 
     joint: int
     name: str
     coefficients: tuple[CoefficientDrift, ...]
-    drift: bool
+
+    @property
+    def drift(self) -> bool:
+        """Whether one of them drifts."""
+        return any(one.drift for one in self.coefficients)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -153,7 +156,6 @@ class ArmDrift:
         joints: What became of each joint.
         ordered_by: ``"start"`` or ``"name"``.
         autocorrelation: Of one session's scatter with the next one's, over all joints.
-        drift: Whether a joint drifts.
         warnings: What limits the comparison, one sentence each.
     """
 
@@ -165,8 +167,12 @@ class ArmDrift:
     joints: tuple[JointDrift, ...]
     ordered_by: str
     autocorrelation: float
-    drift: bool
     warnings: tuple[str, ...] = ()
+
+    @property
+    def drift(self) -> bool:
+        """Whether a joint drifts."""
+        return any(joint.drift for joint in self.joints)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, SpeedCurve
-from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
+from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, JointSummary, SpeedCurve
+from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient, FrictionHistory, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Fit, fit_windows, set_up
 from friction_audit.joint_log import Float, JointLog
@@ -15,22 +15,10 @@ from friction_audit.preprocessing.interaction import Interaction
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
 
+QUARTERS = (0.25, 0.5, 0.75)
 BINS = 40  # of speed, in the curve; both directions of motion together
 FEWEST_SAMPLES = 20  # a mean of fewer samples is no point of the curve
 OUTERMOST = 0.002  # share of the samples beyond each end of the curve: single glitches of the velocity would stretch it
-
-
-def conditions_of(log: JointLog, interaction: Interaction, payload: str = "") -> Conditions:
-    """Return under what a session was recorded and read, the payload as known from elsewhere."""
-    choice = interaction.choice
-    return Conditions(
-        drive=choice.drive,
-        torque=choice.source,
-        gravity=choice.gravity,
-        inertia=choice.inertia,
-        payload=payload,
-        rate_hz=log.rate_hz,
-    )
 
 
 def summarise_joints(
@@ -57,6 +45,7 @@ def summarise_joints(
     for column, joint in enumerate(friction.joints):
         moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
         velocity = interaction.dq[moving, column]
+        low, median, high = np.quantile(np.abs(velocity), QUARTERS).tolist() if len(moving) else [NAN] * 3
         diagnosed = diagnoses.get(joint.joint)
         by_energy = joint.method == "energy"
         coefficients = (joint.coulomb, joint.viscous) if by_energy else (UNDETERMINED, UNDETERMINED)
@@ -67,7 +56,7 @@ def summarise_joints(
                 coefficients=dict(zip(COEFFICIENTS, coefficients, strict=True)),
                 cycles=joint.cycles,
                 moving_s=joint.moving_s,
-                speed_rad_s=_quartiles(np.abs(velocity)),
+                speed_rad_s=(low, median, high),
                 temperature_c=None if log.temperature is None else float(log.temperature[:, joint.joint - 1].mean()),
                 within=_change_within(cycles.of_joint(column), joint),
                 curve=bin_torque(velocity, port[moving, column]),
@@ -100,13 +89,6 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
         torque_nm=mean[kept].tolist(),
         spread_nm=np.sqrt(means((torque - mean[place]) ** 2))[kept].tolist(),
     )
-
-
-def _quartiles(speed: Float) -> tuple[float, float, float]:
-    if len(speed) == 0:
-        return (float("nan"),) * 3
-    low, median, high = np.quantile(speed, (0.25, 0.5, 0.75))
-    return float(low), float(median), float(high)
 
 
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:

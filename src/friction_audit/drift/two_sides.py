@@ -93,20 +93,15 @@ class TwoSides:
     def report(self) -> DriftReport:
         """The same as the drift of an arm, for limits that hold for both."""
         joints = tuple(
-            JointDrift(
-                joint=one.joint,
-                name=one.name,
-                coefficients=tuple(change.found for change in one.coefficients),
-                drift=any(change.found.drift for change in one.coefficients),
-            )
+            JointDrift(joint=one.joint, name=one.name, coefficients=tuple(change.found for change in one.coefficients))
             for one in self.joints
         )
         sessions = tuple(one.session for one in (*self.before, *self.after))
-        every, drift = tuple(range(len(sessions))), any(joint.drift for joint in joints)
+        every = tuple(range(len(sessions)))
         arm = ArmDrift(
             robot=", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after)),
             sessions=sessions, compared=every, reference=every[: len(self.before)], left_out=(), joints=joints,
-            ordered_by="name", autocorrelation=NAN, drift=drift,
+            ordered_by="name", autocorrelation=NAN,
         )  # fmt: skip
         return DriftReport(arms=(arm,))
 
