@@ -6,6 +6,7 @@ import signal
 import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Executor as Pool
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import dataclass, field
@@ -13,7 +14,6 @@ from importlib import import_module
 from importlib.metadata import version
 from itertools import islice
 from multiprocessing.process import BaseProcess
-from queue import SimpleQueue
 from typing import Any, Protocol, Self, TypeVar
 
 from friction_audit import __version__
@@ -172,34 +172,22 @@ class DaskExecutor:
             UsageError: If there is no scheduler or worker, or they run another version.
         """
         client = _connect(self.address)
-        pending: dict[Any, Asked] = {}
+        pool: Pool = client.get_executor(pure=False)
+        waiting, pending = iter(tasks), dict[Future[Done], Asked]()
         try:
             _check_workers(client, self.address)
-            yield from _run(client, work, iter(tasks), pending)
+            while True:
+                room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
+                pending |= {pool.submit(work, task): task for task in islice(waiting, max(room, 0))}
+                if not pending:
+                    return
+                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                    task, error = pending.pop(future), future.exception()
+                    said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+                    yield task, future.result() if error is None else Lost(f"lost on the cluster: {said}")
         finally:
-            client.cancel(list(pending))
+            pool.shutdown(wait=False)  # gives up what is under way
             client.close()
-
-
-def _run(
-    client: Any,  # noqa: ANN401 - distributed has no types
-    work: Callable[[Asked], Done],
-    waiting: Iterator[Asked],
-    pending: dict[Any, Asked],
-) -> Generator[tuple[Asked, Done | Lost]]:
-    done: SimpleQueue[Any] = SimpleQueue()
-    while True:
-        room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
-        for task in islice(waiting, max(room, 0)):
-            future = client.submit(work, task, pure=False)
-            pending[future] = task
-            future.add_done_callback(done.put)
-        if not pending:
-            return
-        future = done.get()
-        task, error = pending.pop(future), future.exception()
-        text = " ".join(str(error).split())
-        yield task, future.result() if error is None else Lost(f"lost on the cluster: {type(error).__name__}: {text}")
 
 
 def _connect(address: str) -> Any:  # noqa: ANN401

@@ -113,7 +113,7 @@ def _of_log(path: Path, shared: LogOptions, friction: EstimateOptions, voice: Vo
 
 def _of_result(path: Path, wanted: tuple[int, ...] | None) -> "Recording":
     from friction_audit.batch.work import recording_of_document
-    from friction_audit.io.documents import read_document
+    from friction_audit.io.files import read_document
 
     found = recording_of_document(read_document(path, ("estimate",)), path)
     joints = tuple(joint for joint in found.session.joints if wanted is None or joint.joint in wanted)
