@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from friction_audit.drift.regression import relative_change
 from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, JointSummary, SpeedCurve
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient, FrictionHistory, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import Fit, fit_windows, set_up
+from friction_audit.friction.weighted import fit_windows, set_up
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
@@ -101,15 +102,8 @@ def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coeffic
     if joint.reason or third < FEWEST_CYCLES:
         return dict.fromkeys(COEFFICIENTS, UNDETERMINED)
     fit = fit_windows(set_up(kept, joint.model), third)
-    names = zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
-    return {key: _relative_change(fit, name) for key, name in names}
-
-
-def _relative_change(fit: Fit, name: str) -> Coefficient:
-    """Return (last - first) / first with its interval by the delta method; undetermined where the first may be zero."""
-    first, last = fit.coefficient(name, 0), fit.coefficient(name, -1)
-    if not first.low > 0.0:
-        return UNDETERMINED
-    ratio = last.value / first.value
-    half = float(np.hypot(last.high - last.value, ratio * (first.high - first.value)) / first.value)
-    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
+    ends = {
+        key: (fit.coefficient(name, 0), fit.coefficient(name, -1))
+        for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
+    }
+    return {key: relative_change(*both) if both[0].low > 0.0 else UNDETERMINED for key, both in ends.items()}

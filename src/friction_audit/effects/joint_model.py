@@ -3,7 +3,7 @@
 import json
 import sys
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from itertools import chain, islice
 from math import isfinite
 from pathlib import Path
@@ -22,8 +22,6 @@ from friction_audit.joint_log import Float
 REST = ("coulomb", "viscous")  # terms of ``Motion.rest`` besides the inertia
 
 SCHEMA = "friction-audit/model/1"
-ORIGIN: dict[str, type] = {"method": str, "log": str, "sha256": str, "cycles": int}
-"""Keys of a joint's provenance and their types."""
 MOST_FAULTS, LONGEST_VALUE = 50, 80  # faults that a message names, and characters of a key or value in it
 
 
@@ -165,7 +163,6 @@ def simple_model(
 
 
 def _sum(terms: Iterable[FittedTerm], motion: Motion) -> Float:
-    """Return the sum of the terms' torques."""
     total = np.zeros(len(motion.t))
     for term in terms:
         total += term.torque(motion)
@@ -206,7 +203,6 @@ def load_model(path: Path) -> ArmModel:
 
 
 def _lines(model: ArmModel) -> Iterator[str]:
-    """Yield the lines of the file."""
     yield f"schema = {_text(SCHEMA)}"
     yield f"version = {_text(__version__)}"
     for name, joint in zip(model.names, model.joints, strict=True):
@@ -216,7 +212,6 @@ def _lines(model: ArmModel) -> Iterator[str]:
 
 
 def _joint_lines(joint: JointModel) -> Iterator[str]:
-    """Yield the lines of one joint below its name."""
     yield f"inertia_kg_m2 = {float(joint.inertia_kg_m2)!r}"
     if joint.held:
         yield f"held = [{', '.join(_text(name) for name in joint.held)}]"
@@ -237,7 +232,6 @@ def _text(text: str) -> str:
 
 
 def _read(path: Path) -> dict[str, Any]:
-    """Return the file as TOML."""
     try:
         return read_toml(path)
     except OSError as error:
@@ -294,14 +288,14 @@ def _origin_faults(origin: object, where: str) -> Iterator[str]:
     if not isinstance(origin, dict):
         yield f"{where} is no table"
         return
-    yield from _strangers(origin, tuple(ORIGIN), where)
-    for key, kind in ORIGIN.items():
+    kinds = {one.name: one.type for one in fields(Provenance)}
+    yield from _strangers(origin, tuple(kinds), where)
+    for key, kind in kinds.items():
         if key in origin and type(origin[key]) is not kind:
             yield f"{where}: {key} is no {'text' if kind is str else 'whole number'}"
 
 
 def _strangers(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> Iterator[str]:
-    """Yield the keys that nobody knows."""
     strange = (shortened(key, LONGEST_VALUE) for key in table if key not in known)
     yield from (f"{where}: {key!r} is no key{near_names(key, list(known))}" for key in strange)
 
@@ -317,16 +311,13 @@ def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | No
     if "inertia_kg_m2" not in table:
         return None
     try:
-        terms = tuple(_term(name, values) for name, values in table.get("terms", {}).items())
+        # What may be missing was asked before: only optional numbers are.
+        terms = tuple(
+            FittedTerm(name, tuple(float(values.get(p.name, p.default)) for p in term_of(name).parameters))
+            for name, values in table.get("terms", {}).items()
+        )
         origin = Provenance(**table.get("provenance", {}))
         held = tuple(table.get("held", ()))
         return JointModel(inertia_kg_m2=float(table["inertia_kg_m2"]), terms=terms, provenance=origin, held=held)
     except AnalysisError as error:
         raise InputError(f"{path}: joint {number}: {error}; correct the file") from error
-
-
-def _term(name: str, values: Mapping[str, Any]) -> FittedTerm:
-    """Return a term, its values in the order of its parameters."""
-    term = next(term for term in terms() if term.name == name)
-    # What may be missing was asked before: only optional numbers are.
-    return FittedTerm(name, tuple(float(values.get(p.name, p.default)) for p in term.parameters))
