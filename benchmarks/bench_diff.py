@@ -16,7 +16,7 @@ import numpy as np
 from statsmodels.stats.proportion import proportion_confint
 
 from friction_audit import estimate_log, simulate_log
-from friction_audit.batch.recordings import recording_of
+from friction_audit.batch.work import recording_of
 from friction_audit.drift.covariates import Recording
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.simulation import JointParameters

@@ -10,8 +10,8 @@ from functools import partial
 
 import numpy as np
 
+from friction_audit.batch.work import session_of
 from friction_audit.drift.session import Conditions, JointSummary
-from friction_audit.drift.summarise import conditions_of, summarise_joints
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, Hidden, JointParameters, Operator, simulate
@@ -59,8 +59,8 @@ def record(factor: float, seed: int) -> OneJoint:
     )
     log = simulate(settings, seed).log
     found = estimate_log(log, AuditSettings(friction=FrictionSettings(compare=False)))
-    (summary,) = summarise_joints(log, found.interaction, found.cycles, found.friction)
-    return OneJoint(factor=factor, conditions=conditions_of(log, found.interaction), summary=summary)
+    session = session_of(found)
+    return OneJoint(factor=factor, conditions=session.conditions, summary=session.joints[0])
 
 
 def record_many(factor: float, count: int, first_seed: int, workers: int) -> list[OneJoint]:

@@ -22,8 +22,8 @@ from benchmarks.hidden_effects.strength import prepared
 from friction_audit.diagnosis import nominal_model
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.effects.registry import effects
+from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.joint_log import Float
 from friction_audit.simulation.scenarios import simulate
 

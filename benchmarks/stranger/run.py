@@ -21,7 +21,7 @@ from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED
 from benchmarks.stranger.logs import write_log
 from friction_audit.api import read_log
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.effects.model_file import load_model
+from friction_audit.effects.joint_model import load_model
 from friction_audit.errors import FrictionAuditError
 from friction_audit.pipeline import AuditSettings, diagnose_log
 

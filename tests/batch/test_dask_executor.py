@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 
 from friction_audit import __version__
-from friction_audit.batch import dask_executor
-from friction_audit.batch.dask_executor import DaskExecutor
-from friction_audit.batch.executor import Lost
+from friction_audit.batch import executor as executors
+from friction_audit.batch.executor import DaskExecutor, Lost
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.identity import Worked
 from friction_audit.batch.ledger import Ledger
@@ -65,8 +64,8 @@ def test_a_worker_killed_in_the_middle_costs_nothing(cluster: Any, tmp_path: Pat
 
 
 def test_other_versions_are_refused() -> None:
-    ours = dask_executor.versions()
-    real = dask_executor._check_workers
+    ours = executors.versions()
+    real = executors._check_workers
 
     class Workers:
         """One worker, that answers what is installed there, and then which versions it runs."""
@@ -104,12 +103,12 @@ def test_any_worker_can_say_what_is_installed() -> None:
             return {"tcp://w": "0"}
 
     with pytest.raises(UsageError):
-        dask_executor._check_workers(Listening(), "tcp://s")
+        executors._check_workers(Listening(), "tcp://s")
     assert [function.__module__ for function in asked] == ["importlib.metadata"]
 
 
 def test_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dask_executor, "PATIENCE_S", 0.5)
+    monkeypatch.setattr(executors, "PATIENCE_S", 0.5)
     with pytest.raises(UsageError, match=r"--scheduler tcp://127\.0\.0\.1:9: no scheduler answers"):
         next(DaskExecutor(address="tcp://127.0.0.1:9").run(deadly_once, iter(())))
 

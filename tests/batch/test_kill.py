@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from friction_audit.batch.run_batch import run_lock
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 
@@ -99,3 +100,12 @@ def test_two_runs_on_one_ledger_share_the_work(many: Path, tmp_path: Path) -> No
         assert run.returncode == 0
         assert out.split()[1] == str(LOGS)
     assert finished(tmp_path / "out") == LOGS
+
+
+def test_the_second_run_in_a_folder_knows_of_the_first(tmp_path: Path) -> None:
+    with run_lock(tmp_path) as alone:
+        assert alone
+        with run_lock(tmp_path) as also:
+            assert not also
+    with run_lock(tmp_path) as alone:
+        assert alone

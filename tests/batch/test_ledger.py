@@ -1,19 +1,23 @@
+"""What a ledger keeps; one whose rows are broken names each such session, which is computed anew."""
+
 import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.ledger import Ledger, move_aside
 from friction_audit.batch.ledger_rows import SCHEMA_VERSION
 from friction_audit.batch.manifest import RESULTS_VERSION, BatchSettings
-from friction_audit.batch.remote import LogFile
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.settings import TorqueSettings
+from tests.batch.conftest import Batch, Inline
 
 SETTINGS = BatchSettings()
 KEY = SETTINGS.key()
@@ -201,3 +205,42 @@ def test_settings_are_known_by_what_they_hold(tmp_path: Path) -> None:
     urdf.write_text("<robot name='other'/>")
     assert with_arm.key() != first
     assert f'"results": {RESULTS_VERSION}' in SETTINGS.text()
+
+
+BROKEN: dict[str, str] = {
+    "curve": "UPDATE joints SET curve = '{' WHERE session = 1",
+    "warnings": "UPDATE sessions SET warnings = '[1' WHERE id = 1",
+    "text": "UPDATE coefficients SET value = 'much' WHERE session = 1",
+    "blob": "UPDATE coefficients SET value = x'00ff' WHERE session = 1",
+    "infinite": "UPDATE sessions SET told_start_s = 9e999 WHERE id = 1",
+    "no UTF-8": "UPDATE joints SET name = CAST(x'6aff' AS TEXT) WHERE session = 1",
+    "half gone": "DELETE FROM coefficients WHERE session = 1 AND coefficient = 'coulomb_nm'",
+    "twice the value": "UPDATE coefficients SET value = 2 * value WHERE session = 1",
+    "of another session": "UPDATE joints SET session = 77 WHERE session = 1",
+}
+
+
+@pytest.mark.parametrize("fault", BROKEN)
+def test_a_broken_session_is_named_and_computed_anew(fault: str, rig: Path, batch: Batch, tmp_path: Path) -> None:
+    first = batch(rig)
+    with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as database, database:
+        (path,) = database.execute("SELECT path FROM sessions WHERE id = 1").fetchone()
+        assert database.execute(BROKEN[fault]).rowcount > 0
+    executor = Inline()
+    second = batch(rig, executor=executor)
+    assert executor.taken == [Path(path).name]
+    (warning,) = second.warnings
+    assert warning.startswith(f"{path}: ")
+    assert repr(second.sessions) == repr(first.sessions)
+    assert batch(rig).warnings == ()
+
+
+def test_a_ledger_of_schema_1_is_opened_and_its_sessions_are_computed_anew(
+    rig: Path, batch: Batch, tmp_path: Path
+) -> None:
+    first = batch(rig)
+    with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as database:
+        database.execute("ALTER TABLE sessions DROP COLUMN digest")
+        database.execute("PRAGMA user_version = 1")
+    second = batch(rig)
+    assert (second.new, repr(second.sessions)) == (4, repr(first.sessions))

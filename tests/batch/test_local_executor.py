@@ -1,16 +1,23 @@
-"""Processes: work is spread, dead workers cost their own log alone."""
+"""Processes: work is spread, dead workers cost their own log alone; arms that others analyse come to the same."""
 
 import os
 import signal
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from friction_audit.batch.executor import LocalExecutor, Lost
+from friction_audit.batch.executor import Asked, Done, LocalExecutor, Lost
 from friction_audit.batch.identity import Worked
+from friction_audit.batch.run_batch import drift_of_arms
 from friction_audit.batch.work import Task
+from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.session import Session
+from friction_audit.drift.settings import DriftSettings
+from friction_audit.errors import AnalysisError
+from tests.drift.made_sessions import make_sessions, noisy
 
 PATIENCE_S = 60.0
 
@@ -91,3 +98,37 @@ def test_giving_up_ends_the_work_under_way(tmp_path: Path) -> None:
 
 def _slow_after_one(task: Task) -> Worked:
     return Worked(sha256="") if task.path == "quick" else slow(task)
+
+
+QUICK = DriftSettings(permutations=199)
+
+
+class Nobody:
+    """Loses whatever it is given."""
+
+    def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
+        del work
+        yield from ((task, Lost("no memory")) for task in tasks)
+
+
+def sessions_of(*robots: str) -> list[Session]:
+    levels = (noisy(8, seed) for seed in range(len(robots)))
+    made = ((make_sessions(level), robot) for level, robot in zip(levels, robots, strict=True))
+    return [replace(session, robot=robot) for sessions, robot in made for session in sessions]
+
+
+def test_processes_find_what_is_found_here() -> None:
+    sessions = sessions_of("right", "left", "middle")
+    found = drift_of_arms(sessions, QUICK, LocalExecutor(workers=2))
+    assert [arm.robot for arm in found.arms] == ["left", "middle", "right"]
+    assert repr(found) == repr(analyse_drift(sessions, QUICK))
+
+
+def test_a_single_arm_is_analysed_here() -> None:
+    sessions = sessions_of("only")
+    assert repr(drift_of_arms(sessions, QUICK, Nobody())) == repr(analyse_drift(sessions, QUICK))
+
+
+def test_an_arm_that_nobody_finishes_is_named() -> None:
+    with pytest.raises(AnalysisError, match=r"^left: its drift cannot be analysed: no memory$"):
+        drift_of_arms(sessions_of("right", "left"), QUICK, Nobody())

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import choices
-from friction_audit.effects.model_file import load_model
+from friction_audit.effects.joint_model import load_model
 from friction_audit.effects.registry import effects
 from friction_audit.io.writers.write_log import write_log
 from tests.cli.conftest import Run

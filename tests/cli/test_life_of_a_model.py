@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.effects.model_file import load_model
+from friction_audit.effects.joint_model import load_model
 from tests.cli.conftest import Run
 
 

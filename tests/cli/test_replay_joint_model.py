@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
-from friction_audit.effects.model_file import save_model
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, save_model, simple_model
 from tests.cli.conftest import Run
 
 ORIGIN = Provenance(method="diagnose", log="first.parquet", sha256="ab", cycles=12)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
-from friction_audit.effects.model_file import save_model
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, save_model, simple_model
 from friction_audit.io.readers import read_log
 from tests.cli.conftest import Run
 

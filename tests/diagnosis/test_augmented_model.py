@@ -7,8 +7,7 @@ import pytest
 
 from friction_audit.diagnosis.augmented_model import augment_models
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
-from friction_audit.effects.model_file import load_model, save_model
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, load_model, save_model
 from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import BIAS, DATA_FAULT, NAMED, NONE, STRIBECK, coefficient
 

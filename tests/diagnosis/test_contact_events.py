@@ -10,8 +10,8 @@ from friction_audit.diagnosis.contact_events import detect, impulses, touched
 from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.nominal_model import least_squares
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.effects.contact_event import Contact
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 from tests.effects.joint_data_by_hand import baseline, joint_data, two_sines
 

@@ -11,11 +11,10 @@ from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.effects import stribeck, time_delay, unlogged_compensation
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
-from friction_audit.effects.registry import effects
+from friction_audit.effects.registry import effect_of, effects
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, TRUTH, VISCOUS_NMS_PER_RAD, moved_joint
 from tests.diagnosis.toy_effects import BUMP, LOCKED_OUT, SQUARE, TOYS, altered
@@ -224,7 +223,7 @@ def late(late_s: float, sample_s: float) -> JointDiagnosis:
     """A joint whose torque comes late by so much, in a log of samples of so long."""
     exact, noisy = moved_joint(), moved_joint(noise_nm=0.002)
     shift = np.interp(exact.t - late_s, exact.t, exact.torque) - exact.torque
-    return diagnosed(replace(noisy, torque=noisy.torque + shift, sample_s=sample_s), [time_delay.EFFECT])
+    return diagnosed(replace(noisy, torque=noisy.torque + shift, sample_s=sample_s), [effect_of("time_delay")])
 
 
 @pytest.mark.parametrize("late_s", [4e-4, -4e-4])
@@ -263,7 +262,7 @@ def helped(data: JointData) -> Float:
     return -SHARE * (COULOMB_NM * np.tanh(data.dq / WIDTH_RAD_S) + VISCOUS_NMS_PER_RAD * data.dq)
 
 
-COMPENSATED = (stribeck.EFFECT, unlogged_compensation.EFFECT)
+COMPENSATED = (effect_of("stribeck"), effect_of("unlogged_compensation"))
 
 
 def test_a_compensator_that_the_log_lacks_is_named_where_coulomb_friction_is_held() -> None:

@@ -22,9 +22,9 @@ from friction_audit.diagnosis.residual_checks import spectral_line
 from friction_audit.diagnosis.screening import wild_cluster_bootstrap
 from friction_audit.diagnosis.selection import occam
 from friction_audit.diagnosis.validation import held_out, measure_gap
-from friction_audit.effects import stribeck
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 from tests.diagnosis.toy_effects import BUMP, SQUARE, WAVE
@@ -151,7 +151,7 @@ def test_held_out_residuals_are_those_of_fits_without_the_fold() -> None:
 
 
 def test_variable_projection_ends_where_nonlinear_least_squares_does() -> None:
-    gram, dictionary = prepared(stribeck.EFFECT, missing=rising)
+    gram, dictionary = prepared(effect_of("stribeck"), missing=rising)
     training = Training(gram)
     start = gram.blocks[int(np.argmax(training.gain(())[0]))]
     names = list(dictionary.bounds(start))
@@ -190,7 +190,7 @@ def test_intervals_are_leaving_out_one_cycle_at_a_time() -> None:
 
 
 def test_a_number_that_the_log_does_not_hold_is_not_identifiable_and_leaves_the_others_alone() -> None:
-    gram, dictionary = prepared(stribeck.EFFECT)
+    gram, dictionary = prepared(effect_of("stribeck"))
     block = gram.blocks[0]
     found = intervals.of(gram, dictionary, (block,), dictionary.baseline)
     plain = intervals.of(gram, dictionary, (), dictionary.baseline)

@@ -50,7 +50,7 @@ def altered(effect: Effect, *, units: Sequence[str] = (), traits: Trait = Trait.
 
 
 def toy(kind: type[Effect], name: str, label: str, axis: str, units: Sequence[str], *grid: Nonlinear) -> Effect:
-    effect = kind(name=name, label=label, family="nominal", axis=axis, coefficients=_coefficients(units))
+    effect = kind(name=name, label=label, axis=axis, coefficients=_coefficients(units))
     return altered(effect, grid=grid or ({},), regressor=lambda data, _nominal, at: COLUMNS[name](data, at))
 
 

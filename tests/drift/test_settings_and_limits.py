@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from friction_audit.drift.analyse import analyse_drift
-from friction_audit.drift.fail_on import Limit, exceeded, parse_limit, untestable
-from friction_audit.drift.report import DriftReport
+from friction_audit.drift.report import DriftReport, Limit, exceeded, parse_limit, untestable
 from friction_audit.drift.settings import DriftSettings, parse_baseline
 from friction_audit.errors import UsageError
 from friction_audit.reporting.drift_words import limit_sentences

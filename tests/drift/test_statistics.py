@@ -16,7 +16,7 @@ from friction_audit.drift.change_test import (
     step_places,
     studentise,
 )
-from friction_audit.drift.control_chart import noncentrality
+from friction_audit.drift.coefficient import noncentrality
 from friction_audit.drift.covariates import without_temperature
 from friction_audit.drift.regression import fit_model, residual_scatter, shape_of, steps_scatter
 from friction_audit.drift.session import Series, make_series

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_audit.batch.work import session_of
 from friction_audit.drift.session import JointSummary
-from friction_audit.drift.summarise import BINS, bin_torque, conditions_of, summarise_joints
+from friction_audit.drift.summarise import BINS, bin_torque, summarise_joints
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
@@ -133,6 +134,6 @@ def test_a_model_without_a_coefficient_has_no_change_of_it(log: JointLog) -> Non
 
 
 def test_conditions(estimate: Estimate) -> None:
-    found = conditions_of(estimate.log, estimate.interaction, payload="0.7 kg")
-    assert (found.drive, found.torque, found.gravity, found.payload) == ("hand", "interaction", "removed", "0.7 kg")
+    found = session_of(estimate).conditions
+    assert (found.drive, found.torque, found.gravity) == ("hand", "interaction", "removed")
     assert found.rate_hz == pytest.approx(250.0, rel=0.01)

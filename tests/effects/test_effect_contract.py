@@ -11,7 +11,16 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.registry import NAMES, effect_of, effects, motion_between, motion_to_decide, terms
+from friction_audit.effects.registry import (
+    FAMILIES,
+    MODULES,
+    NAMES,
+    effect_of,
+    effects,
+    motion_between,
+    motion_to_decide,
+    terms,
+)
 from tests.diagnosis.started_and_stopped import started_and_stopped
 from tests.effects.joint_data_by_hand import at_rest, baseline, two_sines
 
@@ -20,7 +29,6 @@ ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_la
     "asymmetric_coulomb", "asymmetric_viscous", "inertia_error", "joint_elasticity", "time_delay",
 }  # fmt: skip
 AXES = {"speed", "position", "displacement", "time", "acceleration", "load", "neighbour"}
-FAMILIES = ("velocity", "load and place", "sensors", "structure", "slow and events")
 MOST_POINTS = 300  # a search tries all of them on every joint
 MOVING = two_sines()
 NOMINAL = baseline(MOVING)
@@ -29,10 +37,11 @@ each = pytest.mark.parametrize("effect", effects(), ids=lambda effect: effect.na
 with_formula = pytest.mark.parametrize("effect", [e for e in effects() if e.coefficients], ids=lambda e: e.name)
 
 
-def test_effects_are_registered_by_family_under_the_names_of_their_modules() -> None:
+def test_effects_are_registered_under_their_names_by_family_and_module() -> None:
     assert tuple(effect.name for effect in effects()) == NAMES
-    assert [type(effect).__module__.rpartition(".")[2] for effect in effects()] == list(NAMES)
-    assert tuple(dict.fromkeys(effect.family for effect in effects())) == FAMILIES
+    assert {effect.family for effect in terms()} == {*FAMILIES, "nominal"}
+    modules = [type(effect).__module__.rpartition(".")[2] for effect in effects()]
+    assert modules == list(MODULES.values())
 
 
 def test_names_of_terms_and_parameters_are_unique() -> None:

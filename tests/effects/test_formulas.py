@@ -10,18 +10,17 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.breakaway import since_onset
+from friction_audit.effects.delays import lagged
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.frictional_lag import lagged
-from friction_audit.effects.gravity_error import SEVERAL, TILT
-from friction_audit.effects.inertial_coupling import AFTER, ALL, BEFORE, BOTH, JOINTS, MODEL, TIP
-from friction_audit.effects.nonlinear_viscous import bend
+from friction_audit.effects.load import SEVERAL, TILT
+from friction_audit.effects.neighbours import AFTER, ALL, BEFORE, BOTH, JOINTS, MODEL, TIP
 from friction_audit.effects.presliding import bristle
 from friction_audit.effects.registry import term_of, terms
-from friction_audit.effects.stiction import since_onset
+from friction_audit.effects.speed import bend
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from tests.effects.arm_motion import DQ, N, among_three, rigid_body
-from tests.effects.motion_by_hand import motion_of
+from tests.effects.motion_by_hand import DQ, N, among_three, motion_of, rigid_body
 
 E1, SIGN, TURN = np.exp(-1.0), np.sign(DQ), 2.0 * np.pi / 100.0
 SPEEDS = np.array([-2.0, -0.5, 0.0, 0.5, 1.0, 2.0])

@@ -10,8 +10,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
-from friction_audit.effects.model_file import load_model, save_model
+from friction_audit.effects.joint_model import (
+    ArmModel,
+    FittedTerm,
+    JointModel,
+    Provenance,
+    load_model,
+    save_model,
+    simple_model,
+)
 from friction_audit.effects.registry import terms
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from tests.effects.recordings import typical_term

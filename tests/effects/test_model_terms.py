@@ -12,16 +12,9 @@ from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
+from tests.effects.recordings import typical_term
 
-
-def typical(parameter: Parameter) -> float:
-    """The middle of the decades that make sense, or some number."""
-    if parameter.lower > 0.0 and np.isfinite(parameter.upper):
-        return float(np.sqrt(parameter.lower * parameter.upper))
-    return min(max(0.3, parameter.lower), parameter.upper)
-
-
-SHAPES = {term.name: tuple(typical(parameter) for parameter in term.nonlinear) for term in terms()}
+SHAPES = {term.name: typical_term(term).values[len(term.coefficients) :] for term in terms()}
 
 
 def make_motion(dq: Float) -> Motion:

@@ -191,7 +191,6 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
         compared=tuple(compared),
         ordered_by="start" if dated else "name",
         autocorrelation=0.05,
-        drift=count > STEP_SESSION,
         reference=tuple(range(min(REFERENCE, count))),
         left_out=left_out,
         joints=tuple(joint_of(sessions, j + 1, compared) for j in range(joints)),
@@ -201,13 +200,7 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
 
 def joint_of(sessions: Sequence[Session], joint: int, compared: Sequence[int]) -> JointDrift:
     found = tuple(drift_of(sessions, joint, coefficient, compared) for coefficient in LEVELS)
-    drift = any(one.drift for one in found)
-    return JointDrift(
-        joint=joint,
-        name=sessions[0].joints[joint - 1].name,
-        coefficients=found,
-        drift=drift,
-    )
+    return JointDrift(joint=joint, name=sessions[0].joints[joint - 1].name, coefficients=found)
 
 
 SETTINGS: Mapping[str, object] = {

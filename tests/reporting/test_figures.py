@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from matplotlib import rc_context
 from matplotlib.text import Text
 
-from friction_audit.batch.recordings import recording_of
+from friction_audit.batch.work import recording_of
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError

@@ -159,8 +159,8 @@ def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) ->
     assert "Coefficients over time, joints 3 to 4" in drawn.left_out["friction"]
     assert "Coefficients over time, joints 3 to 4" in of_log(report())
     monkeypatch.setattr(batch_page, "MOST_BYTES", 100_000)
-    steady = replace(batch_by_hand.arm(4, 1, robot="steady"), drift=False)
-    drifting = replace(batch_by_hand.arm(4, 2, robot="moving"), drift=True)
+    steady = batch_by_hand.arm(4, 1, robot="steady")
+    drifting = batch_by_hand.arm(4, batch_by_hand.RISE_JOINT, robot="moving")
     html = write_page(batch_by_hand.batch(steady, drifting), blank_figures(2, letters=20_000))
     assert html.count('<figure class="drawing"') == len(figures_of("drift"))
     assert "those of steady are in files next to it" in html
@@ -179,7 +179,7 @@ def test_a_page_of_a_thousand_sessions_or_of_many_arms_is_small(monkeypatch: pyt
 
 
 def test_an_arm_without_joints_has_a_page() -> None:
-    bare = replace(batch_by_hand.arm(4, 1, robot="bare"), joints=(), drift=False)
+    bare = replace(batch_by_hand.arm(4, 1, robot="bare"), joints=())
     assert "bare" in write_page(batch_by_hand.batch(bare))
 
 

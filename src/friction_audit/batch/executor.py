@@ -1,16 +1,23 @@
-"""What runs the work of a batch: one interface for the processes of this machine and for a cluster."""
+"""What runs the work of a batch: the processes of this machine, or a Dask cluster that sees the same paths."""
 
 import os
+import platform
 import signal
+import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import Executor as Pool
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from importlib import import_module
+from importlib.metadata import version
 from itertools import islice
 from multiprocessing.process import BaseProcess
 from typing import Any, Protocol, Self, TypeVar
 
+from friction_audit import __version__
+from friction_audit.errors import UsageError
 from friction_audit.parallel import processes, team_of
 
 Asked = TypeVar("Asked")
@@ -19,6 +26,10 @@ Done = TypeVar("Done")
 # Processes share the cores; threads inside a product would only wait for each other.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 PRELOAD = ("friction_audit.batch.work",)  # what every process needs, imported once
+
+DISTRIBUTION = "friction-audit"
+PATIENCE_S = 15.0  # for the scheduler's first answer
+PER_THREAD = 2  # tasks under way for every thread of the cluster: one is worked on, one is at hand
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,3 +153,103 @@ def _how_it_ended(code: int) -> str:
             "expected it to finish; if memory was short, cut the log or use a machine with more"
         )
     return f"the process that worked on it ended with code {code} twice; expected it to finish; report it with the log"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DaskExecutor:
+    """A Dask cluster.
+
+    Attributes:
+        address: Of its scheduler, ``tcp://host:port``.
+    """
+
+    address: str
+
+    def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
+        """Yield what came of each task, in any order; the scheduler gives the work of a lost worker to others.
+
+        Raises:
+            UsageError: If there is no scheduler or worker, or they run another version.
+        """
+        client = _connect(self.address)
+        pool: Pool = client.get_executor(pure=False)
+        waiting, pending = iter(tasks), dict[Future[Done], Asked]()
+        try:
+            _check_workers(client, self.address)
+            while True:
+                room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
+                pending |= {pool.submit(work, task): task for task in islice(waiting, max(room, 0))}
+                if not pending:
+                    return
+                for future in wait(pending, return_when=FIRST_COMPLETED).done:
+                    task, error = pending.pop(future), future.exception()
+                    said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+                    yield task, future.result() if error is None else Lost(f"lost on the cluster: {said}")
+        finally:
+            pool.shutdown(wait=False)  # gives up what is under way
+            client.close()
+
+
+def _connect(address: str) -> Any:  # noqa: ANN401
+    try:
+        distributed: Any = import_module("distributed")
+    except ImportError as error:
+        raise UsageError(
+            f"--scheduler {address}: needs dask.distributed, which is not installed; run: "
+            "pip install 'friction-audit[cluster]'"
+        ) from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # versions are compared below, those that matter
+            return distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise UsageError(
+            f"--scheduler {address}: no scheduler answers ({said}); expected an address such as tcp://host:8786; check "
+            "that it runs and can be reached"
+        ) from error
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that have to be the same on all machines for the numbers to be the same."""
+    import numpy as np
+    import scipy
+
+    return {
+        "friction-audit": __version__,
+        "Python": ".".join(platform.python_version_tuple()[:2]),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }
+
+
+def _check_installed(client: Any, address: str) -> None:  # noqa: ANN401
+    """Ask for the version with a function that any worker has: one that it lacks would never be answered."""
+    found = client.run(version, DISTRIBUTION, on_error="return")
+    if not found:
+        raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
+    for worker, there in found.items():
+        if there != __version__:
+            said = "has no friction-audit" if isinstance(there, Exception) else f"has friction-audit {there}"
+            raise UsageError(
+                f"--scheduler {address}: worker {worker} {said}; expected {__version__}, as here, so that the numbers "
+                f"are the same; install friction-audit {__version__} there"
+            )
+
+
+def _check_workers(client: Any, address: str) -> None:  # noqa: ANN401
+    _check_installed(client, address)
+    ours = versions()
+    theirs = client.run(versions, on_error="return")
+    for worker, found in theirs.items():
+        if isinstance(found, Exception):
+            raise UsageError(
+                f"--scheduler {address}: worker {worker} cannot run friction-audit ({type(found).__name__}: {found}); "
+                f"install friction-audit {__version__} there"
+            )
+        unlike = [f"{name} {found.get(name)} there, {own} here" for name, own in ours.items() if found.get(name) != own]
+        if unlike:
+            raise UsageError(
+                f"--scheduler {address}: worker {worker} runs other versions: {', '.join(unlike)}; expected the same, "
+                "so that the numbers are; install the same on all machines"
+            )

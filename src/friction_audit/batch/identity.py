@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
-from friction_audit.batch.remote import LogFile, ManifestRow
+from friction_audit.batch.find_logs import LogFile, ManifestRow
 from friction_audit.drift.session import Session, natural, put_in_order
 
 _EPISODE = re.compile(r"^episode_\d+")  # of a data set: its episodes are of the same arm or arms

@@ -13,10 +13,10 @@ from pathlib import Path
 from typing import Self
 
 from friction_audit.batch import ledger_rows as rows
+from friction_audit.batch.find_logs import LogFile, as_text
 from friction_audit.batch.identity import Fault, Recorded, Worked
-from friction_audit.batch.ledger_rows import APPLICATION_ID, SCHEMA_VERSION, TABLES
+from friction_audit.batch.ledger_rows import APPLICATION_ID, SCHEMA_VERSION
 from friction_audit.batch.manifest import BatchSettings
-from friction_audit.batch.remote import LogFile, as_text
 from friction_audit.drift.session import Session
 from friction_audit.errors import InputError
 
@@ -46,7 +46,8 @@ class Ledger:
         except (OSError, sqlite3.Error) as error:
             raise InputError(f"{path}: cannot be made or opened: {error}; choose another folder with -o") from error
         self._database.row_factory = sqlite3.Row
-        self._database.text_factory = _text  # a broken row must not hide the others
+        # A broken row must not hide the others.
+        self._database.text_factory = lambda content: content.decode("utf-8", "surrogateescape")
         try:
             with self._worded():
                 self._set_up()
@@ -192,7 +193,7 @@ class Ledger:
         if version == SCHEMA_VERSION:
             return
         with self._transaction():
-            for table in TABLES:
+            for table in rows.TABLES:
                 self._database.execute(table)
             if "digest" not in {column["name"] for column in self._ask("PRAGMA table_info(sessions)")}:
                 # A ledger of schema 1: its sessions are of older results, which are never asked for again.
@@ -215,16 +216,14 @@ class Ledger:
         return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
 
     def _save_session(self, recorded: Recorded, settings: str) -> None:
-        statement = rows.insert("sessions", rows.SESSION_COLUMNS)
-        cursor = self._database.execute(statement, rows.session_row(recorded, settings))
+        cursor = self._database.execute(rows.insert("sessions"), rows.session_row(recorded, settings))
         if cursor.rowcount == 0:
             return  # another run was faster
         key, joints = cursor.lastrowid, recorded.session.joints
         assert key is not None
         self._forget_rows(key)  # those of a session that was lost, which had this number
-        self._database.executemany(rows.insert("joints", rows.JOINT_COLUMNS), rows.joint_rows(key, joints))
-        statement = rows.insert("coefficients", rows.COEFFICIENT_COLUMNS)
-        self._database.executemany(statement, rows.coefficient_rows(key, joints))
+        self._database.executemany(rows.insert("joints"), rows.joint_rows(key, joints))
+        self._database.executemany(rows.insert("coefficients"), rows.coefficient_rows(key, joints))
         for row, *parts in self._stored((recorded.session.sha256,), settings):
             if row["id"] == key:
                 digest = rows.digest_of(row, *parts)
@@ -275,10 +274,6 @@ class Ledger:
                 f"{self.path}: {error}; check that its folder can be written to, is not full and lies on a disk of "
                 f"this machine; if the file is broken, {OTHER_PLACE}"
             ) from error
-
-
-def _text(content: bytes) -> str:
-    return content.decode("utf-8", "surrogateescape")
 
 
 def move_aside(path: Path) -> Path | None:

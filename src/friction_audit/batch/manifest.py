@@ -12,8 +12,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from friction_audit.batch.find_logs import ManifestRow
 from friction_audit.batch.identity import parse_time
-from friction_audit.batch.remote import ManifestRow
 from friction_audit.errors import InputError
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import ReadOptions

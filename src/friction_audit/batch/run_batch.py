@@ -13,10 +13,10 @@ from functools import partial
 from pathlib import Path
 
 from friction_audit.batch.executor import Executor, Lost
+from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Recorded, Worked, identify, name_of, time_in_name
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.manifest import BatchSettings
-from friction_audit.batch.remote import LogFile
 from friction_audit.batch.work import Task, work_on
 from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
 from friction_audit.drift.report import ArmDrift, DriftReport

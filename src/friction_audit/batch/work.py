@@ -1,22 +1,25 @@
-"""What a worker does with one log: read it, run the chain, keep the summary.
+"""What a worker does with one log: read it, run the chain, keep the summary; and what is compared of an estimate.
 
 A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled. Who only
 hands the work out imports no more than the names of it.
 """
 
+import math
 import socket
 import traceback
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from friction_audit.batch.find_logs import as_text, fetched
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.manifest import BatchSettings
-from friction_audit.batch.remote import as_text, fetched
-from friction_audit.drift.session import Session
+from friction_audit.drift.covariates import Recording
+from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, Session
 from friction_audit.errors import FrictionAuditError, InputError
+from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
 from friction_audit.parallel import one_joint_at_a_time
@@ -128,9 +131,14 @@ def _record(settings: BatchSettings, path: Path, topic: str) -> Recorded:
 
 def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
     """Return what is kept of an estimate."""
-    from friction_audit.drift.summarise import conditions_of, summarise_joints
+    from friction_audit.drift.summarise import summarise_joints
 
-    log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
+    log, interaction, source, choice = (
+        estimate.log,
+        estimate.interaction,
+        estimate.log.source,
+        estimate.interaction.choice,
+    )
     noticed = [(one.joint, one.message) for one in source.findings]
     noticed += [(one.joint, one.message) for one in interaction.warnings]
     warnings = [message if joint is None else f"joint {joint}: {message}" for joint, message in noticed]
@@ -141,7 +149,13 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         start_s=source.start_s,
         start_from="nothing" if source.start_s is None else "log",
         duration_s=log.duration_s,
-        conditions=conditions_of(log, interaction),
+        conditions=Conditions(
+            drive=choice.drive,
+            torque=choice.source,
+            gravity=choice.gravity,
+            inertia=choice.inertia,
+            rate_hz=log.rate_hz,
+        ),
         joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
         warnings=tuple(dict.fromkeys(warnings)),
         damaged=any(finding.damaged for finding in source.findings),
@@ -160,3 +174,86 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
     )
     faults = tuple(replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults)
     return replace(worked, recorded=recorded, faults=faults)
+
+
+def recording_of(estimate: Estimate) -> Recording:
+    """Return what is compared of an estimate."""
+    session, payload, friction = session_of(estimate), estimate.settings.torque.payload, estimate.settings.friction
+    held = replace(session.conditions, payload=_payload(payload))
+    return Recording(
+        session=replace(session, conditions=held),
+        joints=len(estimate.log.joint_names),
+        unit=estimate.log.source.torque_unit,
+        method=f"{friction.model} ({friction.estimator})",
+        correlation={joint.joint: joint.correlation for joint in estimate.friction.joints},
+    )
+
+
+def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
+    """Return what is compared of a document of ``estimate``; it holds no curves, speeds and temperatures.
+
+    Raises:
+        InputError: If a key is missing or holds something else.
+    """
+    try:
+        source, settings = document["source"], document["settings"]
+        chosen, friction = settings["torque_chosen"], settings["friction"]
+        conditions = Conditions(
+            drive=str(chosen["drive"]),
+            torque=str(chosen["source"]),
+            gravity=str(chosen["gravity"]),
+            inertia=str(chosen["inertia"]),
+            payload=_payload(settings["torque"]["payload"]),
+            rate_hz=float(source["rate_hz"]),
+        )
+        session = Session(
+            path=str(path),
+            sha256=str(source["sha256"]),
+            robot=str(source["robot"]),
+            start_s=None if source["start_s"] is None else float(source["start_s"]),
+            start_from="nothing" if source["start_s"] is None else "log",
+            duration_s=float(source["duration_s"]),
+            conditions=conditions,
+            joints=tuple(_joint(one) for one in document["joints"]),
+        )
+        return Recording(
+            session=session,
+            joints=int(source["joints"]),
+            unit=str(source["torque_unit"]),
+            method=f"{friction['model']} ({friction['estimator']})",
+            correlation={int(one["joint"]): _number(one["correlation"]) for one in document["joints"]},
+        )
+    except (KeyError, TypeError, ValueError, IndexError) as error:
+        raise InputError(f"{path}: is no whole document of `estimate` ({error!r}); write it again") from error
+
+
+def _joint(found: Mapping[str, Any]) -> JointSummary:
+    by_energy = found["method"] == "energy"
+    values = (_coefficient(found[name]) for name in COEFFICIENTS)
+    return JointSummary(
+        joint=int(found["joint"]),
+        name=str(found["name"]),
+        coefficients=dict(zip(COEFFICIENTS, values if by_energy else (UNDETERMINED, UNDETERMINED), strict=True)),
+        cycles=int(found["cycles"]),
+        moving_s=float(found["moving_s"]),
+        speed_rad_s=(NAN, NAN, NAN),
+        reason=str(found["reason"] or "") if by_energy else BY_REGRESSION,
+    )
+
+
+def _coefficient(found: Mapping[str, Any] | None) -> Coefficient:
+    if found is None:
+        return UNDETERMINED
+    low, high = (_number(end) for end in found["ci95"])
+    return Coefficient(value=float(found["value"]), low=low, high=high)
+
+
+def _number(found: float | None) -> float:
+    number = NAN if found is None else float(found)
+    if math.isinf(number):
+        raise ValueError(number)
+    return number
+
+
+def _payload(found: Iterable[float] | None) -> str:
+    return "" if found is None else ", ".join(f"{number:g}" for number in found)

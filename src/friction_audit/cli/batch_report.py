@@ -31,11 +31,11 @@ from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor, LocalExecutor
+    from friction_audit.batch.find_logs import LogFile
     from friction_audit.batch.ledger import Ledger
     from friction_audit.batch.manifest import BatchSettings
-    from friction_audit.batch.remote import LogFile
     from friction_audit.batch.run_batch import BatchResult, Progress, Standing
-    from friction_audit.drift.fail_on import Limit
+    from friction_audit.drift.report import Limit
     from friction_audit.drift.settings import DriftSettings
     from friction_audit.reporting.drift import BatchSummary
 
@@ -129,7 +129,7 @@ def command(
     formats: FigureFormats = PNG,
 ) -> None:
     """Report friction drift across sessions: what changed, when."""
-    from friction_audit.batch.remote import as_text
+    from friction_audit.batch.find_logs import as_text
 
     voice = shared.general.voice
     settings = _settings(sessions, friction, shared)
@@ -167,7 +167,7 @@ def _settings(sessions: SessionOptions, friction: EstimateOptions, shared: LogOp
 
 
 def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, ...]]":
-    from friction_audit.drift.fail_on import parse_limit
+    from friction_audit.drift.report import parse_limit
     from friction_audit.drift.settings import DriftSettings, parse_baseline
 
     limits = tuple(parse_limit(text) for text in drift.fail_on or ())
@@ -189,8 +189,8 @@ def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFil
 @contextmanager
 def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tuple[Ledger, bool]]":
     """Open the ledger of a folder; yield it, and whether this is the only run in the folder."""
+    from friction_audit.batch.find_logs import LEDGER
     from friction_audit.batch.ledger import Ledger, move_aside
-    from friction_audit.batch.remote import LEDGER
     from friction_audit.batch.run_batch import run_lock
 
     path = folder / LEDGER
@@ -216,7 +216,7 @@ def _processes(running: RunningOptions) -> "LocalExecutor":
 def _cluster(running: RunningOptions) -> "Executor | None":
     if running.scheduler is None:
         return None
-    from friction_audit.batch.dask_executor import DaskExecutor
+    from friction_audit.batch.executor import DaskExecutor
 
     return DaskExecutor(address=running.scheduler)
 

@@ -112,7 +112,7 @@ def command(
 
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
     from friction_audit.diagnosis.settings import DiagnosisSettings
-    from friction_audit.effects.model_file import load_model
+    from friction_audit.effects.joint_model import load_model
 
     return DiagnosisSettings(
         candidates=tuple(options.candidates) or None,
@@ -132,7 +132,7 @@ def _write_model(found: "Diagnosis", out: ResultFolder, voice: Voice) -> None:
     if out.folder is None:
         return
     from friction_audit.diagnosis.augmented_model import augment_models
-    from friction_audit.effects.model_file import save_model
+    from friction_audit.effects.joint_model import save_model
 
     path = out.folder / MODEL
     augmented = augment_models(found.discrepancy, found.estimate.log, found.settings.model)

@@ -27,7 +27,7 @@ from friction_audit.errors import FrictionAuditError, InputError, UsageError
 
 if TYPE_CHECKING:
     from friction_audit.drift.covariates import Recording
-    from friction_audit.drift.fail_on import Limit
+    from friction_audit.drift.report import Limit
     from friction_audit.drift.two_sides import TwoSides
     from friction_audit.reporting.notices import Notice
 
@@ -51,7 +51,7 @@ def command(
     fail_on: Annotated[list[str] | None, fail_on_option("coulomb=10%", "changed", "recordings")] = None,
 ) -> None:
     """Compare the friction of logs before and after, per joint."""
-    from friction_audit.drift.fail_on import parse_limit
+    from friction_audit.drift.report import parse_limit
     from friction_audit.drift.two_sides import compare_sides
 
     voice = shared.general.voice
@@ -101,7 +101,7 @@ def _recordings(
 
 
 def _of_log(path: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Recording":
-    from friction_audit.batch.recordings import recording_of
+    from friction_audit.batch.work import recording_of
     from friction_audit.reporting.notices import estimate_notices
 
     log = chain.read(path, read_options(shared.reading, shared.selection), voice)
@@ -112,8 +112,8 @@ def _of_log(path: Path, shared: LogOptions, friction: EstimateOptions, voice: Vo
 
 
 def _of_result(path: Path, wanted: tuple[int, ...] | None) -> "Recording":
-    from friction_audit.batch.recordings import recording_of_document
-    from friction_audit.io.documents import read_document
+    from friction_audit.batch.work import recording_of_document
+    from friction_audit.io.files import read_document
 
     found = recording_of_document(read_document(path, ("estimate",)), path)
     joints = tuple(joint for joint in found.session.joints if wanted is None or joint.joint in wanted)

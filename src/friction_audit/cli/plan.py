@@ -107,7 +107,7 @@ def command(
 
 def _tasks(source: Path | None, motion: MotionOptions, shared: LogOptions) -> "tuple[Arm, list[Task]]":
     """Return the arm and what its joints need; where nothing is to be decided, the best recordings of the first one."""
-    from friction_audit.io.documents import read_document
+    from friction_audit.io.files import read_document
     from friction_audit.planning.task import Joint, Task, arm_of, tasks_of
     from friction_audit.robot.arm import BUILT_IN
     from friction_audit.simulation.panda_joint import READY_RAD

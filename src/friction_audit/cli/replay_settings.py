@@ -136,7 +136,7 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
         InputError: If the file of a model is none.
     """
     from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
-    from friction_audit.effects.model_file import load_model
+    from friction_audit.effects.joint_model import load_model
 
     competitor = operator = None
     if options.compensator != "energy":

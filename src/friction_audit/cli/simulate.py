@@ -186,7 +186,7 @@ def changed(settings: Any, change: ChangeOptions, model: Path | None = None, **a
         InputError: If the file is none.
         UsageError: If the scenario cannot take a change, or two contradict each other.
     """
-    from friction_audit.effects.model_file import load_model
+    from friction_audit.effects.joint_model import load_model
     from friction_audit.simulation.assign import assign_texts
     from friction_audit.simulation.hide import hide, with_model
     from friction_audit.simulation.settings import IDEAL_SENSORS

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.effects.contact_event import Contact
+from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]

@@ -19,7 +19,7 @@ from friction_audit.diagnosis.selection import split
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.validation import gap, held_out
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import JointData, strokes
+from friction_audit.effects.joint_data import JointData, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
@@ -225,7 +225,7 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
         t=problem.samples.t,
         q=q,
         dq=dq,
-        displacement=problem.at_samples(strokes(problem.data).displacement),
+        displacement=problem.at_samples(displacement(problem.data)),
         cycle=problem.samples.cycle,
         held_out=np.ones(len(q), bool),
         measured=measured,

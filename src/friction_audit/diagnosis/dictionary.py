@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.problem import Index, RegressionProblem
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, speeds
-from friction_audit.effects.torque_ripple import order_range
+from friction_audit.effects.position import order_range
 from friction_audit.joint_log import Float
 
 EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
 from friction_audit.diagnosis.samples import SAMPLE_HZ, Samples, corner_for, make_samples
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, strokes
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
@@ -43,7 +43,7 @@ class Axis:
 
 
 def _travelled(data: JointData) -> Float:
-    return np.abs(strokes(data).displacement)
+    return np.abs(displacement(data))
 
 
 def _neighbour(data: JointData) -> Float | None:

@@ -12,10 +12,10 @@ from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.validation import gains
-from friction_audit.effects.contact_event import Contact
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
+from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink

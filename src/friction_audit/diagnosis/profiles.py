@@ -20,7 +20,7 @@ from friction_audit.diagnosis.result import (
 )
 from friction_audit.diagnosis.samples import filtered
 from friction_audit.diagnosis.screening import Screening
-from friction_audit.effects.contact_event import EFFECT as CONTACT
+from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 

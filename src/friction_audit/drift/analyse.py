@@ -6,9 +6,9 @@ from importlib import import_module
 from friction_audit.drift.change_points import find_isolated, leave_outliers_out
 from friction_audit.drift.change_test import judge_family
 from friction_audit.drift.coefficient import Verdict, describe_series, too_few
-from friction_audit.drift.covariates import LikeTemperature, choose_comparable, use_temperature, without_temperature
+from friction_audit.drift.covariates import choose_comparable, use_temperature, without_temperature
 from friction_audit.drift.regression import baseline_columns
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
+from friction_audit.drift.report import ArmDrift, DriftReport, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.joint_numbers import write_joint_numbers
@@ -52,7 +52,12 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         else describe_series(series, verdict, reference, order.sessions, settings)
         for series, verdict in zip(family, verdicts, strict=True)
     ]
-    joints = _by_joint(family, coefficients, order.sessions)
+    names = {joint.joint: joint.name for session in reversed(order.sessions) for joint in session.joints}
+    found = list(zip((series.joint for series in family), coefficients, strict=True))
+    joints = tuple(
+        JointDrift(joint=number, name=names[number], coefficients=tuple(one for joint, one in found if joint == number))
+        for number in dict.fromkeys(series.joint for series in family)
+    )
     return ArmDrift(
         robot=order.sessions[0].robot,
         sessions=order.sessions,
@@ -62,7 +67,6 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         joints=joints,
         ordered_by=order.by,
         autocorrelation=max((one.autocorrelation.first for one in verdicts if one is not None), default=0.0),
-        drift=any(joint.drift for joint in joints),
         warnings=(*alike.warnings, *odd, *warnings),
     )
 
@@ -97,15 +101,11 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
             series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
             like = use_temperature(series.keeping(~find_isolated(series.y, series.y_error)))
             family.append(leave_outliers_out(like.series))
-            for text in _temperature_warnings(order, like):
+            names = ", ".join(order.sessions[index].path for index in like.unknown)
+            unknown = f"not compared, since their temperature is not known: {names}" if names else ""
+            for text in filter(None, (like.warning, unknown)):
                 warnings.setdefault(text, set()).add(joint)
     return family, [_of_joints(text, sorted(some), joints) for text, some in warnings.items()]
-
-
-def _temperature_warnings(order: Order, like: LikeTemperature) -> list[str]:
-    names = ", ".join(order.sessions[index].path for index in like.unknown)
-    unknown = [f"not compared, since their temperature is not known: {names}"] if names else []
-    return [*([like.warning] if like.warning else []), *unknown]
 
 
 def _of_joints(text: str, some: Sequence[int], joints: Sequence[int]) -> str:
@@ -136,15 +136,3 @@ def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | 
             autocorrelation=test.autocorrelation[k],
         )
     return verdicts
-
-
-def _by_joint(
-    family: Sequence[Series], coefficients: Sequence[CoefficientDrift], sessions: Sequence[Session]
-) -> tuple[JointDrift, ...]:
-    names = {joint.joint: joint.name for session in reversed(sessions) for joint in session.joints}
-    joints = []
-    for number in dict.fromkeys(series.joint for series in family):
-        own = tuple(drift for series, drift in zip(family, coefficients, strict=True) if series.joint == number)
-        drifts = any(drift.drift for drift in own)
-        joints.append(JointDrift(joint=number, name=names[number], coefficients=own, drift=drifts))
-    return tuple(joints)

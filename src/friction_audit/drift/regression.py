@@ -254,6 +254,13 @@ def to_relative(change: Coefficient, level: Coefficient, series: Series) -> Coef
     return Coefficient(value=change.value / size, low=change.low / size, high=change.high / size)
 
 
+def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
+    """Return (last - first) / first, of a first one surely above zero, with its interval by the delta method."""
+    ratio = last.value / first.value
+    half = float(np.hypot(last.high - last.value, ratio * (first.high - first.value))) / first.value
+    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
+
+
 def to_change(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
     """Return a change of y in the unit of the coefficient."""
     return _scaled(to_relative(change, level, series), level.value) if series.logarithmic else change

@@ -1,13 +1,24 @@
-"""DriftReport: what changed between sessions, when, and how sure we are."""
+"""DriftReport: what changed between sessions, when, and how sure we are; and the limits that a user sets on it."""
 
+import re
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import isfinite
+from typing import NamedTuple
 
 from friction_audit.drift.session import Session
+from friction_audit.errors import UsageError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 
 # What describes a coefficient over the sessions. "step_or_ramp": drift is proven, but the two describe it equally well.
 # "temperature": it changes together with the temperature, so that drift and temperature are confounded.
 SHAPES = ("none", "step", "steps", "ramp", "step_or_ramp", "temperature", "too_few")
+
+COEFFICIENT_OF = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad", "any": None}
+
+PATTERN = re.compile(r"(?:joint(?P<joint>[1-9]\d*)\.)?(?P<name>[a-z]+)=(?P<size>[^%]+?)\s*(?P<percent>%)?")
+
+EXPECTED = "expected e.g. coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=10% or any=20%"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -120,13 +131,16 @@ class JointDrift:
         joint: Number for people.
         name: Its name.
         coefficients: What became of each coefficient.
-        drift: Whether one of them drifts.
     """
 
     joint: int
     name: str
     coefficients: tuple[CoefficientDrift, ...]
-    drift: bool
+
+    @property
+    def drift(self) -> bool:
+        """Whether one of them drifts."""
+        return any(one.drift for one in self.coefficients)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -142,7 +156,6 @@ class ArmDrift:
         joints: What became of each joint.
         ordered_by: ``"start"`` or ``"name"``.
         autocorrelation: Of one session's scatter with the next one's, over all joints.
-        drift: Whether a joint drifts.
         warnings: What limits the comparison, one sentence each.
     """
 
@@ -154,8 +167,12 @@ class ArmDrift:
     joints: tuple[JointDrift, ...]
     ordered_by: str
     autocorrelation: float
-    drift: bool
     warnings: tuple[str, ...] = ()
+
+    @property
+    def drift(self) -> bool:
+        """Whether a joint drifts."""
+        return any(joint.drift for joint in self.joints)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -168,3 +185,102 @@ class DriftReport:
     def drift(self) -> bool:
         """Whether an arm drifts."""
         return any(arm.drift for arm in self.arms)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Limit:
+    """How far a coefficient may go from the reference.
+
+    Attributes:
+        joint: Number for people, or None for all joints.
+        coefficient: Which one, or None for each.
+        size: Largest change, either way: relative to the reference's level, or in the unit of the coefficient.
+        relative: Which of the two.
+        text: As the user wrote it.
+    """
+
+    joint: int | None
+    coefficient: str | None
+    size: float
+    relative: bool
+    text: str
+
+
+def parse_limit(text: str) -> Limit:
+    """Return the limit of ``"coulomb=15%"``, ``"viscous=0.05"``, ``"joint3.coulomb=10%"`` or ``"any=20%"``.
+
+    Raises:
+        UsageError: If the text is anything else.
+    """
+    where = f"--fail-on {text}"
+    found = PATTERN.fullmatch(text.strip().lower())
+    if found is None or found["name"] not in COEFFICIENT_OF:
+        raise UsageError(f"{where}: not a limit; {EXPECTED}")
+    size = _number(found["size"], where)
+    relative = found["percent"] is not None
+    if found["name"] == "any" and not relative:
+        raise UsageError(f"{where}: the coefficients have different units; expected a limit in per cent, e.g. any=20%")
+    return Limit(
+        joint=int(found["joint"]) if found["joint"] else None,
+        coefficient=COEFFICIENT_OF[found["name"]],
+        size=size / 100 if relative else size,
+        relative=relative,
+        text=text.strip(),
+    )
+
+
+def _number(text: str, where: str) -> float:
+    try:
+        size = float(text)
+    except ValueError as error:
+        raise UsageError(f"{where}: {text!r} is no number; {EXPECTED}") from error
+    if not (isfinite(size) and size >= 0.0):
+        raise UsageError(f"{where}: {text} is no size of a change; {EXPECTED}")
+    return size
+
+
+class Judged(NamedTuple):
+    """A coefficient that a limit is meant for, with its arm and joint; None where no session has an estimate of it."""
+
+    where: str
+    found: CoefficientDrift | None
+    limit: Limit
+
+
+def exceeded(report: DriftReport, limits: Sequence[Limit]) -> list[Judged]:
+    """Return each coefficient that went beyond a limit.
+
+    A limit is exceeded if drift is proven and the change from the reference to the last sessions, as estimated, is at
+    least as large as the limit.
+    """
+    return [
+        Judged(where, found, limit)
+        for limit in limits
+        for where, found in _meant(report, limit)
+        if found.drift and abs((found.total if limit.relative else found.change).value) >= limit.size
+    ]
+
+
+def untestable(report: DriftReport, limits: Sequence[Limit]) -> list[Judged]:
+    """Return each coefficient whose sessions cannot show a change as small as a limit.
+
+    A limit of 0 asks for any drift that is proven, which every test answers.
+    """
+    judged = []
+    for limit in limits:
+        meant = list(_meant(report, limit))
+        judged += [] if meant else [Judged("", None, limit)]
+        for where, found in meant:
+            least = found.smallest_drift if limit.relative else found.smallest_change
+            proved = found.drift and isfinite((found.total if limit.relative else found.change).value)
+            if not (proved or limit.size == 0.0 or (least <= limit.size and found.shape != "temperature")):
+                judged.append(Judged(where, found, limit))
+    return judged
+
+
+def _meant(report: DriftReport, limit: Limit) -> Iterator[tuple[str, CoefficientDrift]]:
+    for arm in report.arms:
+        for joint in arm.joints:
+            for found in joint.coefficients:
+                if limit.joint in {None, joint.joint} and limit.coefficient in {None, found.coefficient}:
+                    yield f"{arm.robot}, joint {joint.joint}", found

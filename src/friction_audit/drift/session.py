@@ -18,6 +18,10 @@ COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 NORMAL_95 = 1.959964  # half of a 95 % interval, in standard errors
 LARGEST_RELATIVE_ERROR = 0.25  # less certain estimates are too skewed for a logarithm
 SECONDS_A_DAY = 86400.0
+# A change of method from session to session would look like drift.
+BY_REGRESSION = (
+    "too few energy cycles count; estimate gives a regression of the torque, which is not compared between sessions"
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -4,10 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from friction_audit.drift.session import COEFFICIENTS, Conditions, JointSummary, SpeedCurve
-from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
+from friction_audit.drift.regression import relative_change
+from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, JointSummary, SpeedCurve
+from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient, FrictionHistory, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import Fit, fit_windows, set_up
+from friction_audit.friction.weighted import fit_windows, set_up
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
@@ -15,26 +16,10 @@ from friction_audit.preprocessing.interaction import Interaction
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
 
+QUARTERS = (0.25, 0.5, 0.75)
 BINS = 40  # of speed, in the curve; both directions of motion together
 FEWEST_SAMPLES = 20  # a mean of fewer samples is no point of the curve
 OUTERMOST = 0.002  # share of the samples beyond each end of the curve: single glitches of the velocity would stretch it
-# A change of method from session to session would look like drift.
-BY_REGRESSION = (
-    "too few energy cycles count; estimate gives a regression of the torque, which is not compared between sessions"
-)
-
-
-def conditions_of(log: JointLog, interaction: Interaction, payload: str = "") -> Conditions:
-    """Return under what a session was recorded and read, the payload as known from elsewhere."""
-    choice = interaction.choice
-    return Conditions(
-        drive=choice.drive,
-        torque=choice.source,
-        gravity=choice.gravity,
-        inertia=choice.inertia,
-        payload=payload,
-        rate_hz=log.rate_hz,
-    )
 
 
 def summarise_joints(
@@ -61,6 +46,7 @@ def summarise_joints(
     for column, joint in enumerate(friction.joints):
         moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
         velocity = interaction.dq[moving, column]
+        low, median, high = np.quantile(np.abs(velocity), QUARTERS).tolist() if len(moving) else [NAN] * 3
         diagnosed = diagnoses.get(joint.joint)
         by_energy = joint.method == "energy"
         coefficients = (joint.coulomb, joint.viscous) if by_energy else (UNDETERMINED, UNDETERMINED)
@@ -71,7 +57,7 @@ def summarise_joints(
                 coefficients=dict(zip(COEFFICIENTS, coefficients, strict=True)),
                 cycles=joint.cycles,
                 moving_s=joint.moving_s,
-                speed_rad_s=_quartiles(np.abs(velocity)),
+                speed_rad_s=(low, median, high),
                 temperature_c=None if log.temperature is None else float(log.temperature[:, joint.joint - 1].mean()),
                 within=_change_within(cycles.of_joint(column), joint),
                 curve=bin_torque(velocity, port[moving, column]),
@@ -106,13 +92,6 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
     )
 
 
-def _quartiles(speed: Float) -> tuple[float, float, float]:
-    if len(speed) == 0:
-        return (float("nan"),) * 3
-    low, median, high = np.quantile(speed, (0.25, 0.5, 0.75))
-    return float(low), float(median), float(high)
-
-
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
     """Return the relative change of each coefficient from the first third of the cycles to the last one.
 
@@ -123,15 +102,8 @@ def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coeffic
     if joint.reason or third < FEWEST_CYCLES:
         return dict.fromkeys(COEFFICIENTS, UNDETERMINED)
     fit = fit_windows(set_up(kept, joint.model), third)
-    names = zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
-    return {key: _relative_change(fit, name) for key, name in names}
-
-
-def _relative_change(fit: Fit, name: str) -> Coefficient:
-    """Return (last - first) / first with its interval by the delta method; undetermined where the first may be zero."""
-    first, last = fit.coefficient(name, 0), fit.coefficient(name, -1)
-    if not first.low > 0.0:
-        return UNDETERMINED
-    ratio = last.value / first.value
-    half = float(np.hypot(last.high - last.value, ratio * (first.high - first.value)) / first.value)
-    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
+    ends = {
+        key: (fit.coefficient(name, 0), fit.coefficient(name, -1))
+        for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
+    }
+    return {key: relative_change(*both) if both[0].low > 0.0 else UNDETERMINED for key, both in ends.items()}

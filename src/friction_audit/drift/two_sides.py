@@ -8,6 +8,7 @@ import numpy as np
 from scipy.special import stdtr, stdtrit
 
 from friction_audit.drift.covariates import Condition, Recording, differences
+from friction_audit.drift.regression import relative_change
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, JointSummary, SpeedCurve
 from friction_audit.drift.settings import DriftSettings
@@ -93,20 +94,15 @@ class TwoSides:
     def report(self) -> DriftReport:
         """The same as the drift of an arm, for limits that hold for both."""
         joints = tuple(
-            JointDrift(
-                joint=one.joint,
-                name=one.name,
-                coefficients=tuple(change.found for change in one.coefficients),
-                drift=any(change.found.drift for change in one.coefficients),
-            )
+            JointDrift(joint=one.joint, name=one.name, coefficients=tuple(change.found for change in one.coefficients))
             for one in self.joints
         )
         sessions = tuple(one.session for one in (*self.before, *self.after))
-        every, drift = tuple(range(len(sessions))), any(joint.drift for joint in joints)
+        every = tuple(range(len(sessions)))
         arm = ArmDrift(
             robot=", ".join(dict.fromkeys(one.session.robot or one.session.path for one in self.after)),
             sessions=sessions, compared=every, reference=every[: len(self.before)], left_out=(), joints=joints,
-            ordered_by="name", autocorrelation=NAN, drift=drift,
+            ordered_by="name", autocorrelation=NAN,
         )  # fmt: skip
         return DriftReport(arms=(arm,))
 
@@ -279,6 +275,9 @@ def _test(name: str, sides: tuple[_Mean, _Mean]) -> CoefficientChange:
     """Test one coefficient by Welch's t test; ``_adjusted`` allows for the others."""
     first, second = sides
     change, before = _difference(first, second), first.interval()
+    total = UNDETERMINED
+    if first.value > 0.0 and not before.low <= 0.0:  # of an estimate without an interval the ratio is known
+        total = relative_change(*(replace(one, freedom=change.freedom).interval() for one in sides))
     p_value = NAN
     if np.isfinite(change.variance):
         score = abs(change.value) / change.variance**0.5 if change.variance > 0.0 else np.inf * abs(change.value)
@@ -292,21 +291,12 @@ def _test(name: str, sides: tuple[_Mean, _Mean]) -> CoefficientChange:
         shape="none" if np.isfinite(p_value) else "too_few",
         p_value=p_value,
         change=change.interval(),
-        total=_relative(first, second, change.freedom),
+        total=total,
         drift=False,
     )
     return CoefficientChange(
         before=before, after=second.interval(), freedom=change.freedom, single_p_value=p_value, found=found
     )
-
-
-def _relative(first: _Mean, second: _Mean, freedom: float) -> Coefficient:
-    """Return (after - before) / before by the delta method; undetermined where the first may be zero."""
-    if not first.value > 0.0 or first.interval().low <= 0.0:
-        return UNDETERMINED
-    ratio = second.value / first.value
-    half = _critical(freedom) * float(np.hypot(second.variance**0.5, ratio * first.variance**0.5)) / first.value
-    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
 
 
 def _adjusted(joints: Sequence[JointChange]) -> list[JointChange]:

@@ -1,22 +1,34 @@
-"""Moments at which a joint leaves a standstill, and the torque that it took to break away.
+"""Stiction: a joint that rested rubs more until it has slid a little.
 
-At rest friction is whatever holds the joint; at its last moment it is the most that it can hold, in the direction of
-the motion that follows. That moment is told by the position, not by the torque: without stiction a torque that rises
-steadily moves the joint as the cube of the time since. With stiction the joint starts faster, and the moment is
-told too early, so that the torque, still rising, is told too low; a smooth start is never told too high.
+Contacts age at rest and are renewed by sliding (J. H. Dieterich, J. Geophys. Res. 77 (1972) 3690; A. Ruina, J. Geophys.
+Res. 88 (1983) 10359): after a rest of length T the excess is F_e (1 - exp(-T / T_a)), and it falls by exp(-x / x_c)
+over the path x since the onset. What a joint at rest could have borne is in this torque only where its velocity,
+however small, already has the sign of the motion that follows: at break-away. Before, it bears what it is asked to.
+
+The moments of break-away, and the torque that it took: at rest friction is whatever holds the joint; at its last moment
+it is the most that it can hold, in the direction of the motion that follows. That moment is told by the position, not
+by the torque: without stiction a torque that rises steadily moves the joint as the cube of the time since. With
+stiction the joint starts faster, and the moment is told too early, so that the torque, still rising, is told too low; a
+smooth start is never told too high.
 
 A joint that creeps before it moves, on bristles or on a spring, has no such moment. One whose torque jumps, as where a
 controller starts it, has one, but some milliseconds too early or late the torque is another: it tells nothing, but
 where the torque falls behind the start by more than that. Then the joint had been loaded with more than sliding takes.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, grid_noise
+from friction_audit.compiled import compiled
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves
+from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
@@ -92,7 +104,8 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
     before = still + APART
     going = np.abs(dq) > dead_speed
     starts = np.flatnonzero(~going[:-1] & going[1:]) + 1
-    rests = _rest_before(going, starts)
+    stops = np.append(0, np.flatnonzero(going[:-1] & ~going[1:]) + 1)
+    rests = stops[np.searchsorted(stops, starts) - 1]  # first sample of the rest before each start
     found: list[tuple[int, int, int]] = []
     for certain, rest in zip(starts.tolist(), rests.tolist(), strict=True):
         begin = max(rest + SETTLED, certain - round(LONGEST_S / step_s))
@@ -105,12 +118,13 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
         if onset > begin + before and creep <= CREEP * dead_speed and sudden:
             found.append((onset - before, onset, certain))
     table = np.asarray(found, np.int64).reshape(-1, 3)
+    back = np.arange(-still, 1) - float(APART)  # from where a polynomial is read, behind the samples it is fitted to
     return Breakaways(
         first=table[:, 0],
         onset=table[:, 1],
         certain=table[:, 2],
         direction=np.sign(dq[table[:, 2]]),
-        weights=_carrying_on(still),
+        weights=np.linalg.pinv(np.vander(back / still, DEGREE + 1))[-1],
     )
 
 
@@ -163,12 +177,6 @@ def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float
     return dq, ddq
 
 
-def _rest_before(going: NDArray[np.bool_], starts: Index) -> Index:
-    """First sample of the rest before each start."""
-    stops = np.append(0, np.flatnonzero(going[:-1] & ~going[1:]) + 1)
-    return np.asarray(stops[np.searchsorted(stops, starts) - 1], np.int64)
-
-
 def _certain_for_good(dq: Float, certain: int, dead_speed: float, most: int) -> int | None:
     """Sample after the first that is clearly faster than the dead speed, None if the joint slows down before."""
     speed = dq[certain : certain + most] * np.sign(dq[certain])
@@ -188,7 +196,100 @@ def _start_of(q: Float, earliest: int, latest: int) -> int:
     return int(tried[np.argmax(explained)])
 
 
-def _carrying_on(still: int) -> Float:
-    """Weights of a polynomial fitted to samples, read ``APART`` samples behind the last, shape (still + 1,)."""
-    back = np.arange(-still, 1) - float(APART)
-    return np.asarray(np.linalg.pinv(np.vander(back / still, DEGREE + 1))[-1], np.float64)
+SHORTEST_REST_S = 0.02  # A rest is at least so long: a reversal is none
+REST_SHARE = 1e-2  # A joint rests below this share of its usual speed
+AGEINGS_S = (0.01, 0.3, 3.0)  # at once, within a pause between strokes, and over many
+AT_ONCE_RAD = 1e-5  # A path of renewal that is over before the direction of motion is certain
+SPAN_SHARES = np.geomspace(3e-4, 0.03, 6)  # longer ones as shares of the span of the motion
+# As many as the cycles that a diagnosis takes; whether they are enough, price of entry and locked cycles say.
+FEWEST_BREAKAWAYS = 6
+
+
+class Stiction(Effect):
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return the excess after every onset per unit of that after a long rest, as a column."""
+        ageing, path = values
+        slow = REST_SHARE * float(np.sqrt(np.mean(motion.dq**2)))
+        way = np.sign(motion.dq)
+        q, step = np.ascontiguousarray(motion.q), float(motion.t[1] - motion.t[0])
+        rest, slid = since_onset(q, way, np.abs(motion.dq) > slow, step)
+        aged = -np.expm1(-rest / ageing)
+        return np.asarray(way * aged * np.exp(-slid / path))[:, None]
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """All ageings with all paths of renewal."""
+        tried = product(AGEINGS_S, (AT_ONCE_RAD, *(SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()))
+        return tuple({"ageing_s": age, "renewal_rad": path} for age, path in tried)
+
+    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """An excess that fades over a path shows after the start, however the torque rose at break-away."""
+        starts, _ = _starts(data)
+        enough = starts >= FEWEST_BREAKAWAYS
+        return tuple(at for at in self.grid(data) if enough and at["renewal_rad"] != AT_ONCE_RAD)
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """The motion that is lacking for an excess that is gone at once."""
+        starts, telling = _starts(data)
+        if telling >= FEWEST_BREAKAWAYS:
+            return moves(data, nominal)
+        return (
+            f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises "
+            "slowly or falls after the start: let it stand still for a tenth of a second or more, then raise the "
+            f"torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
+        )
+
+
+def _starts(data: JointData) -> tuple[int, int]:
+    """How often the joint breaks away from a standstill, and how often the torque at that moment is known."""
+    seen = breakaways_of(data)
+    counted = data.valid[seen.onset] & (data.cycle[seen.onset] >= 0)
+    return int(counted.sum()), int(np.sum(counted & torque_known(data.torque, seen, data.step_s)))
+
+
+@compiled()
+def since_onset(q: Float, way: Float, moving: NDArray[np.bool_], step_s: float) -> tuple[Float, Float]:
+    """Return how long the latest rest was and the path since, shape (n,) each. [s], [rad]
+
+    Both are 0 before and during a rest; in its last samples that already have the direction of the onset the rest
+    counts and the path is 0.
+
+    Args:
+        q: Positions, shape (n,). [rad]
+        way: Signs of the velocity.
+        moving: Samples in which the joint does not rest.
+        step_s: Spacing of the samples. [s]
+    """
+    rest, slid = np.zeros(len(q)), np.zeros(len(q))
+    still, latest, path = 0.0, 0.0, 0.0
+    for k in range(1, len(q)):
+        if moving[k]:
+            if still >= SHORTEST_REST_S:
+                latest, path = still, 0.0
+                back = k - 1
+                while back >= 0 and not moving[back] and way[back] == way[k]:
+                    rest[back] = latest
+                    back -= 1
+            still = 0.0
+            path += abs(q[k] - q[k - 1])
+            rest[k], slid[k] = latest, path
+        else:
+            still += step_s
+    return rest, slid
+
+
+STICTION = Stiction(
+    name="stiction",
+    label="higher torque at breakaway",
+    axis="displacement",
+    coefficients=(Parameter("breakaway_excess_nm", "N m", "break-away minus sliding friction", lower=0.0),),
+    nonlinear=(
+        Parameter("ageing_s", "s", "time constant at rest", lower=1e-4, upper=1e3),
+        Parameter("renewal_rad", "rad", "path of the decay", lower=1e-7, upper=1.0),
+    ),
+    record="start slowly at least 15 times after rests from 0.1 to 10 s",
+    separate={
+        "presliding": "start after rests from 0.1 to 10 s and reverse without any: only stiction needs the rest",
+        "contact_event": "start 15 times after a rest: stiction comes at every start, a contact does not",
+        "backlash": "start again in the same direction after a rest: without a reversal no gap opens",
+    },
+)

@@ -2,11 +2,12 @@
 
 A joint model says F_m + u = sum of its terms: interaction torque and compensator torque pay for inertia, friction and
 all other effects. Each is linear in its coefficients once its nonlinear parameters are known, so that a fit searches
-over the nonlinear parameters only. An effect is one module: a subclass of ``Effect`` with its formula, and one
-instance ``EFFECT`` with its names, units, bounds and words; everything else in the program is derived from it.
+over the nonlinear parameters only. An effect is defined in one place: a subclass of ``Effect`` with its formula, and
+one instance with its names, units, bounds and words; everything else in the program is derived from it. Effects whose
+formulas are alike share a module.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Flag, auto
 from math import inf
@@ -15,9 +16,9 @@ from typing import ClassVar
 import numpy as np
 
 from friction_audit.dynamics.motion import Forward, Motion
-from friction_audit.effects.excitation import moves
-from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.joint_data import JointData, Nominal, moves
 from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.registry import FAMILIES
 from friction_audit.joint_log import Float
 
 # Values of nonlinear parameters by name: a point of the grid.
@@ -43,12 +44,12 @@ class Effect:
     Attributes:
         name: From the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``.
         label: A few words for people.
-        family: ``velocity``, ``load and place``, ``sensors``, ``structure``, ``slow and events`` or ``nominal``.
         axis: Quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour.
         coefficients: Parameters in which the torque is linear, one per column; bounds above zero are sign constraints.
             Empty for an effect that no joint model can hold.
         nonlinear: The other parameters.
         traits: What holds for the torque.
+        needs: Which motion a log must hold; what is returned names the one that it lacks.
         forward: How it takes part in a forward simulation:
 
             - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other
@@ -69,11 +70,11 @@ class Effect:
 
     name: str
     label: str
-    family: str
     axis: str
     coefficients: tuple[Parameter, ...] = ()
     nonlinear: tuple[Parameter, ...] = ()
     traits: Trait = Trait.NONE
+    needs: Callable[[JointData, Nominal], str | None] = moves
     forward: Forward = "instant"
     record: str = ""
     separate: Mapping[str, str] = field(default_factory=dict)
@@ -103,7 +104,7 @@ class Effect:
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """Return why a log cannot show the effect, i.e. which motion is lacking; None if it can."""
-        return moves(data, nominal)
+        return self.needs(data, nominal)
 
     def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Return the part of the grid that a log shows although ``not_identifiable`` says what it cannot."""
@@ -152,6 +153,11 @@ class Effect:
         return None
 
     # Derived.
+
+    @property
+    def family(self) -> str:
+        """``velocity``, ``load and place``, ``sensors``, ``structure``, ``slow and events``; else ``nominal``."""
+        return next((family for family, members in FAMILIES.items() if self.name in members), "nominal")
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:

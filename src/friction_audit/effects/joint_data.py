@@ -1,4 +1,4 @@
-"""What one joint did and what drove it, on an even grid, and what the grids of effects are measured in."""
+"""What one joint did and what drove it, on an even grid; measures for grids of effects; what a log lacks."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 from friction_audit.dynamics.motion import Motion, Others, RigidBody
 from friction_audit.joint_log import Float
 
-Index = NDArray[np.int64]
-
 CORNER_HZ = 25.0  # highest corner of the low-pass before a regression
 SIGMA_PER_MEDIAN = 1.4826
 # Of noise that is white up to the corner, a fifth of the grid's rate, per RMS of its second and fourth difference.
 SIGMA_PER_BEND = {2: 1.0 / 0.643, 4: 1.0 / 0.670}
+
+FEWEST_SAMPLES = 100
+FEWEST_REVERSALS = 8
+# A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen.
+CHANGE_PER_COULOMB = 0.5
 
 
 def mean_sign(t: Float, dq: Float, ddq: Float) -> Float:
@@ -179,47 +182,108 @@ class Nominal:
     declared: frozenset[str] = frozenset()
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Strokes:
-    """Strokes on a grid of n samples.
+def displacement(data: JointData) -> Float:
+    """Return the position less that at the last reversal, 0 before the first motion, shape (n,). [rad]
 
-    Attributes:
-        direction: -1, 1, or 0 before the first motion, shape (n,).
-        displacement: Position less that at the last reversal, 0 before the first motion, shape (n,). [rad]
-        elapsed: Time since the last reversal, or since the first sample, shape (n,). [s]
-        reversals: Samples at which the direction turns, the first motion not among them, shape (r,).
+    A direction holds until the opposite one is certain (hysteresis); a stroke begins at the first sample from which the
+    velocity has its sign up to there.
     """
-
-    direction: Float
-    displacement: Float
-    elapsed: Float
-    reversals: Index
-
-
-def strokes(data: JointData) -> Strokes:
-    """Cut the motion at its reversals; a direction holds until the opposite one is certain (hysteresis)."""
-    direction = _held_direction(data.dq, data.dead_speed_rad_s)
-    turns = np.flatnonzero(np.diff(direction) != 0) + 1
-    starts = _first_with_new_sign(data.dq, turns, direction[turns])
-    for start, turn in zip(starts, turns, strict=True):
-        direction[start:turn] = direction[turn]
-    since = np.zeros(len(data.t), dtype=np.int64)
-    since[starts] = starts
-    since = np.maximum.accumulate(since)
-    displacement = np.where(direction == 0, 0.0, data.q - data.q[since])
-    later = starts[1:] if len(turns) and turns[0] > 0 else starts
-    return Strokes(direction=direction, displacement=displacement, elapsed=data.t - data.t[since], reversals=later)
-
-
-def _held_direction(dq: Float, dead_speed: float) -> Float:
-    """Sign of the velocity, held through what is too slow to have one, shape (n,)."""
-    sign = np.where(np.abs(dq) > dead_speed, np.sign(dq), 0.0)
-    last = np.maximum.accumulate(np.where(sign != 0, np.arange(len(dq)), -1))
-    return np.where(last >= 0, sign[np.maximum(last, 0)], 0.0)
-
-
-def _first_with_new_sign(dq: Float, turns: Index, direction: Float) -> Index:
-    """First sample from which the velocity has the new sign up to each turn, 0 if it always had."""
-    samples = np.arange(len(dq))
+    dq, samples = data.dq, np.arange(len(data.dq))
+    sign = np.where(np.abs(dq) > data.dead_speed_rad_s, np.sign(dq), 0.0)
+    last = np.maximum.accumulate(np.where(sign != 0, samples, -1))
+    direction = np.where(last >= 0, sign[np.maximum(last, 0)], 0.0)
+    turns = np.flatnonzero(np.diff(direction)) + 1
     not_up, not_down = (np.maximum.accumulate(np.where(side * dq <= 0.0, samples, -1)) for side in (1.0, -1.0))
-    return np.asarray(np.where(direction > 0.0, not_up[turns - 1], not_down[turns - 1]) + 1, np.int64)
+    starts = np.where(direction[turns] > 0.0, not_up[turns - 1], not_down[turns - 1]) + 1
+    since, still = np.zeros(len(dq), dtype=np.int64), direction == 0
+    since[starts] = starts
+    if len(starts):
+        still[starts[0] :] = False
+    return np.where(still, 0.0, data.q - data.q[np.maximum.accumulate(since)])
+
+
+# What a log must hold for an effect to be identifiable: None, or one sentence that names the motion it lacks.
+
+
+def moves(data: JointData, _nominal: Nominal) -> str | None:
+    """Some motion at all."""
+    if int(data.used.sum()) < FEWEST_SAMPLES:
+        return "hardly any motion: move back and forth for several cycles"
+    return None
+
+
+def both_directions(data: JointData, nominal: Nominal) -> str | None:
+    """At least a tenth of the moving time in either direction."""
+    share = float(np.mean(data.dq[data.used] > 0)) if data.used.any() else 0.0
+    if not 0.1 <= share <= 0.9:  # noqa: PLR2004 - a tenth either way
+        return moves(data, nominal) or "motion in one direction only: move over the same range both ways"
+    return moves(data, nominal)
+
+
+def speed_range(data: JointData, nominal: Nominal, ratio: float) -> str | None:
+    """95th over 5th percentile of speed at least the ratio."""
+    lacking = moves(data, nominal)
+    if lacking:
+        return lacking
+    slow, fast = np.percentile(np.abs(data.dq[data.used]), [5, 95])
+    if fast < ratio * slow:
+        return f"the speed varies by a factor of {fast / slow:.1f}: vary it by at least {ratio:g}, slow to fast"
+    return None
+
+
+def several_speeds(data: JointData, nominal: Nominal) -> str | None:
+    """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate delay and inertia from others."""
+    lacking = moves(data, nominal)
+    if lacking:
+        return lacking
+    cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
+    peak = np.zeros(int(cycle.max()) + 1)
+    np.maximum.at(peak, cycle, speed)
+    peak = peak[np.unique(cycle)]
+    if peak.std() < 0.1 * peak.mean():
+        return "all motions are equally fast: repeat them at two or more clearly different speeds"
+    return None
+
+
+def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
+    """Range of positions of the moving joint at least so many radians."""
+    lacking = moves(data, nominal)
+    if lacking:
+        return lacking
+    reach = float(np.ptp(data.q[data.used]))
+    if reach < least_rad:
+        return f"the joint spans {reach:.2f} rad: move it over at least {least_rad:g} rad"
+    return None
+
+
+def reversals(data: JointData, nominal: Nominal) -> str | None:
+    """Reversals among the training cycles and among the held-out ones; a direction holds until the other is certain."""
+    direction = np.sign(data.dq[np.abs(data.dq) > data.dead_speed_rad_s])
+    found = np.count_nonzero(np.diff(direction))
+    if found < FEWEST_REVERSALS:
+        turn = f"turn the direction of motion at least {FEWEST_REVERSALS} times"
+        return moves(data, nominal) or f"{found} reversals: {turn}"
+    return moves(data, nominal)
+
+
+def neighbours_move(data: JointData, _nominal: Nominal) -> str | None:
+    """Another joint that moves."""
+    other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
+    if other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s:
+        return "no other joint moves: move the neighbours, also while this joint rests"
+    return None
+
+
+def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:
+    """A neighbour whose sensor reads something that changes."""
+    joint, joints = data.own_column, data.others_torque.shape[1]
+    neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
+    if not neighbours:
+        return "the log has one joint: record its neighbours too"
+    lacking = moves(data, nominal)
+    if lacking:
+        return lacking
+    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
+    if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm):
+        return "the torque of the neighbours hardly changes: load them, also while this joint rests"
+    return None

@@ -13,6 +13,7 @@ stiffness times a time. Without that damping nothing depends on the rate.
 """
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 from math import exp
 
 import numpy as np
@@ -20,8 +21,7 @@ import numpy as np
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
-from friction_audit.effects.excitation import reversals
-from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.joint_data import JointData, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -54,13 +54,9 @@ class Presliding(BatchedEffect):
         """All reaches of all kinds."""
         span = float(np.ptp(data.q)) or 1.0
         return tuple(
-            {"reach_rad": float(share) * span, "yielding_exponent": exponent, "bristle_damping_s": damping}
-            for exponent, damping in KINDS
-            for share in SPAN_SHARES
+            {"reach_rad": share * span, "yielding_exponent": exponent, "bristle_damping_s": damping}
+            for (exponent, damping), share in product(KINDS, SPAN_SHARES.tolist())
         )
-
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        return reversals(data, nominal)
 
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
@@ -128,10 +124,9 @@ def _dahl(path: Float, exponent: float) -> Float:
     return z
 
 
-EFFECT = Presliding(
+PRESLIDING = Presliding(
     name="presliding",
     label="friction builds up after a reversal",
-    family="velocity",
     axis="displacement",
     coefficients=(Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),),
     nonlinear=(
@@ -141,6 +136,7 @@ EFFECT = Presliding(
     ),
     traits=Trait.ODD,
     forward="bristle",
+    needs=reversals,
     record="reverse at least 20 times, over short and long ways",
     separate={
         "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",

@@ -1,4 +1,4 @@
-"""All effects by name. Importing this module loads no numerics: the effects are imported when they are first used."""
+"""All effects by name. Importing this module loads no numerics: effects are imported when they are first used."""
 
 import difflib
 from collections.abc import Sequence
@@ -11,46 +11,60 @@ from friction_audit.errors import AnalysisError
 if TYPE_CHECKING:
     from friction_audit.effects.effect import Effect
 
-# Modules of this package that each define one EFFECT, in the order of the documentation, of help and of the search.
-NAMES = (
-    "stribeck",
-    "stiction",
-    "nonlinear_viscous",
-    "asymmetric_coulomb",
-    "asymmetric_viscous",
-    "presliding",
-    "frictional_lag",
-    "load_dependent_friction",
-    "position_dependent_friction",
-    "torque_ripple",
-    "gravity_error",
-    "cable_spring",
-    "joint_limit_stop",
-    "torque_bias",
-    "torque_drift",
-    "time_delay",
-    "torque_crosstalk",
-    "joint_elasticity",
-    "backlash",
-    "inertia_error",
-    "inertial_coupling",
-    "warm_up",
-    "friction_step",
-    "contact_event",
-    "unlogged_compensation",
-)
+# Family -> its effects -> the module of each, in the order of the documentation, of help and of the search. The module
+# defines the effect under its name in capital letters.
+FAMILIES = {
+    "velocity": {
+        "stribeck": "speed",
+        "stiction": "breakaway",
+        "nonlinear_viscous": "speed",
+        "asymmetric_coulomb": "one_column",
+        "asymmetric_viscous": "one_column",
+        "presliding": "presliding",
+        "frictional_lag": "delays",
+    },
+    "load and place": {
+        "load_dependent_friction": "load",
+        "position_dependent_friction": "position",
+        "torque_ripple": "position",
+        "gravity_error": "load",
+        "cable_spring": "position",
+        "joint_limit_stop": "position",
+    },
+    "sensors": {
+        "torque_bias": "one_column",
+        "torque_drift": "slow",
+        "time_delay": "delays",
+        "torque_crosstalk": "neighbours",
+    },
+    "structure": {
+        "joint_elasticity": "transmission",
+        "backlash": "transmission",
+        "inertia_error": "one_column",
+        "inertial_coupling": "neighbours",
+    },
+    "slow and events": {
+        "warm_up": "slow",
+        "friction_step": "slow",
+        "contact_event": "slow",
+        "unlogged_compensation": "speed",
+    },
+}
+MODULES = {name: module for members in FAMILIES.values() for name, module in members.items()}
+NAMES = tuple(MODULES)
 
 
 @cache
 def effects() -> tuple["Effect", ...]:
     """Return the effects that a diagnosis may name, in the order of ``NAMES``."""
-    return tuple(import_module(f"friction_audit.effects.{name}").EFFECT for name in NAMES)
+    found = ((import_module(f"friction_audit.effects.{module}"), name) for name, module in MODULES.items())
+    return tuple(getattr(module, name.upper()) for module, name in found)
 
 
 @cache
 def terms() -> tuple["Effect", ...]:
     """Return everything that may be a term of a joint model: the nominal terms, then the effects with a formula."""
-    nominal: tuple[Effect, ...] = import_module("friction_audit.effects.nominal").NOMINAL
+    nominal: tuple[Effect, ...] = import_module("friction_audit.effects.one_column").NOMINAL
     return nominal + tuple(effect for effect in effects() if effect.coefficients)
 
 

@@ -1,15 +1,29 @@
-"""What a spring and a gap between motor and link have in common: the far side, and the motion that they see."""
+"""A spring and a gap between motor and link: what they add to the torque, the motion of the measured side given.
+
+Both have a far side, which carries friction and most of the inertia, and are followed by the same integrator.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from math import sqrt
+from typing import ClassVar
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.transmission import FarSide
-from friction_audit.effects.effect import BatchedEffect, Nonlinear
-from friction_audit.effects.excitation import reversals
-from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
+from friction_audit.dynamics.transmission import (
+    HIGHEST_HZ,
+    MANY_SAMPLES,
+    FarSide,
+    Transmission,
+    added_torques,
+    far_side,
+    flank_stiffness,
+    part_of,
+    simple_torque,
+)
+from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise, mean_sign, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -17,6 +31,9 @@ from friction_audit.joint_log import Float
 # below 4 Hz; unless the measured side rings with the far one, its motion is better taken as smooth.
 MOTION_BELOW_HZ = 18.0
 FILTER_S = 0.2  # reach of the low-pass to either side
+LARGEST_SHARE = 1.6
+# Of the inertia, on the far side: a rotor may move with the measured side.
+FAR_SHARES = (0.8, 0.6)
 
 FAR_SHARE = Parameter(
     name="far_share",
@@ -34,6 +51,22 @@ class Link(BatchedEffect):
 
     transmits = True
     follows = True
+    # Coefficient over what it follows from: 1 but for the errors of a nominal model that was fitted without the link.
+    least_share: ClassVar[float]
+
+    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+        """Return the link of some values, to a far side that usually takes so much torque (RMS)."""
+        raise NotImplementedError
+
+    def unit(self, values: Sequence[float]) -> float:
+        """Return what the torque that the link adds is multiplied by, to be that of a coefficient of one."""
+        return 1.0
+
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield columns for many values; all have one far side."""
+        torque = simple_torque(motion)
+        usual = sqrt(torque @ torque / len(torque))
+        yield from self._follow(motion, [far_side(motion)] * len(many), [usual] * len(many), many)
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
         """Return what the link adds to the torque, along the motion as measured or below a frequency."""
@@ -41,22 +74,37 @@ class Link(BatchedEffect):
         return column
 
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
-        """Yield the same for many points."""
         yield from self.regressors_of(data, [nominal] * len(grid), grid)
+
+    def regressors_of(
+        self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
+    ) -> Iterator[tuple[int, Float]]:
+        names = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
+        # Negative inertia or friction of the nominal model counts as none.
+        numbers = np.maximum([[getattr(one, name) for name in names] for one in nominals], 0.0)
+        far = [FarSide(**dict(zip(names, own, strict=True))) for own in numbers.tolist()]
+        for motion, places in motions(data, grid):
+            every = max(len(motion.t) // MANY_SAMPLES, 1)
+            simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
+            usual = np.sqrt(np.mean((numbers[places] @ simple) ** 2, axis=1)).tolist()
+            values = [self.values(grid[place]) for place in places]
+            for k, column in self._follow(motion, [far[place] for place in places], usual, values):
+                yield places[k], column
+
+    def _follow(
+        self, motion: Motion, far: Sequence[FarSide], usual_nm: Sequence[float], many: Sequence[Sequence[float]]
+    ) -> Iterator[tuple[int, Float]]:
+        links = [self.link(*one) for one in zip(far, usual_nm, many, strict=True)]
+        for place, added in added_torques(motion, far, links):
+            yield place, np.multiply(added, self.unit(many[place]), out=added)[:, None]
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         """Return the motion that is lacking: jumps of friction show a link, and an inertia that rings."""
         inertia = "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
         return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
 
-
-def far_side_of(nominal: Nominal) -> FarSide:
-    """Return inertia and friction of the nominal model; negative friction counts as none."""
-    return FarSide(
-        inertia_kg_m2=max(nominal.inertia_kg_m2, 0.0),
-        coulomb_nm=max(nominal.coulomb_nm, 0.0),
-        viscous_nms_per_rad=max(nominal.viscous_nms_per_rad, 0.0),
-    )
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        return bool(self.least_share <= coefficients[0] / self.coefficient_of(at) <= LARGEST_SHARE)
 
 
 def motion_below(data: JointData, below_hz: float) -> Motion:
@@ -91,3 +139,192 @@ def motions(data: JointData, grid: Sequence[Mapping[str, float]]) -> Iterator[tu
         places.setdefault(at.get("motion_below_hz"), []).append(place)
     for below_hz, alike in places.items():
         yield data.motion() if below_hz is None else motion_below(data, below_hz), alike
+
+
+# Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996).
+DAMPING_RATIO = 0.05
+# Frequencies of the ringing; a tenth apart where it is visible, for a resonance is a tenth wide.
+RINGING_HZ = np.append(np.geomspace(2.0, 40.0, 30), np.geomspace(50.0, HIGHEST_HZ, 4))
+SOFTEST_NM_PER_RAD, STIFFEST_NM_PER_RAD = 10.0, 1e5
+USUAL_INERTIA_KG_M2 = 0.3  # of an arm's drive, where the torque shows none
+# Torque up to which a strain-wave gear stiffens, as a share of the usual torque; far above it, it is a linear spring.
+SOFT_SHARES = (1.0, 4.0)
+# Damped so much, the far side does not ring up on noise of the position.
+MUCH_DAMPED = 0.15
+
+
+class JointElasticity(Link):
+    """Joint elasticity: a spring between the measured side and the side of friction.
+
+    The regressor is built for one stiffness and given per compliance: what the spring adds to the torque grows with the
+    compliance as long as the joint rings faster than it is moved, and no longer does where it rings with the motion.
+    """
+
+    least_share = 0.5
+
+    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+        stiffness, soft, damping_ratio, share = values
+        return Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft, far_share=share)
+
+    def unit(self, values: Sequence[float]) -> float:
+        return values[0]
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Springs that ring below the corner of the regression, or twist by more than the noise of the position."""
+        stiffest = _stiffest_seen(data)
+        return tuple(at for at in all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
+
+    def coefficient_of(self, at: Nonlinear) -> float:
+        return 1.0 / at["spring_nm_per_rad"]
+
+
+def all_springs(data: JointData) -> tuple[Nonlinear, ...]:
+    """Linear springs, and of every second stiffness springs that are soft at first; the projection finds those between.
+
+    Springs that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those
+    that ring below the corner with more damping and with less inertia on the far side.
+    """
+    usual, every = float(np.sqrt(np.mean(data.torque**2))) or 1.0, _stiffnesses(data)
+    fast, slow = every[every > _ringing_at(data, MOTION_BELOW_HZ)], every[every < _ringing_at(data, CORNER_HZ)]
+    smooth = {"motion_below_hz": MOTION_BELOW_HZ}
+    soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
+    tries: tuple[tuple[Float, dict[str, float]], ...] = (
+        (every, {"damping_ratio": DAMPING_RATIO}),
+        *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
+        (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
+        *((fast[::2], one | smooth) for one in soft),
+        (slow[::2], {"damping_ratio": MUCH_DAMPED}),
+        *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
+    )
+    return tuple({"spring_nm_per_rad": float(stiffness), **other} for tried, other in tries for stiffness in tried)
+
+
+def _stiffest_seen(data: JointData) -> float:
+    """Stiffness above which a spring neither rings below the regression's corner nor twists visibly at a reversal.
+
+    Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position. [N m/rad]
+    """
+    noise = max(grid_noise(data.q, differences=4), np.finfo(float).tiny)
+    return max(float(_ringing_at(data, CORNER_HZ)), far_side(data.motion(data.torque)).coulomb_nm / noise)
+
+
+def _stiffnesses(data: JointData) -> Float:
+    """The stiffest, and falling those on which the far side rings at all frequencies. [N m/rad]"""
+    ringing = _ringing_at(data, RINGING_HZ)
+    between = ringing[(ringing > SOFTEST_NM_PER_RAD) & (ringing < STIFFEST_NM_PER_RAD)]
+    return np.append(STIFFEST_NM_PER_RAD, between[::-1])
+
+
+def _ringing_at(data: JointData, frequency_hz: Float | float) -> Float:
+    """Stiffness of a spring on which the inertia in the torque rings at a frequency. [N m/rad]"""
+    inertia = far_side(data.motion(data.torque)).inertia_kg_m2 or USUAL_INERTIA_KG_M2
+    return np.asarray(inertia * (2.0 * np.pi * np.asarray(frequency_hz)) ** 2)
+
+
+JOINT_ELASTICITY = JointElasticity(
+    name="joint_elasticity",
+    label="a spring between motor and link",
+    axis="acceleration",
+    coefficients=(Parameter("compliance_rad_per_nm", "rad/(N m)", "twist per torque", lower=0.0, upper=1.0),),
+    nonlinear=(
+        Parameter("spring_nm_per_rad", "N m/rad", "stiffness of the assumed resonance", lower=1.0, upper=1e6),
+        Parameter(
+            "soft_nm",
+            "N m",
+            "torque up to which the gear stiffens, from half the stiffness at zero",
+            lower=0.0,
+            upper=1e3,
+            optional=True,
+        ),
+        Parameter(
+            "damping_ratio",
+            "1",
+            "damping ratio of the ringing, the measured side held",
+            lower=0.0,
+            upper=2.0,
+            optional=True,
+            default=DAMPING_RATIO,
+        ),
+        FAR_SHARE,
+    ),
+    traits=Trait.NEEDS_NOMINAL,
+    forward="spring",
+    record="repeat the motions at two or more clearly different speeds",
+    separate={
+        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, a spring does",
+        "inertia_error": "repeat the motions slowly and fast: what a spring adds grows with frequency",
+    },
+)
+
+
+CONTACT_DAMPING_RATIO = 0.2  # of metal on lubricated metal: half of the speed is left after an impact
+SPAN_SHARES = np.geomspace(3e-5, 0.02, 24)  # widths of the gap as shares of the span of the motion
+# Flanks by frequency and damping. Noise of the position shifts impacts after a bounce: damped flanks suit those better.
+SOFT, MIDDLE, RINGING, HARD = (
+    {"contact_hz": hz, "flank_damping_ratio": damping}
+    for hz, damping in ((18.0, 0.7), (25.0, 0.7), (30.0, 0.25), (50.0, 0.25))
+)
+
+
+class Backlash(Link):
+    """Backlash: a gap between the measured side and the side of friction.
+
+    Where the torque changes sign the far side flies free, friction alone on it, until the measured side has crossed the
+    gap and strikes it on the other flank.
+    """
+
+    least_share = 0.4
+
+    def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
+        gap, contact_hz, damping_ratio, share = values
+        inertia = part_of(far, share).inertia_kg_m2
+        return Transmission(
+            stiffness_nm_per_rad=flank_stiffness(inertia, contact_hz, gap, usual_nm),
+            damping_ratio=damping_ratio,
+            gap_rad=gap,
+            far_share=share,
+        )
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """All widths on soft flanks, and on harder ones that a smooth motion strikes; some with less inertia.
+
+        The projection finds frequency and damping in between.
+        """
+        widths = (SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()
+        calm = {"motion_below_hz": MOTION_BELOW_HZ}
+        kinds: tuple[dict[str, float], ...] = (SOFT, RINGING, MIDDLE | calm, HARD | calm)
+        return (
+            *({"gap_rad": width, **kind} for kind in kinds for width in widths),
+            *({"gap_rad": width, **SOFT, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
+        )
+
+    def coefficient_of(self, at: Nonlinear) -> float:
+        return 1.0
+
+
+BACKLASH = Backlash(
+    name="backlash",
+    label="free play at a reversal",
+    axis="displacement",
+    coefficients=(
+        Parameter("backlash_share", "1", "share of inertia and friction on the link side", lower=0.0, upper=1.5),
+    ),
+    nonlinear=(
+        Parameter("gap_rad", "rad", "full width of the gap", lower=1e-7, upper=1.0),
+        Parameter("contact_hz", "Hz", "frequency in contact", lower=1.0, upper=1e3),
+        Parameter(
+            "flank_damping_ratio",
+            "1",
+            "damping ratio in contact",
+            lower=0.0,
+            upper=2.0,
+            optional=True,
+            default=CONTACT_DAMPING_RATIO,
+        ),
+        FAR_SHARE,
+    ),
+    traits=Trait.NEEDS_NOMINAL,
+    forward="gap",
+    record="reverse slowly at least 20 times with hardly any load",
+    separate={"contact_event": "reverse again at the same places: a gap opens at every reversal"},
+)

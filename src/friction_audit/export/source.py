@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.effects.joint_model import JointModel, simple_model
-from friction_audit.effects.model_file import load_model
+from friction_audit.effects.joint_model import JointModel, load_model, simple_model
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law, moving_speeds
-from friction_audit.io.documents import read_document
+from friction_audit.io.files import read_document
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 

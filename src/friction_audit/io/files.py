@@ -1,7 +1,8 @@
-"""Files: which one was read and whether it changed, outputs written whole or not at all, TOML in bounded time."""
+"""Files: which was read and whether it changed, outputs written whole, TOML in bounded time, documents read back."""
 
 import errno
 import hashlib
+import json
 import os
 import re
 import shutil
@@ -9,13 +10,13 @@ import sqlite3
 import stat
 import tempfile
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from friction_audit.errors import UsageError
+from friction_audit.errors import InputError, UsageError
 
 DATA_SET = "meta/info.json"  # what the folder of a LeRobot data set holds
 _NUMBERS_OF_A_DATA_SET = ("meta", "data")  # of its folders; the others hold gigabytes of video
@@ -25,6 +26,7 @@ _MADE_HERE = "ros_distro: rosbags"
 _DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
 _MOST_BYTES = 1_000_000  # of a file of options or of a joint model, which has a few kB
 _MOST_DOTS = 100  # in a line, outside strings; keys have two, and a list of numbers one for each
+_BIGGEST = 256 << 20  # bytes of a document; an hour with seven joints has 10 MB, a diagnosis 1 MB a joint
 _STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
 
 
@@ -216,3 +218,32 @@ def _as_usage_error(path: Path) -> Iterator[None]:
         full = isinstance(error, sqlite3.OperationalError) or error.errno in _DISK_FULL
         what = "make room there or choose" if full else "choose"
         raise UsageError(f"{path}: cannot be written: {why}; {what} another place") from error
+
+
+def read_document(path: Path, commands: Sequence[str], otherwise: str = "") -> Mapping[str, Any]:
+    """Return a document, a JSON object.
+
+    Args:
+        path: Its file.
+        commands: Commands of which it may be a result.
+        otherwise: What to do with another document.
+
+    Raises:
+        InputError: If it cannot be read or is of another command.
+    """
+    expected = " or ".join(f"{command}.json" for command in commands)
+    try:
+        size = path.stat().st_size
+        if size > _BIGGEST:
+            raise InputError(f"{path}: {size} bytes; expected a document of at most {_BIGGEST}")
+        document = json.loads(path.read_bytes())
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}; give an existing {expected}") from error
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is no JSON: {error}; expected {expected}; write it again") from error
+    schema = document.get("schema") if isinstance(document, dict) else None
+    if not isinstance(schema, str) or not schema.startswith(tuple(f"friction-audit/{one}/" for one in commands)):
+        wanted = " or ".join(f"`{command}`" for command in commands)
+        more = f"; {otherwise}" if otherwise else ""
+        raise InputError(f"{path}: schema is {schema!r}; expected a document of {wanted}{more}")
+    return dict(document)

@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, Profile, ResidualCheck
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES, motion_between, motion_to_decide, terms
-from friction_audit.effects.warm_up import UNFELT_PER_K
+from friction_audit.effects.slow import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.words import UNBOUNDED, enumerate_words, format_quantity, format_share

@@ -10,8 +10,17 @@ from pathlib import PurePath
 from statistics import median
 
 from friction_audit.drift.change_points import REACH
-from friction_audit.drift.fail_on import Judged, Limit, exceeded, untestable
-from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
+from friction_audit.drift.report import (
+    ArmDrift,
+    ChangePoint,
+    CoefficientDrift,
+    DriftReport,
+    JointDrift,
+    Judged,
+    Limit,
+    exceeded,
+    untestable,
+)
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import FEWEST_SESSIONS
 from friction_audit.friction.history import UNDETERMINED, Coefficient

@@ -1,10 +1,4 @@
-"""Torque that a joint takes because others accelerate.
-
-Where the arm's model is known, a share of its inertial torque M(q) ddq + c(q, dq), or what an unknown body on the last
-link adds to it (Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986). Where it is not, or for motors whose
-rotors turn with other joints (De Luca, Book, Robots with flexible elements, 2016), accelerations and squared speeds
-of the others, with constant coefficients.
-"""
+"""Effects of other joints: their torque in this joint's sensor, and what their acceleration takes."""
 
 from collections.abc import Sequence
 
@@ -12,10 +6,54 @@ import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion, Others
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.excitation import neighbours_move
-from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.joint_data import JointData, neighbours_loaded, neighbours_move
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+
+
+class TorqueCrosstalk(Effect):
+    """Crosstalk: a torque sensor also feels what the sensors before and after it feel."""
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return the readings of the joints before and after as columns, 0 where there is none or it is not meant."""
+        side = round(values[0])
+        columns = np.zeros((len(motion.t), 2))
+        if motion.others is None:
+            return columns
+        joint, sensed = motion.others.joint, motion.others.sensed
+        if side <= 0 and joint > 0:
+            columns[:, 0] = sensed[:, joint - 1]
+        if side >= 0 and joint + 1 < sensed.shape[1]:
+            columns[:, 1] = sensed[:, joint + 1]
+        return columns
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """The neighbours that there are."""
+        before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
+        sides = ((-1.0, before), (1.0, after), (0.0, before and after))
+        return tuple({"crosstalk_side": side} for side, there in sides if there)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """A sensor feels its own load best."""
+        return bool(np.all(np.abs(coefficients) < 1))
+
+
+TORQUE_CROSSTALK = TorqueCrosstalk(
+    name="torque_crosstalk",
+    label="torque of a neighbour leaks in",
+    axis="neighbour",
+    coefficients=(
+        Parameter("crosstalk_before", "1", "share of the previous joint's torque"),
+        Parameter("crosstalk_after", "1", "share of the next joint's torque"),
+    ),
+    nonlinear=(
+        Parameter("crosstalk_side", "1", "-1 previous joint, 1 next joint, 0 both", lower=-1, upper=1, whole=True),
+    ),
+    needs=neighbours_loaded,
+    record="push against a neighbour while the arm rests",
+    separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
+)
+
 
 BEFORE, AFTER, BOTH, ALL, MODEL, TIP = range(6)  # values of the source
 JOINTS = 7  # accelerations of more joints are not looked at
@@ -27,6 +65,14 @@ CYCLES_PER_COLUMN = 2  # a dozen coefficients from as many cycles overfit, with 
 
 
 class InertialCoupling(Effect):
+    """Torque that a joint takes because others accelerate.
+
+    Where the arm's model is known, a share of its inertial torque M(q) ddq + c(q, dq), or what an unknown body on the
+    last link adds to it (Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986). Where it is not, or for motors
+    whose rotors turn with other joints (De Luca, Book, Robots with flexible elements, 2016), accelerations and squared
+    speeds of the others, with constant coefficients.
+    """
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the columns of one source of the torque; those of the others are zero."""
         source = round(values[0])
@@ -66,9 +112,6 @@ class InertialCoupling(Effect):
         possible = abs(value["inertial_torque_share"]) <= LARGEST_SHARE and abs(value["tip_mass_kg"]) <= LARGEST_MASS_KG
         return bool(possible)
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        return neighbours_move(data, nominal)
-
 
 def _meant(source: int, others: Others) -> range | tuple[int, ...]:
     joint, joints = others.joint, min(others.ddq.shape[1], JOINTS)
@@ -76,10 +119,9 @@ def _meant(source: int, others: Others) -> range | tuple[int, ...]:
     return tuple(k for k in wanted.get(source, range(joints)) if 0 <= k < joints and k != joint)
 
 
-EFFECT = InertialCoupling(
+INERTIAL_COUPLING = InertialCoupling(
     name="inertial_coupling",
     label="acceleration of other joints",
-    family="structure",
     axis="neighbour",
     coefficients=(
         *(
@@ -106,5 +148,6 @@ EFFECT = InertialCoupling(
             whole=True,
         ),
     ),
+    needs=neighbours_move,
     record="move the neighbours one at a time, also while this joint rests",
 )

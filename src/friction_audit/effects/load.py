@@ -1,22 +1,99 @@
-"""Gravity error: the gravity torque that was subtracted is wrong, by the joint's angle, by links, or by a tilted base.
-
-In one joint alone a wrong mass, a wrong centre of mass and a tilted base are the same: an amplitude and a phase of its
-angle. In an arm they differ: a link that is heavier than its model pulls at each joint as the pose says (the columns of
-gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
-"""
+"""Effects of what the joint bears: friction that grows with the load, gravity that is wrong."""
 
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import lru_cache, partial
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
-from friction_audit.effects.excitation import span
-from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions, span
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+
+EXPONENTS = (1.0, 1.5, 2.0)
+WHOLE: Nonlinear = {}
+# The load is all that goes through the gear, or what the link weighs: both are in the literature.
+STATIC: Nonlinear = {"load_static": 1.0}
+LEAST_CHANGE = 0.1  # of a high load, what it must change by: a steady load's friction is Coulomb friction
+
+
+class LoadDependentFriction(Effect):
+    """Friction that grows with the torque that the gear transmits, perhaps more where the load drives the motor.
+
+    A. C. Bittencourt, S. Gunnarsson, Static friction in a robot joint, Journal of Dynamic Systems, Measurement, and
+    Control 134 (2012) 051013: proportional to |load|; M. Duclusaud et al., Extended friction models for the physics
+    simulation of servo actuators (2025): quadratic; A. Wang, S. Kim, Directional efficiency in geared transmissions,
+    ICRA 2015: the loss differs by the direction of the power, sgn(load dq), and sgn(dq) |load| sgn(load dq) is the
+    load.
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns.
+
+        The load is what the sensor is predicted to read: what the motion takes and what the link weighs; or the latter.
+        """
+        exponent, directed, static = values
+        load = np.zeros(len(motion.t)) if motion.load is None else motion.load
+        if motion.rest is not None and not round(static):
+            load = load + motion.rest
+        size = np.abs(load) ** exponent
+        return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        lacking = both_directions(data, nominal)
+        if lacking:
+            return lacking
+        if data.load is None:
+            return "the load is not known: log gravity or name the arm, and carry different loads over the same motion"
+        low, high = np.percentile(np.abs(data.load[data.used]), [5, 95])
+        if high - low < max(LEAST_CHANGE * high, abs(nominal.coulomb_nm)):
+            return f"the load varies from {low:.2g} to {high:.2g} N m only: change it threefold, by posture or payload"
+        return None
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """It resists motion, whichever way the power flows."""
+        return bool(coefficients[0] > 0 and abs(coefficients[1]) <= coefficients[0])
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        tried = product((0.0, 1.0), EXPONENTS, (WHOLE, STATIC))
+        return tuple({"load_exponent": p, "load_directed": d, **of} for d, p, of in tried)
+
+
+LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
+    name="load_dependent_friction",
+    label="friction grows with load",
+    axis="load",
+    coefficients=(
+        Parameter("load_friction_nm", "N m", "friction at a load of 1 N m, mean of both directions", lower=0.0),
+        Parameter("load_friction_by_power_nm", "N m", "half of the difference, against minus with the load"),
+    ),
+    nonlinear=(
+        Parameter("load_exponent", "1", "exponent of the load", lower=0.5, upper=3.0),
+        Parameter(
+            "load_directed", "1", "1 if friction depends on the direction of power", lower=0.0, upper=1.0, whole=True
+        ),
+        Parameter(
+            "load_static",
+            "1",
+            "1 if the load is the weight alone, without inertial torque",
+            lower=0.0,
+            upper=1.0,
+            whole=True,
+            optional=True,
+        ),
+    ),
+    traits=Trait.NEEDS_NOMINAL | Trait.ODD,
+    record="pass the same places with loads that differ by a factor of 3",
+    separate={
+        "position_dependent_friction": "pass the same places with another payload or posture",
+        "asymmetric_coulomb": "let the motor and a hand drive the joint, each in both directions",
+        "torque_crosstalk": "move one joint at a time, in both directions",
+    },
+)
+
 
 OWN_ANGLE, TILT, SEVERAL = 0, -1, -2  # values of the source; from 1 on, the number of a link
 OF_ANGLE, OF_LINK, OF_TILT = slice(0, 2), slice(2, 6), slice(6, 8)  # columns of the sources
@@ -34,6 +111,13 @@ MOST_KG = 10.0  # and kg m: what columns that nearly cancel may make of a link i
 
 
 class GravityError(Effect):
+    """The gravity torque that was subtracted is wrong, by the joint's angle, by links, or by a tilted base.
+
+    In one joint alone a wrong mass, a wrong centre of mass and a tilted base are the same: an amplitude and a phase of
+    its angle. In an arm they differ: a link that is heavier than its model pulls at each joint as the pose says (the
+    columns of gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
+    """
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the columns of one source of the error; those of the others are zero."""
         source = round(values[0])
@@ -68,9 +152,6 @@ class GravityError(Effect):
         tilt = () if rigid is None else (TILT,)
         return tuple({SOURCE: float(source)} for source in (OWN_ANGLE, *links, *several, *tilt))
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        return span(data, nominal, 0.3)
-
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """Either sign is possible; of several links not what no arm carries."""
         return round(at[SOURCE]) != SEVERAL or bool(np.all(np.abs(coefficients) <= MOST_KG))
@@ -88,7 +169,7 @@ def independent(data: JointData) -> NDArray[np.bool_]:
     found = np.zeros(len(PLACES), bool)
     if data.rigid is None or not data.used.any():
         return found
-    pulls = EFFECT.columns(data.motion(), (SEVERAL,))[data.used][:, PLACES]
+    pulls = GRAVITY_ERROR.columns(data.motion(), (SEVERAL,))[data.used][:, PLACES]
     factor, order = qr(pulls / np.sqrt(len(pulls)), mode="r", pivoting=True)
     adds = np.abs(np.diag(factor))
     found[order[: len(adds)]] = adds > max(LEAST_GAIN * adds[0], ROUNDING)
@@ -109,10 +190,9 @@ def _of_another(link: str) -> Iterator[Parameter]:
     )
 
 
-EFFECT = GravityError(
+GRAVITY_ERROR = GravityError(
     name="gravity_error",
     label="gravity not fully compensated",
-    family="load and place",
     axis="position",
     coefficients=(
         Parameter("gravity_cos_nm", "N m", "cosine amplitude"),
@@ -136,6 +216,7 @@ EFFECT = GravityError(
         ),
     ),
     traits=Trait.EVEN,
+    needs=partial(span, least_rad=0.3),
     record="move through at least 1.5 rad, with rests at several places",
     separate={
         "torque_bias": "move through at least 1.5 rad, with rests at several places",

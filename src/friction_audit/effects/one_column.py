@@ -1,0 +1,150 @@
+"""Effects whose torque is a coefficient times one quantity of the motion; the nominal terms of a joint model are four.
+
+Friction that differs between the directions acts, by half of its difference, the same way in both: in motion Coulomb
+friction that differs is a constant torque, which a sensor without a zero reads at rest too.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import Effect, Trait
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions, moves
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OneColumn(Effect):
+    """An effect that is a coefficient times ``of`` the motion, shape (n,); ``cpp`` is that in C++, where there is."""
+
+    of: Callable[[Motion], Float]
+    cpp: str = ""
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        return self.of(motion)[:, None]
+
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        return f"{values[0]!r} * {self.cpp}" if self.cpp else super().in_cpp(values, table)
+
+
+class AsymmetricCoulomb(OneColumn):
+    indistinguishable = ("torque_bias",)
+    part_of = ("torque_drift",)
+
+
+class TorqueBias(OneColumn):
+    indistinguishable = ("asymmetric_coulomb",)
+    part_of = ("torque_drift",)
+
+
+def stated_inertia(data: JointData, nominal: Nominal) -> str | None:
+    """The number or the motion that is lacking.
+
+    At one frequency the acceleration runs as the position does: then gravity is its alternative, and it gravity's.
+    """
+    if "inertia_kg_m2" in nominal.declared:
+        return moves(data, nominal)
+    return (
+        "the inertia was fitted to this log, so it cannot be wrong: state it (--joint-model with inertia_kg_m2), and "
+        "move at two or more frequencies"
+    )
+
+
+NOMINAL = (
+    OneColumn(
+        name="inertia",
+        label="inertia",
+        axis="acceleration",
+        coefficients=(Parameter("inertia_kg_m2", "kg m^2", "reflected inertia", lower=0.0),),
+        of=lambda motion: motion.ddq,
+    ),
+    OneColumn(
+        name="coulomb",
+        label="Coulomb friction",
+        axis="speed",
+        coefficients=(Parameter("coulomb_nm", "N m", "friction at any speed", lower=0.0),),
+        traits=Trait.FRICTION | Trait.SPEED_ONLY,
+        of=lambda motion: motion.direction,  # 0 at rest, where friction is what holds the joint
+        cpp="way",
+    ),
+    OneColumn(
+        name="viscous",
+        label="viscous friction",
+        axis="speed",
+        coefficients=(Parameter("viscous_nms_per_rad", "N m s/rad", "friction per velocity", lower=0.0),),
+        traits=Trait.FRICTION | Trait.SPEED_ONLY,
+        of=lambda motion: motion.dq,
+        cpp="dq",
+    ),
+    OneColumn(
+        name="offset",
+        label="constant torque",
+        axis="time",
+        coefficients=(Parameter("offset_nm", "N m", "torque offset"),),
+        traits=Trait.SPEED_ONLY,
+        of=lambda motion: np.ones(len(motion.t)),
+    ),
+)
+
+ASYMMETRIC_COULOMB = AsymmetricCoulomb(
+    name="asymmetric_coulomb",
+    label="friction differs by direction",
+    axis="speed",
+    coefficients=(Parameter("coulomb_half_difference_nm", "N m", "half of the difference, forward minus backward"),),
+    traits=Trait.SPEED_ONLY | Trait.EXACT,
+    needs=both_directions,
+    record="pass the same places in both directions, with rests",
+    separate={
+        "torque_bias": "let the joint rest unloaded for 2 s: a bias is read at rest too, friction is not",
+        "gravity_error": "move through at least 1.5 rad both ways, with rests at several places",
+        "asymmetric_viscous": "pass the same places slowly and fast in both directions",
+        "torque_drift": "let the joint rest unloaded for 2 s early and late: a drift is read at rest too, "
+        "friction is not",
+    },
+    of=lambda motion: np.abs(np.sign(motion.dq)),
+)
+
+ASYMMETRIC_VISCOUS = OneColumn(
+    name="asymmetric_viscous",
+    label="viscous friction differs by direction",
+    axis="speed",
+    coefficients=(
+        Parameter("viscous_half_difference_nms_per_rad", "N m s/rad", "half of the difference, forward minus backward"),
+    ),
+    traits=Trait.SPEED_ONLY,
+    needs=both_directions,
+    record="pass the same places slowly and fast in both directions",
+    separate={
+        "torque_bias": "pass the same places slowly and fast in both directions",
+        "gravity_error": "pass every place slowly and fast in both directions",
+    },
+    of=lambda motion: np.abs(motion.dq),
+)
+
+TORQUE_BIAS = TorqueBias(
+    name="torque_bias",
+    label="offset of the torque sensor",
+    axis="time",
+    coefficients=(Parameter("torque_bias_nm", "N m", "interaction torque as read without a load"),),
+    traits=Trait.SPEED_ONLY | Trait.EXACT | Trait.EVEN,
+    needs=both_directions,
+    record="let the joint rest unloaded for 2 s",
+    separate={
+        "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"
+    },
+    of=lambda motion: np.ones(len(motion.t)),  # at rest too
+)
+
+INERTIA_ERROR = OneColumn(
+    name="inertia_error",
+    label="the stated inertia is wrong",
+    axis="acceleration",
+    coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true minus stated inertia"),),
+    needs=stated_inertia,
+    record="repeat the motions at two or more clearly different speeds",
+    separate={"inertial_coupling": "move one joint at a time"},
+    of=lambda motion: motion.ddq,
+)

@@ -1,0 +1,296 @@
+"""Effects of the position: waves and patches of friction, ripple of the torque, a cable, stops."""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import BatchedEffect, Effect, Nonlinear, Trait
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float, read_only
+
+WAVES = 10
+PATCHES = (8, 16)  # half widths of patches, as how many of them the range takes
+ORDER, CENTRE, WIDTH = "position_friction_order", "position_friction_centre_rad", "position_friction_width_rad"
+EVERYWHERE = 1e6  # width of a bell that does not matter
+
+
+class PositionDependentFriction(Effect):
+    """Coulomb friction that depends on the position: a wave over the whole range, or over a stretch of it.
+
+    B. Armstrong-Helouvry, Control of Machines with Friction, 1991, section 4.4: friction of geared joints repeats with
+    the position. A wave under a bell is a patch where the bell is narrower than the wave is long.
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns."""
+        order, centre, width = values
+        off = motion.q - centre
+        bell = motion.direction * np.exp(-0.5 * (off / width) ** 2)
+        return np.stack([bell * np.cos(order * off), bell * np.sin(order * off)]).T
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Waves from half a period over the range on, half a period apart; patches a width and a half apart.
+
+        A patch is a bell, three numbers for a log of few cycles (measured TX40, joint 4), or a wave under a bell.
+        """
+        low, high = reach(data)
+        length = max(high - low, 1e-3)
+        waves = [{ORDER: float(np.pi / length * k)} for k in range(1, WAVES + 1)]
+        bells = [
+            {CENTRE: float(low + (k + 0.5) * 1.5 * length / parts), WIDTH: float(length / parts)}
+            for parts in PATCHES
+            for k in range(int(parts / 1.5))
+        ]
+        return (*waves, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells))
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        return both_directions(data, nominal) or span(data, nominal, 0.5)
+
+
+POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
+    name="position_dependent_friction",
+    label="friction changes with position",
+    axis="position",
+    coefficients=(
+        Parameter("position_friction_cos_nm", "N m", "cosine amplitude"),
+        Parameter("position_friction_sin_nm", "N m", "sine amplitude"),
+    ),
+    nonlinear=(
+        Parameter(ORDER, "1", "waves per revolution", lower=0.0, upper=1e4, optional=True),
+        Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
+        Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
+    ),
+    traits=Trait.FRICTION | Trait.ODD,
+    record="pass every place four times in each direction",
+    separate={
+        "torque_ripple": "pass every place four times in each direction",
+        "gravity_error": "pass every place four times in each direction",
+    },
+)
+
+
+SAME_STEP = 1e-12  # differences of the spacing of orders that are rounding, as a share of the largest
+# Distance of orders times the standard deviation of the position: a phase is off by half of it, rms, at most.
+FINEST, COARSEST = 1.0, 1.4
+# As many as the time of a search allows; where they do not reach, they lie as far apart as they may. The others are
+# scanned (``ripple_scan``).
+MOST_ORDERS = 120
+
+
+class TorqueRipple(BatchedEffect):
+    """Torque ripple: a torque that repeats with the position in both directions: cogging, or a gear's teeth.
+
+    T. D. Tuttle, W. P. Seering, A nonlinear model of a harmonic drive gear transmission, IEEE Transactions on Robotics
+    and Automation 12 (1996) 368: periodic at the turns of the wave generator and twice that.
+
+    Every order tried is a trial: R. B. Davies, Hypothesis testing when a nuisance parameter is present only under the
+    alternative, Biometrika 74 (1987) 33.
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return cos(k q) and sin(k q) as columns."""
+        angle = values[0] * motion.q
+        return np.stack([np.cos(angle), np.sin(angle)]).T
+
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield cos(k q) and sin(k q): those of evenly spaced orders by turning the phase by the same angle.
+
+        That takes four products where cosine and sine take many; a turn is right to rounding, and so are a hundred.
+        """
+        orders = np.array([order for (order,) in many])
+        steps = np.diff(orders)
+        if len(steps) == 0 or np.ptp(steps) > SAME_STEP * np.abs(orders).max():
+            yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
+            return
+        cosine, sine = self.columns(motion, [float(np.mean(steps))]).T
+        wave = self.columns(motion, many[0]).T
+        for place in range(len(orders)):
+            yield place, wave.T
+            wave = np.stack([wave[0] * cosine - wave[1] * sine, wave[0] * sine + wave[1] * cosine])
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Orders of the range, as far as they reach."""
+        (first, last), spread = order_range(data), spread_of(data)
+        step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
+        orders = np.arange(first, last, step)[:MOST_ORDERS]
+        return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
+
+
+def order_range(data: JointData) -> tuple[float, float]:
+    """From two periods over the range up to where a slow motion leaves the band."""
+    low, high = reach(data)
+    (slow,) = speeds(data, 25.0)
+    first = 4.0 * np.pi / max(high - low, 1e-3)
+    return first, max(2.0 * np.pi * CORNER_HZ / float(slow), first)
+
+
+def spread_of(data: JointData) -> float:
+    """Standard deviation of the position while the joint moves; orders that differ by one over it are others. [rad]"""
+    return max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
+
+
+TORQUE_RIPPLE = TorqueRipple(
+    name="torque_ripple",
+    label="torque periodic in position",
+    axis="position",
+    coefficients=(
+        Parameter("ripple_cos_nm", "N m", "cosine amplitude"),
+        Parameter("ripple_sin_nm", "N m", "sine amplitude"),
+    ),
+    nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
+    needs=partial(span, least_rad=0.5),
+    record="pass slowly and steadily over five periods of the ripple",
+    separate={"joint_elasticity": "repeat slow, steady motions at two speeds: a ripple's frequency goes with speed"},
+)
+
+
+PARTS = 12  # of the range, between which it may begin to pull; the first and the last for a side on which it does not
+# Free stretches are so many parts long: their middles lie closer to each other than their lengths. From no free
+# stretch there is no way downhill to a short one, which therefore has to be on the grid.
+STEP = 2
+NONE = 1e-4  # half of a free stretch that is none to speak of, as a share of the range
+# A spring without a free stretch that does not harden: nothing but stiffness and preload, wherever its centre is.
+STRAIGHT: Nonlinear = {}
+
+
+class CableSpring(Effect):
+    """A cable or hose that pulls the joint back: a spring with a free stretch, linear and cubic, and its preload.
+
+    The free stretch makes it the slack of a cable; where it covers one end of the range, a tether that pulls at the
+    other. A linear spring about another centre is one about this centre with a preload.
+    """
+
+    indistinguishable = ("joint_limit_stop",)
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
+        centre, free = values
+        off = motion.q - centre
+        stretch = np.sign(off) * np.maximum(np.abs(off) - free, 0.0)
+        # Written out, for a power in general takes ten times as long.
+        return np.stack([stretch, stretch * stretch * stretch, np.ones(len(off))]).T
+
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """Those of the term; of the straight spring position and preload only."""
+        if at:
+            return super().regressor(data, nominal, at)
+        return np.column_stack([data.q, np.zeros(len(data.q)), np.ones(len(data.q))])
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """No free stretch, then all between edges but the one that leaves nothing, and the straight spring."""
+        low, high = reach(data)
+        # Whole numbers, for neighbours on a grid must not differ by rounding only.
+        pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
+        places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
+        bent = (
+            {"cable_centre_rad": low + 0.5 * twice / PARTS * (high - low), "cable_free_rad": free * (high - low)}
+            for twice, free in places
+        )
+        return (*bent, STRAIGHT)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """It pulls back from the beginning, and still when it is stretched by a radian."""
+        return bool(coefficients[0] > 0 and coefficients[0] + coefficients[1] > 0)
+
+
+CABLE_SPRING = CableSpring(
+    name="cable_spring",
+    label="a cable pulls the joint back",
+    axis="position",
+    coefficients=(
+        Parameter("cable_stiffness_nm_per_rad", "N m/rad", "stiffness", lower=0.0),
+        Parameter("cable_hardening_nm_per_rad3", "N m/rad^3", "cubic stiffness"),
+        Parameter("cable_preload_nm", "N m", "preload"),
+    ),
+    nonlinear=(
+        Parameter("cable_centre_rad", "rad", "neutral position"),
+        Parameter("cable_free_rad", "rad", "slack to either side", lower=0.0),
+    ),
+    traits=Trait.EVEN,
+    needs=partial(span, least_rad=0.8),
+    record="move through all of the range",
+    separate={
+        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
+        "torque_bias": "rest at both ends of the range: a bias is the same there",
+        "inertia_error": "move at two frequencies: on one sinusoid a spring and inertia are the same",
+    },
+)
+
+
+DEPTH_RAD = 0.1  # depth at which a stop's torque is quoted, so that its unit does not depend on the exponent
+# How deep the joint goes into a stop, as shares of the range; 0 where it does not reach it.
+DEPTHS = (0.0, 0.02, 0.05, 0.08, 0.12, 0.2)
+EXPONENTS = (1.0, 2.0)
+
+
+class JointLimitStop(Effect):
+    """Stops near the ends of the range: springs that only push back, with a damper while they are touched.
+
+    K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, Journal of Applied
+    Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
+    """
+
+    indistinguishable = ("cable_spring",)
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power.
+
+        Four columns.
+        """
+        upper, lower, exponent = values
+        columns = np.zeros((4, len(motion.q)))
+        _press(read_only(motion.q), read_only(motion.dq), float(upper), float(lower), float(exponent), columns)
+        return columns.T
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """One stop, or two equally deep, with the exponents."""
+        low, high = float(data.q.min()), float(data.q.max())
+        length = high - low
+        alone = [(depth, 0.0) for depth in DEPTHS[1:]] + [(0.0, depth) for depth in DEPTHS[1:]]
+        both = [(depth, depth) for depth in DEPTHS[1:]]
+        return tuple(
+            {"stop_upper_rad": high - up * length, "stop_lower_rad": low + down * length, "stop_exponent": exponent}
+            for up, down in (*alone, *both)
+            for exponent in EXPONENTS
+        )
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """Stops push back."""
+        return bool(coefficients[0] >= 0 and coefficients[1] >= 0 and coefficients[0] + coefficients[1] > 0)
+
+
+@compiled()
+def _press(q: Float, dq: Float, upper: float, lower: float, exponent: float, columns: Float) -> None:
+    """Fill columns (4, n) where a stop is touched; at most samples none is, and they stay zero."""
+    for i in range(len(q)):
+        above, below = max(q[i] - upper, 0.0), max(lower - q[i], 0.0)
+        if above > 0.0 or below > 0.0:
+            up = (above / DEPTH_RAD) ** exponent if above > 0.0 else 0.0
+            down = (below / DEPTH_RAD) ** exponent if below > 0.0 else 0.0
+            columns[0, i], columns[1, i], columns[2, i], columns[3, i] = up, -down, dq[i], dq[i] * (up + down)
+
+
+JOINT_LIMIT_STOP = JointLimitStop(
+    name="joint_limit_stop",
+    label="a stop near the end of the range",
+    axis="position",
+    coefficients=(
+        Parameter("stop_upper_nm", "N m", "torque 0.1 rad into the upper stop", lower=0.0),
+        Parameter("stop_lower_nm", "N m", "torque 0.1 rad into the lower stop", lower=0.0),
+        Parameter("stop_damping_nms_per_rad", "N m s/rad", "damping in contact"),
+        Parameter("stop_deep_damping_nms_per_rad", "N m s/rad", "damping 0.1 rad into a stop"),
+    ),
+    nonlinear=(
+        Parameter("stop_upper_rad", "rad", "position of the upper stop"),
+        Parameter("stop_lower_rad", "rad", "position of the lower stop"),
+        Parameter("stop_exponent", "1", "exponent of the depth", lower=0.5, upper=5.0),
+    ),
+    traits=Trait.EVEN,
+    needs=partial(span, least_rad=0.5),
+    record="move through all of the range",
+    separate={"contact_event": "go to the same place again: a stop is still there"},
+)

@@ -1,0 +1,240 @@
+"""Effects that come with the time of the recording: slowly, at one moment, or for stretches of it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions, duration
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+SHORTEST_S = 30.0  # sensors drift with their temperature, within minutes: what changes within seconds is the motion's
+
+WAVES = 4
+# A wave is slow that lasts longer than strokes do: else any misfit of the motion's own slow part passes for drift.
+CYCLES_PER_HALF_TURN = 2
+
+REFERENCE_DEGC = 25.0
+# Time constants as shares of the log's length; beyond, an exponential is a straight line.
+TIMES = (0.08, 0.2, 0.5, 1.5)
+FOREVER = 1e4
+UNFELT_PER_K = 1e-6
+DECAYS = (0.3, 1.5, 5.0)  # how far friction fades over the range of the temperature, as exponents
+LEAST_K = 0.5  # least range of a temperature
+
+FEWEST_CYCLES = 8
+MOMENTS = 32
+AT_ONCE = 1e-5  # length of a step, as a share of the log's: less than a sample
+RAMPS = 16  # neighbours overlap by half, for from a step there is no way downhill to a ramp that lies between two
+LENGTH = 0.12  # how long a ramp takes, as a share of the log's length; a ramp of the whole log would be a warm-up
+
+KNOTS = 5  # points of the curve through one contact, nothing at its ends
+
+
+class TorqueDrift(Effect):
+    """Drift of the torque sensor's zero during a recording, nothing at its start.
+
+    The waves are the principal components of a random walk (K. Karhunen, 1947; M. Loeve, Probability Theory, 1955): no
+    others catch more of one with as many numbers, and a ramp or a settling needs only the first of them.
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sin((i - 1/2) pi x) for i = 1..4 as columns, x the share of the recording that is over.
+
+        Those of waves that are faster than the slowest few, which the values counts, are zero.
+        """
+        length = motion.t[-1] - motion.t[0]
+        share = (motion.t - motion.t[0]) / (length if length > 0.0 else 1.0)
+        waves = np.sin(np.pi * share[:, None] * (np.arange(WAVES) + 0.5))
+        waves[:, round(values[0]) or WAVES :] = 0.0
+        return np.asarray(waves)
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        length, found = duration(data), len(np.unique(data.cycle[data.used]))
+        needed = CYCLES_PER_HALF_TURN * WAVES
+        if length < SHORTEST_S or found < needed:
+            return (
+                f"{found} cycles in {length:.0f} s: a drift is separated from slow motion over at least {needed} "
+                f"cycles and {SHORTEST_S:g} s"
+            )
+        return both_directions(data, nominal)
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        return tuple({"drift_waves": float(waves)} for waves in range(1, WAVES + 1))
+
+
+TORQUE_DRIFT = TorqueDrift(
+    name="torque_drift",
+    label="the torque drifts slowly",
+    axis="time",
+    coefficients=tuple(
+        Parameter(f"drift_{i}_nm", "N m", f"wave of {i - 0.5:g} half turns over the recording")
+        for i in range(1, WAVES + 1)
+    ),
+    nonlinear=(
+        # Files of earlier versions have all waves and do not say so.
+        Parameter(
+            "drift_waves",
+            "1",
+            "0 all waves, 1 the slowest wave alone, else number of the slowest waves",
+            lower=0.0,
+            upper=WAVES,
+            whole=True,
+            optional=True,
+        ),
+    ),
+    traits=Trait.EVEN,
+    record="let the joint rest unloaded for 2 s early and late",
+    separate={
+        "warm_up": "pass the same places in both directions early and late, with rests",
+        "friction_step": "pass the same places in both directions before and after the change, with rests",
+    },
+)
+
+
+class WarmUp(Effect):
+    """Friction that fades as the joint gets warm, with the time or with a logged temperature.
+
+    A body that is heated evenly approaches its temperature exponentially (Newton's law of cooling), and a lubricant's
+    viscosity falls exponentially with the temperature (O. Reynolds, Philosophical Transactions 177 (1886) 157).
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sgn(dq) and dq times exp(-t / T - k (temperature - 25 degC)) as columns, t from the start."""
+        time_constant, per_kelvin = values
+        fading = -(motion.t - motion.t[0]) / time_constant
+        if motion.temperature is not None:
+            fading = fading - per_kelvin * (motion.temperature - REFERENCE_DEGC)
+        cold = np.exp(fading)
+        return np.stack([motion.direction * cold, motion.dq * cold]).T
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Time constants by the length of the log; rates by the range of the temperature, where there is one."""
+        length = duration(data)
+        tried: list[Nonlinear] = [{"warm_up_time_s": share * length, "warm_up_per_k": UNFELT_PER_K} for share in TIMES]
+        rise = 0.0 if data.temperature is None else float(np.ptp(data.temperature))
+        if rise >= LEAST_K:
+            tried += [{"warm_up_time_s": FOREVER * length, "warm_up_per_k": decay / rise} for decay in DECAYS]
+        return tuple(tried)
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        length = duration(data)
+        if length < SHORTEST_S:
+            return f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
+        return both_directions(data, nominal)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """A cold joint has more friction of one kind at least."""
+        return bool(np.any(coefficients > 0))
+
+
+WARM_UP = WarmUp(
+    name="warm_up",
+    label="friction falls as the joint warms",
+    axis="time",
+    coefficients=(
+        Parameter("cold_coulomb_nm", "N m", "extra Coulomb friction when cold"),
+        Parameter("cold_viscous_nms_per_rad", "N m s/rad", "extra viscous friction when cold"),
+    ),
+    nonlinear=(
+        Parameter("warm_up_time_s", "s", "time constant", lower=1e-2, upper=1e9),
+        Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
+    ),
+    traits=Trait.FRICTION | Trait.ODD,
+    record="record from a cold start, slow and fast motions early and late",
+    separate={
+        "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
+        "unlogged_compensation": "log the commanded torque, and repeat the same motions early and late",
+    },
+)
+
+
+class FrictionStep(Effect):
+    """Friction that changes once, at a moment of the recording, at once or within some seconds."""
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sgn(dq) and dq times a ramp from 0 to 1 about a moment, as columns; a step where its length is 0."""
+        moment, length = values
+        later = motion.t - moment
+        ramp = np.clip(0.5 + later / length, 0.0, 1.0) if length > 0.0 else (later >= 0.0).astype(np.float64)
+        return np.stack([motion.direction * ramp, motion.dq * ramp]).T
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Steps from a sixteenth of the log on, and ramps."""
+        length = duration(data)
+        steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
+        ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
+        return tuple(
+            {"step_time_s": float(data.t[0]) + share * length, "step_length_s": part * length}
+            for share, part in (*steps, *ramps)
+        )
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        found = len(np.unique(data.cycle[data.used]))
+        if found < FEWEST_CYCLES:
+            return f"{found} cycles: record at least {FEWEST_CYCLES}, 4 on either side of the change"
+        return both_directions(data, nominal)
+
+
+FRICTION_STEP = FrictionStep(
+    name="friction_step",
+    label="friction changes at one moment",
+    axis="time",
+    coefficients=(
+        Parameter("step_coulomb_nm", "N m", "change of Coulomb friction"),
+        Parameter("step_viscous_nms_per_rad", "N m s/rad", "change of viscous friction"),
+    ),
+    nonlinear=(
+        Parameter("step_time_s", "s", "time of the change"),
+        Parameter("step_length_s", "s", "duration of the change", lower=0.0),
+    ),
+    traits=Trait.FRICTION | Trait.ODD,
+    record="record at least 4 cycles before and after the change",
+    separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
+)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Contact:
+    """One stretch of time in which something touches the arm. [s]"""
+
+    start_s: float
+    stop_s: float
+
+
+class ContactEvent(Effect):
+    """Something touches the arm now and then, for stretches of time that no motion predicts.
+
+    Its grid is empty: a diagnosis finds the moments and adds them.
+    """
+
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """Hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
+        hats = [np.zeros((len(data.t), 1))] if not at else []
+        for contact in contacts_of(at):
+            knots = np.linspace(contact.start_s, contact.stop_s, KNOTS + 2)
+            hats += [
+                np.interp(data.t, knots, np.eye(KNOTS + 2)[i], left=0.0, right=0.0)[:, None]
+                for i in range(1, KNOTS + 1)
+            ]
+        return np.hstack(hats)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """Any torque, where there was a contact."""
+        return bool(at)
+
+
+def contacts_of(at: Nonlinear) -> tuple[Contact, ...]:
+    """Return the contacts of a point of the grid."""
+    return tuple(Contact(start_s=at[f"start_{k}_s"], stop_s=at[f"stop_{k}_s"]) for k in range(1, len(at) // 2 + 1))
+
+
+CONTACT_EVENT = ContactEvent(
+    name="contact_event",
+    label="short contact with the arm",
+    axis="time",
+    record="record again with no person and no object near the arm",
+)

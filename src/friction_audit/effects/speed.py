@@ -1,0 +1,241 @@
+"""Friction that follows from the speed alone: Stribeck's, one that is curved, one that a compensator takes away."""
+
+from collections.abc import Sequence
+from functools import partial
+from itertools import product
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+# Shares of the log's high speed between which friction may fade: beyond, no film has built up within the log.
+LOWEST, HIGHEST = 0.01, 0.4
+EXPONENTS = (0.5, 1.0, 2.0)
+
+CARREAU = 2.0  # degrees of freedom of Carreau's bend, whose sharpness is 0
+TABLE = 4097  # angles between which the bend is a straight line, to 1e-6 of it
+POWERS = (0.5, 1.5, 2.0, 3.0)  # exponents of plain powers: the bend lies below all speeds of the log
+NO_BEND = 1e-3
+BENDS = np.geomspace(0.001, 1.0, 9)  # shares of the log's high speed at which a friction may saturate
+SHARPNESSES = (-0.7, 0.0, 1.5)  # of saturation: as the arc tangent, a root and tanh
+
+SMOOTH, DEAD_BAND = 0.0, 1.0
+FORMS = ((-0.3, SMOOTH), (0.0, SMOOTH), (0.3, SMOOTH), (0.0, DEAD_BAND))  # skews with forms
+
+
+def low_speeds(data: JointData, effect: Effect, count: int) -> list[float]:
+    """Return speeds below which friction may fade, by those of the log and within the effect's first bounds."""
+    (fast,), first = speeds(data, 95.0), effect.nonlinear[0]
+    return np.clip(np.geomspace(LOWEST * fast, HIGHEST * fast, count), first.lower, first.upper).tolist()
+
+
+class Stribeck(Effect):
+    """More friction at low speed, which fades as the lubricant's film builds up.
+
+    Armstrong-Helouvry, Dupont, Canudas de Wit, Automatica 30(7), 1994, eq. (5): the excess falls as
+    exp(-|dq / v_s|^delta).
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sgn(dq) exp(-|dq / v_s|^delta) as a column."""
+        speed, exponent = values
+        fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
+        return np.asarray(motion.direction * fading)[:, None]
+
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        excess, speed, exponent = values
+        return f"{excess!r} * way * std::exp(-std::pow(pace / {speed!r}, {exponent!r}))"
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Stribeck velocities by the speeds of the log, each with the exponents."""
+        tried = product(low_speeds(data, self, 8), EXPONENTS)
+        return tuple({"stribeck_speed_rad_s": speed, "stribeck_exponent": exponent} for speed, exponent in tried)
+
+
+STRIBECK = Stribeck(
+    name="stribeck",
+    label="more friction at low speed",
+    axis="speed",
+    coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
+    nonlinear=(
+        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-6, upper=10.0),
+        Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
+    ),
+    traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
+    needs=partial(speed_range, ratio=8.0),
+    record="move steadily at speeds that differ by a factor of 8, very slow to fast",
+    separate={
+        "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",
+        "presliding": "reverse slowly and fast at the same places: presliding goes by the path, not the speed",
+        "stiction": "start slowly and go on slowly for some seconds: stiction is over once the joint moves",
+        "frictional_lag": "move slowly at constant speed: without acceleration there is no lag",
+        "unlogged_compensation": "log the commanded torque, or record again without compensation",
+        "torque_ripple": "pass slowly and steadily over five periods of the ripple in both directions",
+    },
+)
+
+
+class NonlinearViscous(Effect):
+    """Viscous friction that is no straight line: it thins, saturates or grows with the speed.
+
+    P. J. Carreau, Rheological equations from molecular network theories, Transactions of the Society of Rheology 16
+    (1972) 99: viscosity in proportion to (1 + (v / v_0)^2)^((n - 1) / 2). Well above v_0 the friction is |v|^n, well
+    below a line: n = 2 or 3 is drag, n between 0 and 1 a lubricant that thins, n = 0 a friction that saturates.
+
+    How sharply it bends is one number more. Carreau's v / sqrt(v_0^2 + v^2) is the distribution of Student's t with two
+    degrees of freedom, from -1 to 1. With one it is the arc tangent, with about eight tanh but for 0.0003 of it (G. S.
+    Mudholkar, E. O. George, A remark on the shape of the logistic distribution, Biometrika 65 (1978) 667), with many
+    the error function: all by which a sign is usually smoothed.
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return sgn(dq) S(|dq| / v_0) (v_0^2 + dq^2)^(n / 2) as a column, over its value at 1 rad/s.
+
+        S is the bend; with sharpness 0 that is dq (v_0^2 + dq^2)^((n - 1) / 2).
+        """
+        exponent, speed, sharpness = values
+        pace = np.append(np.abs(motion.dq), 1.0)
+        if sharpness == 0.0:
+            friction = pace * ((speed**2 + pace**2) / (speed**2 + 1.0)) ** ((exponent - 1.0) / 2.0)
+        else:
+            friction = bend(pace / speed, CARREAU * np.exp(sharpness))
+            friction = friction * ((speed**2 + pace**2) / (speed**2 + 1.0)) ** (exponent / 2.0)
+        return np.asarray(motion.direction * friction[:-1] / friction[-1])[:, None]
+
+    def in_cpp(self, values: Sequence[float], table: str) -> str:
+        torque, exponent, speed, sharpness = values
+        squares = f"({speed * speed!r} + pace * pace) / {speed * speed + 1.0!r}"
+        if sharpness == 0.0:
+            return f"{torque!r} * way * pace * std::pow({squares}, {(exponent - 1.0) / 2.0!r})"
+        steep, per_angle = float(np.exp(-0.5 * sharpness)) / speed, (TABLE - 1) / (np.pi / 2.0)
+        here, at_one = (f"between({table}, std::atan({x} * {steep!r}) * {per_angle!r})" for x in ("pace", "1.0"))
+        return f"{torque!r} * way * {here} / {at_one} * std::pow({squares}, {exponent / 2.0!r})"
+
+    def cpp_table(self, values: Sequence[float]) -> Float | None:
+        return bend_table(CARREAU * np.exp(values[-1])) if values[-1] else None
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Plain powers, and saturation at several speeds."""
+        (fast,) = speeds(data, 95.0).tolist()
+        powers = [{"curved_viscous_exponent": n, "curved_viscous_speed_rad_s": NO_BEND * fast} for n in POWERS]
+        saturating = (
+            {"curved_viscous_exponent": 0.0, "curved_viscous_speed_rad_s": speed, "curved_viscous_sharpness": sharpness}
+            for speed, sharpness in product((BENDS * fast).tolist(), SHARPNESSES)
+        )
+        return *powers, *saturating
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's."""
+        return bool(coefficients[0] > 0 or at["curved_viscous_exponent"] > 1.0)
+
+
+def bend(pace: Float, freedom: float) -> Float:
+    """Return the distribution of Student's t, from 0 at 0 to 1, at sqrt(2) times a pace >= 0.
+
+    From a table over the angle whose tangent is t / sqrt(freedom): the function itself takes a microsecond a sample.
+    """
+    # The table is even, so that the place follows from the angle without a search.
+    place = np.arctan(pace * np.sqrt(CARREAU / freedom))
+    place *= (TABLE - 1) / (np.pi / 2.0)
+    return np.asarray(_between(bend_table(freedom), place))
+
+
+def bend_table(freedom: float) -> Float:
+    """Return the bend at TABLE even angles from 0 to pi / 2, shape (TABLE,)."""
+    from scipy.special import betainc
+
+    return np.asarray(betainc(0.5, freedom / 2.0, np.sin(np.linspace(0.0, np.pi / 2.0, TABLE)) ** 2))
+
+
+@compiled()
+def _between(table: Float, place: Float) -> Float:
+    """Return what lies between the entries of a table, at places counted from its first one, shape (n,)."""
+    out = np.empty(len(place))
+    for i in range(len(place)):
+        k = max(min(int(place[i]), len(table) - 2), 0)  # a place that is no number is nowhere, and gives none
+        out[i] = table[k] + (place[i] - k) * (table[k + 1] - table[k])
+    return out
+
+
+NONLINEAR_VISCOUS = NonlinearViscous(
+    name="nonlinear_viscous",
+    label="friction curved in speed",
+    axis="speed",
+    coefficients=(Parameter("curved_viscous_nm", "N m", "curved friction at 1 rad/s"),),
+    nonlinear=(
+        Parameter("curved_viscous_exponent", "1", "exponent at high speed", lower=-1.0, upper=5.0),
+        Parameter("curved_viscous_speed_rad_s", "rad/s", "velocity of the bend", lower=1e-6, upper=1e3),
+        Parameter(
+            "curved_viscous_sharpness",
+            "1",
+            "sharpness of the bend: -0.7 as arctan, 0 as a root, 1.5 as tanh",
+            lower=-0.7,
+            upper=4.0,
+            optional=True,
+        ),
+    ),
+    traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
+    needs=partial(speed_range, ratio=5.0),
+    record="move at speeds that differ by a factor of 5 and more",
+    separate={
+        "time_delay": "repeat motions of equal speed with different accelerations",
+        "warm_up": "repeat the same slow and fast motions early and late",
+        "unlogged_compensation": "log the commanded torque, or record again without compensation",
+    },
+)
+
+
+class UnloggedCompensation(Effect):
+    """A friction compensator that is not in the log helps the motion, less at low speed.
+
+    Smooth compensators hold back below a speed w, as tanh(dq / w), others have a dead band; that of C. Gaz et al.,
+    Dynamic identification of the Franka Emika Panda robot, RA-L 4 (2019) 4147, is a sigmoid shifted through the origin.
+    """
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return what the joint then takes less, -tanh(dq / w + k) + tanh(k) or -sgn(dq) beyond a dead band."""
+        width, skew, form = values
+        speed = motion.dq / width
+        if round(form) == DEAD_BAND:
+            return -(np.sign(speed) * (np.abs(speed) > 1.0))[:, None]
+        return np.asarray(np.tanh(skew) - np.tanh(speed + skew))[:, None]
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Widths by the speeds of the log; smooth ones with some skew."""
+        return tuple(
+            {"unlogged_width_rad_s": width, "unlogged_skew": skew, "unlogged_form": form}
+            for width, (skew, form) in product(low_speeds(data, self, 6), FORMS)
+        )
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """The numbers or the motion that are lacking: only stated friction can be missing.
+
+        Where Coulomb friction is fitted, less of it is all that a compensator leaves in addition to a rise towards
+        rest, which is Stribeck's.
+        """
+        if "coulomb_nm" in nominal.declared:
+            return both_directions(data, nominal)
+        return (
+            "the friction was fitted to this log, and a compensator makes it less: state Coulomb friction "
+            '(--joint-model with held = ["coulomb"]), or log the commanded torque'
+        )
+
+
+UNLOGGED_COMPENSATION = UnloggedCompensation(
+    name="unlogged_compensation",
+    label="less friction than stated: an unlogged compensator",
+    axis="speed",
+    coefficients=(Parameter("unlogged_nm", "N m", "compensator torque at high speed", lower=0.0),),
+    nonlinear=(
+        Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=1e-4, upper=10.0),
+        Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
+        Parameter("unlogged_form", "1", "0 smooth, 1 dead band", lower=0.0, upper=1.0, whole=True),
+    ),
+    traits=Trait.SPEED_ONLY,
+    record="log the commanded torque",
+)
