@@ -18,7 +18,7 @@ Stored = sqlite3.Row | Mapping[str, Any]
 SESSION_COLUMNS = (
     "sha256", "settings", "topic", "path", "robot", "start_s", "start_from", "duration_s", "drive", "torque", "gravity",
     "inertia", "payload", "rate_hz", "temperature_c", "note", "kind", "told_robot", "told_by_serial", "told_start_s",
-    "damaged", "warnings",
+    "damaged", "warnings", "codes",
 )  # fmt: skip
 JOINT_COLUMNS = (
     "session", "joint", "name", "cycles", "moving_s", "speed_low_rad_s", "speed_median_rad_s", "speed_high_rad_s",
@@ -46,6 +46,7 @@ def session_row(recorded: Recorded, settings: str) -> Row:
         session.duration_s, conditions.drive, conditions.torque, conditions.gravity, conditions.inertia,
         conditions.payload, conditions.rate_hz, session.temperature_c, session.note, recorded.kind, session.robot,
         recorded.named_by_serial, session.start_s, session.damaged, _list_text(session.warnings),
+        _list_text(session.codes),
     )  # fmt: skip
 
 
@@ -89,6 +90,7 @@ def recorded_from(
         ),
         joints=tuple(_joint_from(joint, coefficients.get(joint["joint"], ())) for joint in joints),
         warnings=tuple(json.loads(row["warnings"])),
+        codes=tuple(json.loads(row["codes"])),
         damaged=bool(row["damaged"]),
     )
     return Recorded(session=session, topic=row["topic"], kind=row["kind"], named_by_serial=bool(row["told_by_serial"]))
@@ -142,7 +144,7 @@ def _curve_text(curve: SpeedCurve) -> str:
 
 
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
-SCHEMA_VERSION = 2  # in user_version; raised with every change below
+SCHEMA_VERSION = 3  # in user_version; raised with every change below
 TABLES = (
     "CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, text TEXT NOT NULL)",
@@ -155,7 +157,7 @@ TABLES = (
         drive TEXT NOT NULL, torque TEXT NOT NULL, gravity TEXT NOT NULL, inertia TEXT NOT NULL,
         payload TEXT NOT NULL, rate_hz REAL NOT NULL, temperature_c REAL, note TEXT NOT NULL,
         kind TEXT NOT NULL, told_robot TEXT NOT NULL, told_by_serial INTEGER NOT NULL, told_start_s REAL,
-        damaged INTEGER NOT NULL, warnings TEXT NOT NULL,
+        damaged INTEGER NOT NULL, warnings TEXT NOT NULL, codes TEXT NOT NULL DEFAULT '[]',
         digest TEXT NOT NULL DEFAULT '', UNIQUE (sha256, settings, topic))""",
     "CREATE INDEX IF NOT EXISTS sessions_by_settings ON sessions (settings)",
     """CREATE TABLE IF NOT EXISTS joints (

@@ -54,6 +54,7 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
             duration_s=float(source["duration_s"]),
             conditions=conditions,
             joints=tuple(_joint(one) for one in document["joints"]),
+            codes=tuple(str(one["code"]) for one in document.get("warnings", ())),
         )
         return Recording(
             session=session,

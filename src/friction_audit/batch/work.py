@@ -131,9 +131,10 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     from friction_audit.drift.summarise import conditions_of, summarise_joints
 
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
-    noticed = [(one.joint, one.message) for one in source.findings]
-    noticed += [(one.joint, one.message) for one in interaction.warnings]
-    warnings = [message if joint is None else f"joint {joint}: {message}" for joint, message in noticed]
+    noticed = (*source.findings, *interaction.warnings)
+    codes = (one.code for one in (*noticed, *estimate.friction.warnings))
+    unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
+    warnings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in noticed]
     return Session(
         path=source.path,
         sha256=source.sha256,
@@ -144,6 +145,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         conditions=conditions_of(log, interaction),
         joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
         warnings=tuple(dict.fromkeys(warnings)),
+        codes=tuple(dict.fromkeys((*unit, *codes))),
         damaged=any(finding.damaged for finding in source.findings),
     )
 

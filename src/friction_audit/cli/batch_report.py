@@ -22,11 +22,14 @@ from friction_audit.cli.options import (
     PNG,
     EstimateOptions,
     FigureFormats,
+    JUnit,
     LogOptions,
     MinEffect,
+    Strict,
     fail_on_option,
     folder_option,
 )
+from friction_audit.cli.outputs import check_junit, write_junit
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -47,7 +50,7 @@ EXAMPLES = """Examples:
 
 INTERRUPTED = 130  # exit code: stopped by the user
 # Parameters that change nothing in the numbers; the values of a --config file are written out.
-NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers")
+NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers", "strict", "junit")
 # Modules that writing the results takes, imported while others read logs.
 FOR_RESULTS = (
     "friction_audit.io.writers.tables",
@@ -127,13 +130,17 @@ def command(
         "friction-drift"
     ),
     formats: FigureFormats = PNG,
+    junit: JUnit = None,
+    strict: Strict = False,
 ) -> None:
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.remote import as_text
+    from friction_audit.reporting.junit import junit_text
 
     voice = shared.general.voice
     settings = _settings(sessions, friction, shared)
     drift_settings, limits = _drift_settings(drift)
+    check_junit(junit, limits, overwrite=shared.overwrite)
     found = _find(logs or [], sessions.manifest, folder)
     with _ledger(folder, running, voice) as (ledger, alone), _processes(running) as processes:
         if not (shared.overwrite or running.rebuild):
@@ -145,11 +152,16 @@ def command(
             again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
-            answer = write_results(summary, warnings, request, folder, formats, ledger, settings, processes, voice)
+                text = junit_text("batch-report", summary.report, limits) if limits else ""
+            answer = write_results(
+                summary, warnings, text, request, folder, formats, ledger, settings, processes, voice
+            )
     if not shared.general.json:
         voice.warn(answer.warnings)
     for text in answer.document_of(standing) if shared.general.json else (answer.text_of(standing),):
         say(text, nl=False)
+    write_junit(junit, answer.junit, overwrite=shared.overwrite)
+    chain.exit_if_strict(answer.codes, strict=strict)
     if answer.code:
         raise typer.Exit(answer.code)
 

@@ -72,9 +72,9 @@ class ComparisonOptions:
 def command(
     comparison: ComparisonOptions,
     change: opt.ChangeOptions,
+    drawing: opt.FigureOptions,
     general: opt.GeneralOptions,
     figures: Annotated[list[str], opt.figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    formats: opt.FigureFormats = opt.PNG,
     folder: opt.FigureFolder = Path("compared"),
     overwrite: opt.Overwrite = False,
 ) -> None:
@@ -86,7 +86,7 @@ def command(
     from friction_audit.reporting.figures.comparison import draw_comparison
 
     voice, names = general.voice, choices.some_figures(figures, FIGURES)
-    paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in names}
+    paths = {name: [folder / f"{name}.{suffix}" for suffix in drawing.formats] for name in names}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
     (scene,) = (one for one in SCENES if one.name == comparison.arm)
     settings: Any = changed(scene.settings, change, duration_s=comparison.duration)

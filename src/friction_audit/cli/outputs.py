@@ -96,6 +96,22 @@ class ResultFolder:
         return self.exported([table.name for table in tables])
 
 
+def check_junit(path: Path | None, limits: Sequence[object], *, overwrite: bool) -> None:
+    """Refuse a file of limits that could not be written, or for which there are none."""
+    if path is not None and not limits:
+        raise UsageError(f"--junit {path}: there is no limit to write; give one with --fail-on, e.g. coulomb=15%")
+    check_outputs([] if path is None else [path], overwrite=overwrite)
+
+
+def write_junit(path: Path | None, text: str, *, overwrite: bool) -> None:
+    """Write the limits, if they are to be written."""
+    from friction_audit.io.files import whole_file
+
+    if path is not None:
+        with whole_file(path, overwrite=overwrite) as draft:
+            draft.write_text(text, encoding="utf-8")
+
+
 def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voice, *, json: bool) -> None:
     """Print the document of files that were written, or its warnings and the files."""
     from friction_audit.reporting.documents import write_document

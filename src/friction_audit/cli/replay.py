@@ -30,19 +30,22 @@ def command(
     log: opt.LogPath,
     options: ReplayOptions,
     shared: opt.LogOptions,
+    drawn: opt.FigureOptions,
     folder: Annotated[
         Path | None, opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")
     ] = None,
     figures: Annotated[list[str], opt.figures_option(choices.REPLAY_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
-    formats: opt.FigureFormats = opt.PNG,
     export: opt.Exports = opt.NO_EXPORT,
+    strict: opt.Strict = False,
 ) -> None:
     """Replay a friction compensator with passivity controller."""
     voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
     audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)
     kinds, again = choices.some_figures(figures, choices.REPLAY_FIGURES), shared.overwrite
-    out = ResultFolder(folder=folder, name="replay", figures=kinds, formats=formats, exports=export, overwrite=again)
+    out = ResultFolder(
+        folder=folder, name="replay", figures=kinds, formats=drawn.formats, exports=export, overwrite=again
+    )
     out.check(log, (DOCUMENT, HISTORY), "replay")
     with voice.stages(3 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
@@ -69,7 +72,7 @@ def command(
         out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded, stages)
         out.write_exports(replay_tables(found), recorded, stages)
     show(text, lambda: replay_lines(found), json=json)
-    chain.exit_if_damaged(recorded)
+    chain.conclude(recorded, replay_notices(found), strict=strict)
 
 
 def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:

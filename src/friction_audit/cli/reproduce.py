@@ -9,7 +9,7 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
 from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import SIMULATION
-from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, Overwrite
+from friction_audit.cli.options import FigureFolder, FigureOptions, GeneralOptions, Overwrite
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Simulations
@@ -24,6 +24,7 @@ PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 
 
 def command(
+    drawing: FigureOptions,
     general: GeneralOptions,
     figures: Annotated[
         list[str], option(SIMULATION, "Figures of the paper to draw. Default: all.", "--figures", some_of=PAPER_FIGURES)
@@ -38,7 +39,6 @@ def command(
             max=1000,
         ),
     ] = 20,
-    formats: FigureFormats = PNG,
     folder: FigureFolder = Path("reproduced"),
     overwrite: Overwrite = False,
 ) -> None:
@@ -48,7 +48,7 @@ def command(
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
     voice, json = general.voice, general.json
-    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
+    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in drawing.formats] for number in figures}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
     chosen = [one for one in REPRODUCTIONS if one.figure in paths]
     rows: list[dict[str, Any]] = []

@@ -1,6 +1,6 @@
 """The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -12,6 +12,7 @@ from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import Index, RegressionProblem
 from friction_audit.diagnosis.result import Verdict
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.effect import Trait
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.errors import AnalysisError, UsageError
@@ -33,6 +34,7 @@ END_S = 0.5  # rest after the last stroke
 SEED = 7  # of the noise of the check
 SIZE = 0.1  # of the friction torque: an effect of this size counts, where no log has one
 FEWEST_RUNS = 3  # with fewer there are too few cycles for a diagnosis
+AT_AN_END = (0.15, 2)  # share of the time, and least number of runs, at either end where a drift is to be seen
 RATE_HZ = 1000.0  # of a trajectory's samples before they are thinned out
 
 
@@ -130,28 +132,60 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     truths = {name: one[name] for one in sets if len(one) > 1 for name in one}
     certain = [next(iter(one.values())) for one in sets if len(one) == 1]
     about = design.information_of(joint, candidates, truths, certain, effects())
-    counts = _filled(about, design.value_of_separation, duration_s)
+    at_both_ends = _only_drift(truths)
+    length_s = AT_AN_END[0] * duration_s if at_both_ends else duration_s
+    counts = _filled(about, design.value_of_separation, length_s, AT_AN_END[1] if at_both_ends else FEWEST_RUNS)
+    runs = design.in_order(candidates, counts)
     names, values = about.separation(counts.astype(float))
     expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
     pairs = [(one, other) for one in truths for other in truths if one != other and other in expected[one]]
     plan = JointPlan(
         task=task,
         limits=limits,
-        runs=design.in_order(candidates, counts),
+        runs=_twice(runs, duration_s) if at_both_ends else runs,
         separated=tuple(Separated(one, other, expected[one][other]) for one, other in pairs),
     )
     there = {name: [one.get(name, next(iter(one.values()))) for one in sets] for name in truths}
     return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
 
 
-def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
+def _filled(
+    about: design.Information, criterion: design.Criterion, duration_s: float, fewest: int = FEWEST_RUNS
+) -> Index:
     counts = design.exchange(about, criterion, duration_s - Prescribed(strokes=()).start_s - END_S)
-    if counts.sum() < FEWEST_RUNS:
+    if counts.sum() < fewest:
         raise AnalysisError(
             f"{duration_s:g} s: room for {counts.sum()} candidate motions, the shortest of "
-            f"{about.seconds.min():.1f} s; expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
+            f"{about.seconds.min():.1f} s; expected at least {fewest}; give a longer --duration, or higher limits"
         )
     return counts
+
+
+def _only_drift(names: Iterable[str]) -> bool:
+    """Return True if all that is to be decided is whether an offset drifts: constants and curves over the time."""
+    traits = [(effect_of(one), effect_of(one).traits) for one in names]
+    constant = [Trait.EXACT in own for _, own in traits]
+    return (
+        any(constant)
+        and all(
+            still or (effect.axis == "time" and Trait.EVEN in own)
+            for still, (effect, own) in zip(constant, traits, strict=True)
+        )
+        and not all(constant)
+    )
+
+
+def _twice(runs: Sequence[Candidate], duration_s: float) -> tuple[Candidate, ...]:
+    """Return the same runs at the beginning and at the end of a time, and a rest between: D-optimal for a trend.
+
+    A drift that settles while a joint moves all the time is a constant for most of the samples.
+    """
+    last, stroke = runs[-1], runs[-1].strokes[-1]
+    moving_s = Prescribed(strokes=()).start_s + 2.0 * sum(one.duration_s for one in runs) + END_S
+    rest_s = stroke.rest_s + max(duration_s - moving_s, 0.0)
+    words = f"{last.words}; then {rest_s:.0f} s of rest"
+    rested = Candidate(words, (*last.strokes[:-1], stroke._replace(rest_s=rest_s)))
+    return (*runs[:-1], rested, *runs)
 
 
 def usual_terms(joint: Joint) -> dict[str, FittedTerm]:

@@ -10,7 +10,7 @@ from pathlib import PurePath
 from statistics import median
 
 from friction_audit.drift.change_points import REACH
-from friction_audit.drift.fail_on import Judged, Limit, exceeded, untestable
+from friction_audit.drift.fail_on import Judged, Limit, judge
 from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import FEWEST_SESSIONS
@@ -224,8 +224,14 @@ def arm_sentence(arm: ArmDrift) -> str:
 
 def limit_sentences(report: DriftReport, limits: Iterable[Limit]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
-    every = tuple(limits)
-    return tuple(map(_beyond, exceeded(report, every))), tuple(map(_untestable, untestable(report, every)))
+    judged = list(judge(report, tuple(limits)))
+    beyond = tuple(limit_sentence(one) for one in judged if one.verdict == "exceeded")
+    return beyond, tuple(limit_sentence(one) for one in judged if one.verdict == "untestable")
+
+
+def limit_sentence(one: Judged) -> str:
+    """Return what a limit that is not kept is exceeded by, or why it cannot be tested."""
+    return _beyond(one) if one.verdict == "exceeded" else _untestable(one)
 
 
 def _beyond(one: Judged) -> str:
