@@ -15,9 +15,8 @@ from friction_audit.cli import chain
 from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, remark, say
-from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS
+from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
 from friction_audit.cli.options import (
     PNG,
     EstimateOptions,

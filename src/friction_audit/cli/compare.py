@@ -8,8 +8,8 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
-from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import COMPARISON
+from friction_audit.cli.outputs import save_figures
 from friction_audit.cli.simulate import changed
 
 if TYPE_CHECKING:

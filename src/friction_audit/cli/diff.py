@@ -12,7 +12,6 @@ from friction_audit.cli.batch_files import UNTESTABLE
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
-from friction_audit.cli.figure_files import write_figures
 from friction_audit.cli.options import (
     EstimateOptions,
     FigureOptions,
@@ -23,7 +22,7 @@ from friction_audit.cli.options import (
     figures_option,
     folder_option,
 )
-from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_junit
+from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_figures, write_junit
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 
 if TYPE_CHECKING:

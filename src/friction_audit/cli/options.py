@@ -10,9 +10,8 @@ import typer
 from friction_audit.cli import choices
 from friction_audit.cli import grouped_help as panel
 from friction_audit.cli.choices import option
-from friction_audit.cli.config import load_config
 from friction_audit.cli.console import Voice
-from friction_audit.cli.grouped_help import show_every_option
+from friction_audit.cli.grouped_help import load_config, show_every_option
 from friction_audit.friction.settings import ESTIMATORS, MODELS
 from friction_audit.preprocessing import settings
 

@@ -8,7 +8,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.figure_files import possible_files, write_figures
+from friction_audit.cli.outputs import possible_files, write_figures
 
 if TYPE_CHECKING:
     from friction_audit.pipeline import Estimate

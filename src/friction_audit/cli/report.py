@@ -12,12 +12,11 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.config import command_line
 from friction_audit.cli.console import say
 from friction_audit.cli.diagnose import joint_bugs
-from friction_audit.cli.grouped_help import OUTPUT
+from friction_audit.cli.grouped_help import OUTPUT, command_line
 from friction_audit.cli.outputs import ResultFolder
-from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
+from friction_audit.cli.replay import ReplayOptions, replay_settings
 
 EXAMPLES = """Examples:
   friction-audit report run.mcap

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 from friction_audit.cli import chain
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
-from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import SIMULATION
 from friction_audit.cli.options import FigureFolder, FigureOptions, GeneralOptions, Overwrite
+from friction_audit.cli.outputs import save_figures
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Simulations
