@@ -64,6 +64,9 @@ class JointPlan:
     task: Task
     limits: Limits  # limits that it keeps
     runs: tuple[Candidate, ...]  # in the order in which they are run
+    # if above zero, the same runs follow once more after this rest: at both ends of a time a trend shows most
+    # (D-optimal), and a drift that settles while a joint moves all the time is a constant for most samples
+    rest_s: float = 0.0
     separated: tuple[Separated, ...] = ()  # what the design expects of each pair
     answers: tuple[Answer, ...] = ()  # with each effect in turn; empty if not simulated
     coefficients: Mapping[str, Coefficient] = field(default_factory=dict)  # what `estimate` would find
@@ -71,7 +74,11 @@ class JointPlan:
     @property
     def motion(self) -> Prescribed:
         """All strokes, one after the other."""
-        return Prescribed(strokes=tuple(one for run in self.runs for one in run.strokes))
+        once = tuple(one for run in self.runs for one in run.strokes)
+        if not self.rest_s:
+            return Prescribed(strokes=once)
+        rested = once[-1]._replace(rest_s=once[-1].rest_s + self.rest_s)
+        return Prescribed(strokes=(*once[:-1], rested, *once))
 
     @property
     def duration_s(self) -> float:
@@ -136,15 +143,17 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     length_s = AT_AN_END[0] * duration_s if at_both_ends else duration_s
     counts = _filled(about, design.value_of_separation, length_s, AT_AN_END[1] if at_both_ends else FEWEST_RUNS)
     runs = design.in_order(candidates, counts)
-    names, values = about.separation(counts.astype(float))
+    names, values = about.separation((1.0 + at_both_ends) * counts)
     expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
     pairs = [(one, other) for one in truths for other in truths if one != other and other in expected[one]]
     plan = JointPlan(
         task=task,
         limits=limits,
-        runs=_twice(runs, duration_s) if at_both_ends else runs,
+        runs=runs,
         separated=tuple(Separated(one, other, expected[one][other]) for one, other in pairs),
     )
+    if at_both_ends:
+        plan = replace(plan, rest_s=duration_s - plan.duration_s - sum(one.duration_s for one in runs))
     there = {name: [one.get(name, next(iter(one.values()))) for one in sets] for name in truths}
     return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
 
@@ -162,30 +171,11 @@ def _filled(
 
 
 def _only_drift(names: Iterable[str]) -> bool:
-    """Return True if all that is to be decided is whether an offset drifts: constants and curves over the time."""
-    traits = [(effect_of(one), effect_of(one).traits) for one in names]
-    constant = [Trait.EXACT in own for _, own in traits]
-    return (
-        any(constant)
-        and all(
-            still or (effect.axis == "time" and Trait.EVEN in own)
-            for still, (effect, own) in zip(constant, traits, strict=True)
-        )
-        and not all(constant)
-    )
-
-
-def _twice(runs: Sequence[Candidate], duration_s: float) -> tuple[Candidate, ...]:
-    """Return the same runs at the beginning and at the end of a time, and a rest between: D-optimal for a trend.
-
-    A drift that settles while a joint moves all the time is a constant for most of the samples.
-    """
-    last, stroke = runs[-1], runs[-1].strokes[-1]
-    moving_s = Prescribed(strokes=()).start_s + 2.0 * sum(one.duration_s for one in runs) + END_S
-    rest_s = stroke.rest_s + max(duration_s - moving_s, 0.0)
-    words = f"{last.words}; then {rest_s:.0f} s of rest"
-    rested = Candidate(words, (*last.strokes[:-1], stroke._replace(rest_s=rest_s)))
-    return (*runs[:-1], rested, *runs)
+    """Return True if all that is to be decided is whether an offset drifts: constants, and what changes with time."""
+    known = [effect_of(name) for name in names]
+    constant = [Trait.EXACT in one.traits for one in known]
+    slow = [one.axis == "time" and Trait.EVEN in one.traits for one in known]
+    return 0 < sum(constant) < len(known) and all(map(any, zip(constant, slow, strict=True)))
 
 
 def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
