@@ -12,22 +12,12 @@ import typer
 
 from friction_audit import __version__
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
-from friction_audit.cli.options import (
-    PNG,
-    EstimateOptions,
-    FigureFormats,
-    JUnit,
-    LogOptions,
-    MinEffect,
-    Strict,
-    fail_on_option,
-    folder_option,
-)
 from friction_audit.cli.outputs import check_junit, write_junit
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
@@ -77,7 +67,7 @@ class SessionOptions:
         ),
     ] = None
     diagnose: Annotated[bool, option(SESSIONS, "Also diagnose each session (slow).", "--diagnose")] = False
-    min_effect: MinEffect = 0.0
+    min_effect: opt.MinEffect = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -88,7 +78,7 @@ class DriftOptions:
         str,
         option(DRIFT, "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.", metavar="K|LIST"),
     ] = "5"
-    fail_on: Annotated[list[str] | None, fail_on_option("coulomb=15%", "drifted", "sessions")] = None
+    fail_on: Annotated[list[str] | None, opt.fail_on_option("coulomb=15%", "drifted", "sessions")] = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -120,17 +110,17 @@ def command(
     sessions: SessionOptions,
     drift: DriftOptions,
     running: RunningOptions,
-    friction: EstimateOptions,
-    shared: LogOptions,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
     logs: Annotated[
         list[str] | None, typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs.")
     ] = None,
-    folder: Annotated[Path, folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures.")] = Path(
+    folder: Annotated[Path, opt.folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures.")] = Path(
         "friction-drift"
     ),
-    formats: FigureFormats = PNG,
-    junit: JUnit = None,
-    strict: Strict = False,
+    formats: opt.FigureFormats = opt.PNG,
+    junit: opt.JUnit = None,
+    strict: opt.Strict = False,
 ) -> None:
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.remote import as_text
@@ -165,7 +155,7 @@ def command(
         raise typer.Exit(answer.code)
 
 
-def _settings(sessions: SessionOptions, friction: EstimateOptions, shared: LogOptions) -> "BatchSettings":
+def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: opt.LogOptions) -> "BatchSettings":
     from friction_audit.batch.manifest import BatchSettings
 
     diagnosis = None

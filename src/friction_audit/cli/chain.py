@@ -208,21 +208,11 @@ def torque_settings(torque: opt.TorqueOptions, robot: str) -> "TorqueSettings":
     """Return how the interaction torque is made."""
     from friction_audit.preprocessing.settings import TorqueSettings
 
-    payload: Any = torque.payload
-    if payload is not None:
-        payload = parse_numbers("--payload", payload, ("mass", "x", "y", "z"))
-    vector: Any = parse_numbers("--gravity-vector", torque.gravity_vector, ("x", "y", "z"))
-    return TorqueSettings(
-        torque=torque.torque,
-        gravity=torque.gravity,
-        inertia=torque.inertia,
-        drive=torque.drive,
-        robot=robot,
-        urdf=torque.urdf,
-        payload=payload,
-        gravity_vector=vector,
-        model_rate_hz=torque.model_rate,
-    )
+    own = asdict(torque)
+    payload, vector, rate_hz = (own.pop(name) for name in ("payload", "gravity_vector", "model_rate"))
+    payload = None if payload is None else parse_numbers("--payload", payload, ("mass", "x", "y", "z"))
+    vector = parse_numbers("--gravity-vector", vector, ("x", "y", "z"))
+    return TorqueSettings(**own, robot=robot, payload=payload, gravity_vector=vector, model_rate_hz=rate_hz)
 
 
 def cycle_settings(cycles: opt.CycleOptions) -> "CycleSettings":
@@ -256,5 +246,5 @@ def audit_settings(options: opt.LogOptions, estimate: opt.EstimateOptions | None
         t_stop_s=selection.t_end,
         torque=torque_settings(options.torque, options.reading.robot),
         cycles=cycle_settings(options.cycles),
-        friction=FrictionSettings(estimator=estimate.estimator, model=estimate.model, window=estimate.window),
+        friction=FrictionSettings(**asdict(estimate)),
     )

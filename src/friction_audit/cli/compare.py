@@ -8,7 +8,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
-from friction_audit.cli.grouped_help import COMPARISON
+from friction_audit.cli.grouped_help import COMPARISON, TUNING
 from friction_audit.cli.outputs import save_figures
 from friction_audit.cli.simulate import changed
 
@@ -50,7 +50,7 @@ class ComparisonOptions:
     margin_persons: Annotated[
         int | None,
         option(
-            COMPARISON,
+            TUNING,
             "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for "
             "the arm; 0: no margin.",
             metavar="INT",

@@ -8,20 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.batch_files import UNTESTABLE
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
-from friction_audit.cli.options import (
-    EstimateOptions,
-    FigureOptions,
-    JUnit,
-    LogOptions,
-    Strict,
-    fail_on_option,
-    figures_option,
-    folder_option,
-)
 from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_figures, write_junit
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 
@@ -43,14 +34,14 @@ HELP = f"A log, an {RESULT}, or a folder of logs or of results."
 def command(
     before: Annotated[Path, typer.Argument(metavar="BEFORE", help=HELP)],
     after: Annotated[Path, typer.Argument(metavar="AFTER", help="Likewise.")],
-    friction: EstimateOptions,
-    shared: LogOptions,
-    drawing: FigureOptions,
-    folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR.")] = None,
-    figures: Annotated[list[str], figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    fail_on: Annotated[list[str] | None, fail_on_option("coulomb=10%", "changed", "recordings")] = None,
-    junit: JUnit = None,
-    strict: Strict = False,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
+    drawing: opt.FigureOptions,
+    folder: Annotated[Path | None, opt.folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR.")] = None,
+    figures: Annotated[list[str], opt.figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    fail_on: Annotated[list[str] | None, opt.fail_on_option("coulomb=10%", "changed", "recordings")] = None,
+    junit: opt.JUnit = None,
+    strict: opt.Strict = False,
 ) -> None:
     """Compare the friction of logs before and after, per joint."""
     from friction_audit.drift.fail_on import parse_limit
@@ -85,7 +76,7 @@ def command(
 
 
 def _recordings(
-    source: Path, shared: LogOptions, friction: EstimateOptions, folder: Path | None, voice: Voice
+    source: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, folder: Path | None, voice: Voice
 ) -> "tuple[list[Recording], list[Notice]]":
     """Return the recordings of a side, and which of several logs were left out."""
     from friction_audit.batch.find_logs import find_logs
@@ -112,7 +103,7 @@ def _recordings(
     return found, lost
 
 
-def _of_log(path: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Recording":
+def _of_log(path: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, voice: Voice) -> "Recording":
     from friction_audit.batch.recordings import recording_of
     from friction_audit.reporting.notices import estimate_notices
 
@@ -137,8 +128,8 @@ def _report(
     limits: "Sequence[Limit]",
     warnings: "Sequence[Notice]",
     out: ResultFolder,
-    shared: LogOptions,
-    friction: EstimateOptions,
+    shared: opt.LogOptions,
+    friction: opt.EstimateOptions,
 ) -> int:
     from friction_audit.reporting.diff import changes_table, diff_document, diff_lines
     from friction_audit.reporting.documents import write_document

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings
 from friction_audit.cli.choices import option, parse_joints, parse_numbers
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import OUTPUT
-from friction_audit.cli.options import EstimateOptions, LogOptions
 from friction_audit.cli.outputs import show
 from friction_audit.errors import UsageError
 
@@ -73,8 +73,8 @@ def command(
         typer.Argument(metavar="OUT", help="File to write: .urdf, .xml, .sdf, .usda, .py, .hpp or .h, .yaml or .csv."),
     ],
     options: ExportOptions,
-    friction: EstimateOptions,
-    shared: LogOptions,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
 ) -> None:
     """Export friction to a file of a simulator or a controller."""
     from friction_audit.export.export import ExportSettings, choose_target, export_friction, read_into
@@ -112,7 +112,7 @@ def command(
         chain.exit_if_damaged(estimate.log)
 
 
-def _estimate(source: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Estimate":
+def _estimate(source: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, voice: Voice) -> "Estimate":
     settings = audit_settings(shared, friction)
     with chain.loading("friction_audit.friction.estimate"):
         log = chain.read_torque(source, shared, voice)

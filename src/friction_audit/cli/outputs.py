@@ -140,14 +140,6 @@ class FigureFile(NamedTuple):
     path: Path
 
 
-class Task(NamedTuple):
-    """A figure to be drawn: its kind, the name of its files, and its joint (None: all of them)."""
-
-    kind: str
-    name: str
-    joint: int | None
-
-
 def possible_files(folder: Path, kinds: Sequence[str], formats: Sequence[str]) -> list[Path]:
     """Return the files that figures of these kinds would replace, whichever joints there are; known before reading."""
     sheets = [folder / f"{kind}.{suffix}" for kind in kinds for suffix in formats]
@@ -180,25 +172,25 @@ def write_figures(
     alone = numbers if each_joint and sheet is None else ()
     drawn = [kind.name for kind in FIGURES if kind.result in results and kind.name in kinds]
     tasks = [
-        task
+        FigureFile(kind, joint, folder / name)
         for kind in drawn
-        for task in (Task(kind, kind, sheet), *(Task(kind, f"{kind}-joint{number}", number) for number in alone))
+        for joint, name in ((sheet, kind), *((number, f"{kind}-joint{number}") for number in alone))
     ]
     load_matplotlib(formats)  # once, and not by every copy
     contents = in_processes(partial(_content, results, tasks, formats, unit), len(tasks), workers_for(len(tasks)))
     files = []
     for task in tasks:
-        with voice.step(f"draw {task.name}"):
+        with voice.step(f"draw {task.path.name}"):
             for suffix, content in zip(formats, next(contents), strict=True):
-                path = folder / f"{task.name}.{suffix}"
+                path = Path(f"{task.path}.{suffix}")
                 with whole_file(path, overwrite=overwrite) as draft:
                     draft.write_bytes(content)
-                files.append(FigureFile(task.kind, task.joint, path))
+                files.append(task._replace(path=path))
     return files
 
 
 def _content(
-    results: Mapping[str, object], tasks: Sequence[Task], formats: Sequence[str], unit: str, number: int
+    results: Mapping[str, object], tasks: Sequence[FigureFile], formats: Sequence[str], unit: str, number: int
 ) -> list[bytes]:
     from friction_audit.reporting.figures.panels import label_in_unit
     from friction_audit.reporting.figures.style import figure_bytes

@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import SIMULATION
-from friction_audit.cli.options import FigureFolder, FigureOptions, GeneralOptions, Overwrite
 from friction_audit.cli.outputs import save_figures
 
 if TYPE_CHECKING:
@@ -24,8 +24,8 @@ PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 
 
 def command(
-    drawing: FigureOptions,
-    general: GeneralOptions,
+    drawing: opt.FigureOptions,
+    general: opt.GeneralOptions,
     figures: Annotated[
         list[str], option(SIMULATION, "Figures of the paper to draw. Default: all.", "--figures", some_of=PAPER_FIGURES)
     ] = list(PAPER_FIGURES),  # noqa: B006 - Typer copies it
@@ -39,8 +39,8 @@ def command(
             max=1000,
         ),
     ] = 20,
-    folder: FigureFolder = Path("reproduced"),
-    overwrite: Overwrite = False,
+    folder: opt.FigureFolder = Path("reproduced"),
+    overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate the paper's figures and measure its claims."""
     from friction_audit.reporting.compare import claim_lines, count_line, reproduce_document
