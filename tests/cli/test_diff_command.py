@@ -217,11 +217,11 @@ def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str
 @pytest.mark.parametrize("between", [0.0, 1.0, 3.0])
 def test_the_interval_holds_the_scatter_between_recordings(first: int, second: int, between: float) -> None:
     rng, freedom, runs = np.random.default_rng(5), 20, 500
-    known = stdtrit(freedom, 0.975)
+    known = float(stdtrit(freedom, 0.975))
 
     def recorded() -> Recording:
         value = 10.0 + between * rng.normal() + rng.normal()
-        half = known * float(np.sqrt(rng.chisquare(freedom) / freedom))
+        half = known * (rng.chisquare(freedom) / freedom) ** 0.5
         coefficients = {"coulomb_nm": Coefficient(value=value, low=value - half, high=value + half)}
         coefficients["viscous_nms_per_rad"] = UNDETERMINED
         one = JointSummary(

@@ -182,5 +182,7 @@ def test_a_drift_is_sought_at_both_ends_of_the_time() -> None:
     half = len(plan.motion.strokes) // 2
     assert [one.way_rad for one in plan.motion.strokes[:half]] == [one.way_rad for one in plan.motion.strokes[half:]]
     assert all(one.decided for one in plan.answers), plan.answers
+    short = plan_task(plan.task, plan.limits, 45.0, check=False)  # no time for both ends
+    assert (short.rest_s, len(short.runs) >= 3) == (0.0, True)
     text = plan_lines([Recording("decide", (plan,), ())], [])
     assert any("s, and all of it once more" in line for line in text)

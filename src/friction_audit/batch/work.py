@@ -19,8 +19,10 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import FrictionAuditError, InputError
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
+from friction_audit.joint_log import Finding
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
+from friction_audit.preprocessing.interaction import Caution
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
@@ -131,7 +133,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     from friction_audit.drift.summarise import conditions_of, summarise_joints
 
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
-    noticed = (*source.findings, *interaction.warnings)
+    noticed: tuple[Finding | Caution, ...] = (*source.findings, *interaction.warnings)
     codes = (one.code for one in (*noticed, *estimate.friction.warnings))
     unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
     warnings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in noticed]

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
@@ -115,7 +115,7 @@ def write_results(
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
     text = "".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose))
     codes = {session.path: session.codes for session in summary.sessions if session.codes}
-    held = {"text": text, "warnings": warnings, "code": _code(summary), "junit": junit, "codes": codes}
+    held: dict[str, Any] = {"text": text, "warnings": warnings, "code": _code(summary), "junit": junit, "codes": codes}
     answer = BatchAnswer(document=folder / DOCUMENT, **held)
     written = json.dumps({"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn]), **held})
     ledger.write_note(REPORTED, f"{_digest(written)} {written}")

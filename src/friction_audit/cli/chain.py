@@ -208,11 +208,12 @@ def torque_settings(torque: opt.TorqueOptions, robot: str) -> "TorqueSettings":
     """Return how the interaction torque is made."""
     from friction_audit.preprocessing.settings import TorqueSettings
 
-    own = asdict(torque)
-    payload, vector, rate_hz = (own.pop(name) for name in ("payload", "gravity_vector", "model_rate"))
-    payload = None if payload is None else parse_numbers("--payload", payload, ("mass", "x", "y", "z"))
-    vector = parse_numbers("--gravity-vector", vector, ("x", "y", "z"))
-    return TorqueSettings(**own, robot=robot, payload=payload, gravity_vector=vector, model_rate_hz=rate_hz)
+    own: dict[str, Any] = asdict(torque)
+    own["model_rate_hz"] = own.pop("model_rate")
+    own["gravity_vector"] = parse_numbers("--gravity-vector", torque.gravity_vector, ("x", "y", "z"))
+    if torque.payload is not None:
+        own["payload"] = parse_numbers("--payload", torque.payload, ("mass", "x", "y", "z"))
+    return TorqueSettings(robot=robot, **own)
 
 
 def cycle_settings(cycles: opt.CycleOptions) -> "CycleSettings":

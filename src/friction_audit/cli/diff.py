@@ -68,9 +68,9 @@ def command(
         from friction_audit.reporting.junit import junit_text
 
         write_junit(junit, junit_text("diff", sides.report, limits, sides.unit), overwrite=shared.overwrite)
-    own = {"the comparison": [one.code for one in notices]}
-    every = {one.session.path: one.session.codes for one in (*sides.before, *sides.after)}
-    chain.exit_if_strict(own | every, strict=strict)
+    own = ("the comparison", [one.code for one in notices])
+    every = ((one.session.path, one.session.codes) for one in (*sides.before, *sides.after))
+    chain.exit_if_strict(dict([own, *every]), strict=strict)
     if code:
         raise typer.Exit(code)
 

@@ -139,11 +139,15 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     truths = {name: one[name] for one in sets if len(one) > 1 for name in one}
     certain = [next(iter(one.values())) for one in sets if len(one) == 1]
     about = design.information_of(joint, candidates, truths, certain, effects())
+    share, fewest = AT_AN_END
     at_both_ends = _only_drift(truths)
-    length_s = AT_AN_END[0] * duration_s if at_both_ends else duration_s
-    counts = _filled(about, design.value_of_separation, length_s, AT_AN_END[1] if at_both_ends else FEWEST_RUNS)
+    if at_both_ends:
+        counts = _exchanged(about, design.value_of_separation, share * duration_s)
+        at_both_ends = bool(counts.sum() >= fewest)  # else there is no time for both
+    if not at_both_ends:
+        counts = _filled(about, design.value_of_separation, duration_s)
     runs = design.in_order(candidates, counts)
-    names, values = about.separation((1.0 + at_both_ends) * counts)
+    names, values = about.separation(counts * (2.0 if at_both_ends else 1.0))
     expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
     pairs = [(one, other) for one in truths for other in truths if one != other and other in expected[one]]
     plan = JointPlan(
@@ -158,14 +162,16 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
 
 
-def _filled(
-    about: design.Information, criterion: design.Criterion, duration_s: float, fewest: int = FEWEST_RUNS
-) -> Index:
-    counts = design.exchange(about, criterion, duration_s - Prescribed(strokes=()).start_s - END_S)
-    if counts.sum() < fewest:
+def _exchanged(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
+    return design.exchange(about, criterion, duration_s - Prescribed(strokes=()).start_s - END_S)
+
+
+def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
+    counts = _exchanged(about, criterion, duration_s)
+    if counts.sum() < FEWEST_RUNS:
         raise AnalysisError(
             f"{duration_s:g} s: room for {counts.sum()} candidate motions, the shortest of "
-            f"{about.seconds.min():.1f} s; expected at least {fewest}; give a longer --duration, or higher limits"
+            f"{about.seconds.min():.1f} s; expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
         )
     return counts
 

@@ -85,7 +85,7 @@ def load_style(name: str) -> Mapping[str, Any]:
     from matplotlib import rc_params_from_file, style
 
     if name in style.library:
-        return dict(style.library[name])
+        return _items(style.library[name])
     where, expected = f"--style {name}", "expected lines like `axes.grid: True`"
     if not Path(name).is_file():
         known = f"{', '.join(STYLES)}, or one of matplotlib, e.g. ggplot"
@@ -100,7 +100,11 @@ def load_style(name: str) -> Mapping[str, Any]:
         logger.removeHandler(faults)
     if faults.lines:
         raise UsageError(f"{where}: {faults.lines[0]}; {expected}; correct the file")
-    return dict(found)
+    return _items(found)
+
+
+def _items(found: Mapping[Any, Any]) -> dict[str, Any]:
+    return dict(found.items())  # with the type of every name, mypy takes them for no names
 
 
 class _Faults(logging.Handler):
