@@ -147,7 +147,7 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     if not at_both_ends:
         counts = _filled(about, design.value_of_separation, duration_s)
     runs = design.in_order(candidates, counts)
-    names, values = about.separation(counts * (2.0 if at_both_ends else 1.0))
+    names, values = about.separation(counts.astype(float) * (2.0 if at_both_ends else 1.0))
     expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
     pairs = [(one, other) for one in truths for other in truths if one != other and other in expected[one]]
     plan = JointPlan(
