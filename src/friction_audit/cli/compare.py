@@ -8,7 +8,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
-from friction_audit.cli.grouped_help import COMPARISON, TUNING
+from friction_audit.cli.grouped_help import COMPARISON, GENERAL
 from friction_audit.cli.outputs import save_figures
 from friction_audit.cli.simulate import changed
 
@@ -50,7 +50,7 @@ class ComparisonOptions:
     margin_persons: Annotated[
         int | None,
         option(
-            TUNING,
+            COMPARISON,
             "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for "
             "the arm; 0: no margin.",
             metavar="INT",
@@ -72,9 +72,10 @@ class ComparisonOptions:
 def command(
     comparison: ComparisonOptions,
     change: opt.ChangeOptions,
-    drawing: opt.FigureOptions,
     general: opt.GeneralOptions,
     figures: Annotated[list[str], opt.figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    formats: opt.FigureFormats = opt.PNG,
+    style: Annotated[str, opt.style_option(GENERAL)] = "sans",  # noqa: ARG001 - its callback acts on it
     folder: opt.FigureFolder = Path("compared"),
     overwrite: opt.Overwrite = False,
 ) -> None:
@@ -86,7 +87,7 @@ def command(
     from friction_audit.reporting.figures.comparison import draw_comparison
 
     voice, names = general.voice, choices.some_figures(figures, FIGURES)
-    paths = {name: [folder / f"{name}.{suffix}" for suffix in drawing.formats] for name in names}
+    paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in names}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
     (scene,) = (one for one in SCENES if one.name == comparison.arm)
     settings: Any = changed(scene.settings, change, duration_s=comparison.duration)

@@ -24,20 +24,18 @@ FigureFormats = Annotated[
 ]
 
 
+def style_option(heading: str) -> object:
+    """Return the option that chooses the rcParams of the figures."""
+    text = "sans; ieee or latex: fonts of a paper or of LaTeX; a style of matplotlib, or a style sheet."
+    return option(heading, text, metavar="NAME|FILE.mplstyle", callback=choices.style)
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FigureOptions:
     """How figures are drawn."""
 
     formats: FigureFormats = ("png",)  # type: ignore[assignment] # a dataclass takes no list
-    style: Annotated[
-        str,
-        option(
-            panel.FIGURE_FILES,
-            "sans; ieee or latex: fonts of a paper or of LaTeX; a style of matplotlib, or a style sheet.",
-            metavar="NAME|FILE.mplstyle",
-            callback=choices.style,
-        ),
-    ] = "sans"
+    style: Annotated[str, style_option(panel.FIGURE_FILES)] = "sans"
 
 
 Exports = Annotated[
