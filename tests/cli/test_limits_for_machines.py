@@ -104,6 +104,8 @@ def test_junit_is_not_replaced_unasked_and_needs_a_limit(run: Run, tmp_path: Pat
     answer = run(*words, "--fail-on", "coulomb=90%")
     assert (answer.code, "limits.xml: exists already" in answer.err) == (2, True)
     assert Path("limits.xml").read_text() == "mine"
+    own = ["diff", before, before, "--junit", before, "--fail-on", "coulomb=90%", "--overwrite"]
+    assert (run(*own).code, json.loads(before.read_text())["schema"]) == (2, "friction-audit/estimate/1")
     assert run(*words, "--fail-on", "coulomb=90%", "--overwrite").code == 0
     assert [one is not None and one.tag for one in cases(Path("limits.xml")).values()] == ["system-out"]
 

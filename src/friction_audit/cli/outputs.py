@@ -100,10 +100,14 @@ class ResultFolder:
 
 
 def check_junit(path: Path | None, limits: Sequence[object], *, overwrite: bool) -> None:
-    """Refuse a file of limits that could not be written, or for which there are none."""
-    if path is not None and not limits:
+    """Refuse a file of limits that could not be written or may be a log, or for which there are no limits."""
+    if path is None:
+        return
+    if path.suffix.lower() != ".xml":
+        raise UsageError(f"--junit {path}: ending {path.suffix or 'missing'}: expected .xml; rename it")
+    if not limits:
         raise UsageError(f"--junit {path}: there is no limit to write; give one with --fail-on, e.g. coulomb=15%")
-    check_outputs([] if path is None else [path], overwrite=overwrite)
+    check_outputs([path], overwrite=overwrite)
 
 
 def write_junit(path: Path | None, text: str, *, overwrite: bool) -> None:

@@ -139,13 +139,7 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     truths = {name: one[name] for one in sets if len(one) > 1 for name in one}
     certain = [next(iter(one.values())) for one in sets if len(one) == 1]
     about = design.information_of(joint, candidates, truths, certain, effects())
-    share, fewest = AT_AN_END
-    at_both_ends = _only_drift(truths)
-    if at_both_ends:
-        counts = _exchanged(about, design.value_of_separation, share * duration_s)
-        at_both_ends = bool(counts.sum() >= fewest)  # else there is no time for both
-    if not at_both_ends:
-        counts = _filled(about, design.value_of_separation, duration_s)
+    counts, at_both_ends = _designed(about, duration_s)
     runs = design.in_order(candidates, counts)
     names, values = about.separation(counts.astype(float) * (2.0 if at_both_ends else 1.0))
     expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
@@ -160,6 +154,16 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
         plan = replace(plan, rest_s=duration_s - plan.duration_s - sum(one.duration_s for one in runs))
     there = {name: [one.get(name, next(iter(one.values()))) for one in sets] for name in truths}
     return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
+
+
+def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool]:
+    """Return how often each candidate is run, and whether all of it at both ends of the time."""
+    share, fewest = AT_AN_END
+    if _only_drift(about.truths):
+        counts = _exchanged(about, design.value_of_separation, share * duration_s)
+        if counts.sum() >= fewest:  # else there is no time for both
+            return counts, True
+    return _filled(about, design.value_of_separation, duration_s), False
 
 
 def _exchanged(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
