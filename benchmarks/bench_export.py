@@ -17,8 +17,7 @@ import numpy as np
 
 import friction_audit
 from friction_audit import estimate_log, read_log, simulate_log
-from friction_audit.export.export import ExportSettings, export_friction
-from friction_audit.export.registry import TARGETS, read_into
+from friction_audit.export.export import TARGETS, ExportSettings, export_friction, read_into
 from friction_audit.export.source import Joints, of_estimate
 from friction_audit.pipeline import Estimate
 
@@ -102,7 +101,7 @@ def side_by_side(seeds: int) -> list[str]:
 def in_mujoco(joints: Joints, estimate: Estimate, into: Path | None) -> float:
     """Return how far the friction of an exported file, loaded in MuJoCo, is off the law at most, over its maximum."""
     suffix = ".xml" if into is None else into.suffix
-    target = next(target for target in TARGETS if target.suffix == suffix)
+    target = next(target for target in TARGETS if suffix in target.suffixes)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / f"out{suffix}"
         given = None if into is None else read_into(target, into)
@@ -183,7 +182,7 @@ def export_gaps(logs: list[tuple[str, Estimate]]) -> list[str]:
         "",
     ]
     for name, estimate in logs:
-        target = next(target for target in TARGETS if target.suffix == ".csv")
+        target = next(target for target in TARGETS if target.name == "csv")
         with tempfile.TemporaryDirectory() as folder:
             out = Path(folder) / "out.csv"
             export = export_friction(of_estimate(estimate), target, out, ExportSettings(), estimate=estimate)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.cli.console import DAMAGED
+from friction_audit.cli.console import DAMAGED, EXCEEDED
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.io.readers import READERS, read_log
 from friction_audit.io.readers.channel_names import ALIASES
@@ -178,7 +178,7 @@ def test_the_document_shown_is_the_document() -> None:
 
 
 def test_exit_codes_are_the_program_s() -> None:
-    codes = {0, 1, DAMAGED, *(error.exit_code for error in (UsageError, InputError, AnalysisError))}
+    codes = {0, 1, EXCEEDED, DAMAGED, *(error.exit_code for error in (UsageError, InputError, AnalysisError))}
     page = (DOCS / "troubleshooting.md").read_text().partition("<!-- codes -->")[0]
     assert {int(code) for code in re.findall(r"^\| (\d) \|", page, re.MULTILINE)} == codes
 

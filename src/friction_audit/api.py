@@ -358,7 +358,7 @@ def plot(
         kind: ``"velocity-torque"``, ``"replay-velocity-torque"`` or ``"ladder"``; without ``ax`` any of
             ``friction-audit plot --list``. None takes the one of these three that fits the result.
         joint: Number of the joint (1..n), or None for all; with ``ax`` one joint.
-        ax: Axes to draw into, in the style in force; None for a figure in the style of the pages.
+        ax: Axes to draw into; None for a figure of its own. Your rcParams hold in both.
 
     Returns:
         The axes, or a figure that is unknown to pyplot.

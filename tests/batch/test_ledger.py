@@ -235,12 +235,15 @@ def test_a_broken_session_is_named_and_computed_anew(fault: str, rig: Path, batc
     assert batch(rig).warnings == ()
 
 
-def test_a_ledger_of_schema_1_is_opened_and_its_sessions_are_computed_anew(
-    rig: Path, batch: Batch, tmp_path: Path
+@pytest.mark.parametrize(("schema", "absent"), [(1, ("digest", "codes")), (2, ("codes",))])
+def test_a_ledger_of_an_older_schema_is_opened(
+    schema: int, absent: tuple[str, ...], rig: Path, batch: Batch, tmp_path: Path
 ) -> None:
     first = batch(rig)
     with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as database:
-        database.execute("ALTER TABLE sessions DROP COLUMN digest")
-        database.execute("PRAGMA user_version = 1")
+        for column in absent:
+            database.execute(f"ALTER TABLE sessions DROP COLUMN {column}")
+        database.execute(f"PRAGMA user_version = {schema}")
     second = batch(rig)
-    assert (second.new, repr(second.sessions)) == (4, repr(first.sessions))
+    assert repr(second.sessions) == repr(first.sessions)
+    assert schema > 1 or second.new == 4  # without a digest, nothing is known of them

@@ -7,9 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 from scipy.stats import t as student
 from statsmodels.stats.multitest import multipletests
 
+from friction_audit.drift.covariates import Recording
+from friction_audit.drift.session import Conditions, JointSummary, Session
+from friction_audit.drift.two_sides import compare_sides
+from friction_audit.friction.history import UNDETERMINED, Coefficient
 from tests.cli.conftest import Run
 
 Pair = tuple[float, float]
@@ -206,3 +211,32 @@ def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str
     answer = run("diff", *words, "-o", "out")
     assert (answer.code, message in answer.err) == (code, True), answer
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(("first", "second"), [(1, 3), (1, 5), (3, 3), (5, 5)])
+@pytest.mark.parametrize("between", [0.0, 1.0, 3.0])
+def test_the_interval_holds_the_scatter_between_recordings(first: int, second: int, between: float) -> None:
+    rng, freedom, runs = np.random.default_rng(5), 20, 500
+    known = float(stdtrit(freedom, 0.975))
+
+    def recorded() -> Recording:
+        value = 10.0 + between * rng.normal() + rng.normal()
+        half = known * (rng.chisquare(freedom) / freedom) ** 0.5
+        coefficients = {"coulomb_nm": Coefficient(value=value, low=value - half, high=value + half)}
+        coefficients["viscous_nms_per_rad"] = UNDETERMINED
+        one = JointSummary(
+            joint=1, name="j", coefficients=coefficients, cycles=freedom + 1, moving_s=9.0, speed_rad_s=(1.0, 1.0, 1.0)
+        )
+        alike = Conditions(drive="hand", torque="tau_J", gravity="logged", inertia="none")
+        session = Session(
+            path="", sha256="", robot="", start_s=None, start_from="nothing", duration_s=9.0, conditions=alike,
+            joints=(one,),
+        )  # fmt: skip
+        return Recording(session=session, joints=1, unit="N m", method="")
+
+    held = 0
+    for _ in range(runs):
+        sides = compare_sides([recorded() for _ in range(first)], [recorded() for _ in range(second)])
+        change = sides.joints[0].coefficients[0].found.change
+        held += change.low <= 0.0 <= change.high
+    assert held >= 0.92 * runs  # 95 % less two standard errors of this many

@@ -97,3 +97,62 @@ def test_what_cannot_be_exported(words: tuple[str, ...], code: int, message: str
     answer = run("export", *words)
     assert (answer.code, message in answer.err) == (code, True), answer
     assert not (tmp_path / words[1]).exists()
+
+
+@pytest.mark.usefixtures("sketched")
+def test_the_reference_of_a_batch_is_exported(run: Run) -> None:
+    for seed in range(5):
+        words = [
+            "simulate",
+            "joint",
+            "--duration",
+            20,
+            "--rate",
+            200,
+            "--seed",
+            seed,
+            "-o",
+            f"arm/{seed}.parquet",
+            "-q",
+        ]
+        assert run(*words).code == 0
+    assert run("batch-report", "arm", "-o", "drift", "-q", "--workers", "1").code == 0
+    levels = [
+        one["coefficients"]["coulomb_nm"]["level"]["value"]
+        for one in json.loads(Path("drift/batch.json").read_text())["joints"]
+    ]
+    for source, out in (("drift", "a.csv"), ("drift/batch.json", "b.csv"), ("drift/ledger.sqlite", "c.csv")):
+        document = run("export", source, out, "--json").document()
+        assert [joint["coulomb_nm"] for joint in document["joints"]] == pytest.approx(levels)
+        assert document["joints"][0]["coulomb_nm"] == pytest.approx(0.3, abs=0.03)
+        assert document["joints"][0]["inertia_kg_m2"] is None
+        assert Path(out).read_text() == Path("a.csv").read_text()
+
+
+def test_of_several_arms_of_a_batch_one_is_named(run: Run) -> None:
+    levels = {"a": 0.3, "b": 0.4}
+    joints = [
+        {"robot": robot, "joint": 1, "name": "j1", "coefficients": {"coulomb_nm": {"level": {"value": level}}}}
+        for robot, level in levels.items()
+    ]
+    document = {"schema": "friction-audit/batch/2", "robots": [{"robot": robot} for robot in levels], "joints": joints}
+    Path("batch.json").write_text(json.dumps(document))
+    answer = run("export", "batch.json", "out.csv")
+    assert (answer.code, answer.err) == (2, "error: batch.json: 2 arms; it holds a, b; choose one with --arm\n")
+    assert "no arm c; it holds a, b" in run("export", "batch.json", "out.csv", "--arm", "c").err
+    chosen = run("export", "batch.json", "out.csv", "--arm", "b", "--json").document()["joints"]
+    assert [joint["coulomb_nm"] for joint in chosen] == [pytest.approx(0.4)]
+    del document["robots"]
+    Path("batch.json").write_text(json.dumps(document))
+    assert "is no whole document of `batch-report`" in run("export", "batch.json", "more.csv").err
+    Path("model.toml").write_text(MODEL)
+    assert "holds one arm; leave the option out" in run("export", "model.toml", "more.csv", "--arm", "b").err
+    assert not Path("more.csv").exists()
+
+
+def test_a_header_may_end_in_h(run: Run) -> None:
+    Path("model.toml").write_text(MODEL)
+    for name in ("friction.hpp", "friction.h"):
+        assert run("export", "model.toml", name, "-q").code == 0
+    assert Path("friction.h").read_bytes() == Path("friction.hpp").read_bytes()
+    assert ".hpp or .h (cpp)" in run("export", "model.toml", "friction.hxx").err

@@ -8,9 +8,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from friction_audit import parallel
-from friction_audit.cli import figure_files
+from friction_audit.cli import outputs
 from friction_audit.cli.console import Voice
-from friction_audit.cli.figure_files import FigureFile, write_figures
+from friction_audit.cli.outputs import FigureFile, write_figures
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.reporting.figures.style import figure_style
 
@@ -39,7 +39,7 @@ def drawn_by(
     ]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(parallel, "workers_for", lambda _: workers)
-        patch.setattr(figure_files, "FIGURES", known)
+        patch.setattr(outputs, "FIGURES", known)
         voice = Voice(quiet=False, verbose=verbose)
         return write_figures(
             {"any": 0}, kinds, (2, 5), folder, FORMATS, overwrite=False, voice=voice, unit="N m", each_joint=True

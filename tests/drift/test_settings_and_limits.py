@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from friction_audit.drift.analyse import analyse_drift
-from friction_audit.drift.report import DriftReport, Limit, exceeded, parse_limit, untestable
+from friction_audit.drift.report import DriftReport, Limit, judge, parse_limit
 from friction_audit.drift.settings import DriftSettings, parse_baseline
 from friction_audit.errors import UsageError
 from friction_audit.reporting.drift_words import limit_sentences
@@ -49,7 +49,7 @@ def test_proven_change_beyond_the_limit(stepped: DriftReport, text: str) -> None
 
 @pytest.mark.parametrize("text", ["coulomb=20%", "joint2.coulomb=10%", "coulomb=0.06"])
 def test_change_below_the_limit_or_not_proven(stepped: DriftReport, text: str) -> None:
-    assert not exceeded(stepped, [parse_limit(text)])
+    assert "exceeded" not in {one.verdict for one in judge(stepped, [parse_limit(text)])}
 
 
 def test_estimate_beyond_an_interval_across() -> None:
@@ -80,7 +80,9 @@ def test_a_limit_below_what_would_have_been_seen_is_not_tested(sessions: int, te
 
 
 def test_a_proven_drift_tests_every_limit(stepped: DriftReport) -> None:
-    assert not untestable(stepped, [parse_limit("coulomb=10%"), parse_limit("coulomb=15.5%")])
+    judged = list(judge(stepped, [parse_limit("coulomb=10%"), parse_limit("coulomb=15.5%")]))
+    assert [one.limit.text for one in judged] == ["coulomb=10%", "coulomb=15.5%"]
+    assert "untestable" not in {one.verdict for one in judged}
 
 
 def test_baselines() -> None:

@@ -19,9 +19,8 @@ import friction_audit
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export.export import Export, ExportSettings, export_friction
+from friction_audit.export.export import TARGETS, Export, ExportSettings, choose_target, export_friction, read_into
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
-from friction_audit.export.registry import TARGETS, choose_target, read_into
 from friction_audit.export.source import Joints
 from friction_audit.export.target import Target
 from friction_audit.export.xml_text import XmlText
@@ -185,7 +184,7 @@ def test_other_formats_are_read_by_their_readers(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target.name)
 def test_every_target_writes_every_joint(target: Target, tmp_path: Path) -> None:
-    out = tmp_path / f"out{target.suffix}"
+    out = tmp_path / f"out{target.suffixes[0]}"
     exported = export(joints(SIMPLE, STRIBECK), out)
     assert [joint.law.joint for joint in exported.joints] == [1, 2]
     assert exported.joints[1].law.left_out == ("offset",)

@@ -15,6 +15,7 @@ from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.planning.motion import Limits, candidates_of, limits_of
 from friction_audit.planning.plan import JointPlan, plan_task
 from friction_audit.planning.task import Joint, Task, task_of
+from friction_audit.reporting.plan import Recording, plan_lines
 from tests.cli.conftest import Run, run
 
 __all__ = ["run"]
@@ -163,3 +164,25 @@ def test_what_it_refuses(run: Run, tmp_path: Path) -> None:
         assert answer.code == 2, words
         assert "expected" in answer.err or "give" in answer.err
     assert run("plan", source, "--no-check", "--duration", "5").code == 4
+
+
+def test_a_drift_is_sought_at_both_ends_of_the_time() -> None:
+    numbers = {"drift_1_nm": 0.15, "drift_2_nm": 0.0, "drift_3_nm": 0.0, "drift_4_nm": 0.0, "drift_waves": 1.0}
+    effects = [{"name": "torque_drift", "alternatives": ("asymmetric_coulomb", "torque_bias"), "parameters": numbers}]
+    found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}
+    plan = plan_task(task_of(found, True, 0.0), limits(slowest_rad_s=0.05), 120.0)
+    assert plan.duration_s == pytest.approx(120.0)
+    assert sum(run.duration_s for run in plan.runs) < 0.15 * 120.0
+    t, _, dq, _ = plan.trajectory(100.0)
+    moved = t[np.abs(dq) > 0.0]
+    gap = int(np.argmax(np.diff(moved)))
+    assert moved[gap] < 20.0
+    assert moved[gap + 1] > 100.0
+    assert moved[gap + 1] - moved[gap] == pytest.approx(plan.rest_s, abs=1.0)
+    half = len(plan.motion.strokes) // 2
+    assert [one.way_rad for one in plan.motion.strokes[:half]] == [one.way_rad for one in plan.motion.strokes[half:]]
+    assert all(one.decided for one in plan.answers), plan.answers
+    short = plan_task(plan.task, plan.limits, 45.0, check=False)  # no time for both ends
+    assert (short.rest_s, len(short.runs) >= 3) == (0.0, True)
+    text = plan_lines([Recording("decide", (plan,), ())], [])
+    assert any("s, and all of it once more" in line for line in text)

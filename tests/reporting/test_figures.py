@@ -29,7 +29,7 @@ from friction_audit.reporting.figures.panels import (
     thin_extremes,
 )
 from friction_audit.reporting.figures.registry import FIGURES, Figure
-from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, save_figure
+from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, load_style, save_figure
 from tests.reporting import batch_by_hand, diagnosed_rows
 from tests.reporting.conftest import build_estimate
 
@@ -101,7 +101,7 @@ def test_dollar_signs_in_a_name_are_no_mathematics(kind: Figure, tmp_path: Path)
 
 @EVERY
 def test_numbers_of_axes_are_mathematics_in_the_fonts_of_latex(kind: Figure, tmp_path: Path) -> None:
-    token = STYLE.set("latex")
+    token = STYLE.set(load_style("latex"))
     try:
         figure = kind.draw(result_of(kind.result), 1)
         save_figure(figure, tmp_path / "figure.svg")

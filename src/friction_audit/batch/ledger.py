@@ -195,10 +195,12 @@ class Ledger:
         with self._transaction():
             for table in rows.TABLES:
                 self._database.execute(table)
-            if "digest" not in {column["name"] for column in self._ask("PRAGMA table_info(sessions)")}:
-                # A ledger of schema 1: its sessions are of older results, which are never asked for again.
-                self._database.execute("ALTER TABLE sessions ADD COLUMN digest TEXT NOT NULL DEFAULT ''")
-                self._database.execute("DELETE FROM meta WHERE key = 'reported'")
+            held = {column["name"] for column in self._ask("PRAGMA table_info(sessions)")}
+            for name, default in (("digest", "''"), ("codes", "'[]'")):
+                if name not in held:
+                    # An older schema: its sessions are of older results, which are never asked for again.
+                    self._database.execute(f"ALTER TABLE sessions ADD COLUMN {name} TEXT NOT NULL DEFAULT {default}")
+                    self._database.execute("DELETE FROM meta WHERE key = 'reported'")
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
 

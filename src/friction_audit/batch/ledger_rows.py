@@ -14,14 +14,14 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 Row = dict[str, Any]
 
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
-SCHEMA_VERSION = 2  # in user_version; raised with every change below
+SCHEMA_VERSION = 3  # in user_version; raised with every change below
 COLUMNS = {
     "sessions": """sha256 TEXT NOT NULL, settings TEXT NOT NULL, topic TEXT NOT NULL,
         path TEXT NOT NULL, robot TEXT NOT NULL, start_s REAL, start_from TEXT NOT NULL, duration_s REAL NOT NULL,
         drive TEXT NOT NULL, torque TEXT NOT NULL, gravity TEXT NOT NULL, inertia TEXT NOT NULL,
         payload TEXT NOT NULL, rate_hz REAL NOT NULL, temperature_c REAL, note TEXT NOT NULL,
         kind TEXT NOT NULL, told_robot TEXT NOT NULL, told_by_serial INTEGER NOT NULL, told_start_s REAL,
-        damaged INTEGER NOT NULL, warnings TEXT NOT NULL""",
+        damaged INTEGER NOT NULL, warnings TEXT NOT NULL, codes TEXT NOT NULL DEFAULT '[]'""",
     "joints": """session INTEGER NOT NULL REFERENCES sessions (id), joint INTEGER NOT NULL, name TEXT NOT NULL,
         cycles INTEGER NOT NULL, moving_s REAL NOT NULL, speed_low_rad_s REAL, speed_median_rad_s REAL,
         speed_high_rad_s REAL, temperature_c REAL, reason TEXT NOT NULL, verdict TEXT, effects TEXT NOT NULL,
@@ -67,7 +67,8 @@ def session_row(recorded: Recorded, settings: str) -> Row:
     """Return the row of a session, its name and start as the log tells them."""
     session, keys = recorded.session, {"settings": settings, "topic": recorded.topic, "kind": recorded.kind}
     known = {"told_robot": session.robot, "told_by_serial": recorded.named_by_serial, "told_start_s": session.start_s}
-    return _held(session) | _held(session.conditions) | keys | known | {"warnings": _json(session.warnings)}
+    lists = {name: _json(getattr(session, name)) for name in ("warnings", "codes")}
+    return _held(session) | _held(session.conditions) | keys | known | lists
 
 
 def joint_rows(key: int, joints: Iterable[JointSummary]) -> Iterator[Row]:
@@ -101,6 +102,7 @@ def recorded_from(
         conditions=Conditions(**{name: row[name] for name in ("drive", "torque", "gravity", "inertia", "rate_hz")}),
         joints=tuple(_joint_from(joint, coefficients.get(joint["joint"], ())) for joint in joints),
         warnings=tuple(json.loads(row["warnings"])),
+        codes=tuple(json.loads(row["codes"])),
         damaged=bool(row["damaged"]),
     )
     return Recorded(session=session, topic=row["topic"], kind=row["kind"], named_by_serial=bool(row["told_by_serial"]))

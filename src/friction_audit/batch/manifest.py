@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # Columns that are read; "path" has to be there. Others may be there, and are left alone.
 COLUMNS = ("path", "start", "robot", "temperature", "payload", "note")
-RESULTS_VERSION = 11  # raised with every change after which the same log gives other numbers: ledgers compute anew
+RESULTS_VERSION = 12  # raised with every change after which the same log gives other numbers: ledgers compute anew
 
 
 def read_manifest(manifest: Path) -> dict[str, ManifestRow]:

@@ -22,8 +22,10 @@ from friction_audit.errors import FrictionAuditError, InputError
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
+from friction_audit.joint_log import Finding
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
+from friction_audit.preprocessing.interaction import Caution
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
@@ -133,15 +135,12 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     """Return what is kept of an estimate."""
     from friction_audit.drift.summarise import summarise_joints
 
-    log, interaction, source, choice = (
-        estimate.log,
-        estimate.interaction,
-        estimate.log.source,
-        estimate.interaction.choice,
-    )
-    noticed = [(one.joint, one.message) for one in source.findings]
-    noticed += [(one.joint, one.message) for one in interaction.warnings]
-    warnings = [message if joint is None else f"joint {joint}: {message}" for joint, message in noticed]
+    log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
+    choice = interaction.choice
+    noticed: tuple[Finding | Caution, ...] = (*source.findings, *interaction.warnings)
+    codes = (one.code for one in (*noticed, *estimate.friction.warnings))
+    unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
+    warnings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in noticed]
     return Session(
         path=source.path,
         sha256=source.sha256,
@@ -158,6 +157,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         ),
         joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
         warnings=tuple(dict.fromkeys(warnings)),
+        codes=tuple(dict.fromkeys((*unit, *codes))),
         damaged=any(finding.damaged for finding in source.findings),
     )
 
@@ -215,6 +215,7 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
             duration_s=float(source["duration_s"]),
             conditions=conditions,
             joints=tuple(_joint(one) for one in document["joints"]),
+            codes=tuple(str(one["code"]) for one in document.get("warnings", ())),
         )
         return Recording(
             session=session,

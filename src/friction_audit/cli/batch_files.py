@@ -3,14 +3,14 @@
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import choices
-from friction_audit.cli.console import DAMAGED, Voice
+from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
 from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ _COUNT = re.compile(r' {2}"(computed|known)": \d+,\n')
 SETTINGS, REPORTED = "reported_settings", "reported"
 MOST_NAMED = 4  # files that a message names; more are counted
 LONGEST_PREFIX = 60  # characters of an arm's name in the names of its files, which may have 255 bytes
-EXCEEDED = 5  # exit code: a limit that the user set is exceeded
 UNTESTABLE = 7  # exit code: the sessions cannot test a limit that the user set
 
 
@@ -42,6 +41,8 @@ class BatchAnswer:
     text: str
     warnings: tuple[str, ...]
     code: int
+    junit: str  # the limits as JUnit; empty without one
+    codes: Mapping[str, Sequence[str]]  # of the warnings of each session that has some, by its path
 
     def text_of(self, standing: "Standing") -> str:
         """Return the text, with what was computed and known in this run."""
@@ -84,14 +85,14 @@ def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice
     note = json.loads(text)
     if note["request"] != _digest(request) or note["files"] != _stamps(folder, note["files"]):
         return None
-    return BatchAnswer(
-        document=folder / DOCUMENT, text=note["text"], warnings=tuple(note["warnings"]), code=note["code"]
-    )
+    held = {name: note[name] for name in ("text", "code", "junit", "codes")}
+    return BatchAnswer(document=folder / DOCUMENT, warnings=tuple(note["warnings"]), **held)
 
 
 def write_results(
     summary: "BatchSummary",
     warnings: tuple[str, ...],
+    junit: str,
     request: object,
     folder: Path,
     formats: list[str],
@@ -113,9 +114,10 @@ def write_results(
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
     text = "".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose))
-    answer = BatchAnswer(document=folder / DOCUMENT, text=text, warnings=warnings, code=_code(summary))
-    note = {"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn]), "text": text}
-    written = json.dumps({**note, "warnings": warnings, "code": answer.code})
+    codes = {session.path: session.codes for session in summary.sessions if session.codes}
+    held: dict[str, Any] = {"text": text, "warnings": warnings, "code": _code(summary), "junit": junit, "codes": codes}
+    answer = BatchAnswer(document=folder / DOCUMENT, **held)
+    written = json.dumps({"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn]), **held})
     ledger.write_note(REPORTED, f"{_digest(written)} {written}")
     return answer
 

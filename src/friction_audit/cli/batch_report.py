@@ -12,21 +12,13 @@ import typer
 
 from friction_audit import __version__
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, remark, say
-from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS
-from friction_audit.cli.options import (
-    PNG,
-    EstimateOptions,
-    FigureFormats,
-    LogOptions,
-    MinEffect,
-    fail_on_option,
-    folder_option,
-)
+from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
+from friction_audit.cli.outputs import check_junit, write_junit
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -47,7 +39,7 @@ EXAMPLES = """Examples:
 
 INTERRUPTED = 130  # exit code: stopped by the user
 # Parameters that change nothing in the numbers; the values of a --config file are written out.
-NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers")
+NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers", "strict", "junit")
 # Modules that writing the results takes, imported while others read logs.
 FOR_RESULTS = (
     "friction_audit.io.writers.tables",
@@ -75,7 +67,7 @@ class SessionOptions:
         ),
     ] = None
     diagnose: Annotated[bool, option(SESSIONS, "Also diagnose each session (slow).", "--diagnose")] = False
-    min_effect: MinEffect = 0.0
+    min_effect: opt.MinEffect = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -86,7 +78,7 @@ class DriftOptions:
         str,
         option(DRIFT, "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.", metavar="K|LIST"),
     ] = "5"
-    fail_on: Annotated[list[str] | None, fail_on_option("coulomb=15%", "drifted", "sessions")] = None
+    fail_on: Annotated[list[str] | None, opt.fail_on_option("coulomb=15%", "drifted", "sessions")] = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -118,22 +110,26 @@ def command(
     sessions: SessionOptions,
     drift: DriftOptions,
     running: RunningOptions,
-    friction: EstimateOptions,
-    shared: LogOptions,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
     logs: Annotated[
         list[str] | None, typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs.")
     ] = None,
-    folder: Annotated[Path, folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures.")] = Path(
+    folder: Annotated[Path, opt.folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures.")] = Path(
         "friction-drift"
     ),
-    formats: FigureFormats = PNG,
+    formats: opt.FigureFormats = opt.PNG,
+    junit: opt.JUnit = None,
+    strict: opt.Strict = False,
 ) -> None:
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.find_logs import as_text
+    from friction_audit.reporting.junit import junit_text
 
     voice = shared.general.voice
     settings = _settings(sessions, friction, shared)
     drift_settings, limits = _drift_settings(drift)
+    check_junit(junit, limits, overwrite=shared.overwrite)
     found = _find(logs or [], sessions.manifest, folder)
     with _ledger(folder, running, voice) as (ledger, alone), _processes(running) as processes:
         if not (shared.overwrite or running.rebuild):
@@ -145,16 +141,21 @@ def command(
             again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
-            answer = write_results(summary, warnings, request, folder, formats, ledger, settings, processes, voice)
+                text = junit_text("batch-report", summary.report, limits) if limits else ""
+            answer = write_results(
+                summary, warnings, text, request, folder, formats, ledger, settings, processes, voice
+            )
     if not shared.general.json:
         voice.warn(answer.warnings)
     for text in answer.document_of(standing) if shared.general.json else (answer.text_of(standing),):
         say(text, nl=False)
+    write_junit(junit, answer.junit, overwrite=shared.overwrite)
+    chain.exit_if_strict(answer.codes, strict=strict)
     if answer.code:
         raise typer.Exit(answer.code)
 
 
-def _settings(sessions: SessionOptions, friction: EstimateOptions, shared: LogOptions) -> "BatchSettings":
+def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: opt.LogOptions) -> "BatchSettings":
     from friction_audit.batch.manifest import BatchSettings
 
     diagnosis = None

@@ -1,7 +1,7 @@
 """Log -> Estimate, as the commands run it: watched, and with the exit codes of the whole program."""
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -13,7 +13,7 @@ import typer
 
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import parse_joints, parse_list, parse_mapping, parse_numbers
-from friction_audit.cli.console import DAMAGED, Voice, remark
+from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice, remark
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.io.files import check_place, keep_input
 from friction_audit.joint_numbers import parse_joint_numbers
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from friction_audit.reporting.notices import Notice, Reasoned
 
 
+MOST_NAMED = 5  # logs that a message names; more are counted
 BUG = 1  # exit code: part of the result is missing because of a bug
 
 
@@ -89,7 +90,7 @@ def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, ma
 
     hidden = {*TABLED, *(() if voice.verbose else minor(log))}
     shown = [notice for notice in notices if notice.code not in hidden]
-    data, physics = (notice_lines(one for one in shown if is_physics(one, log) is wanted) for wanted in (False, True))
+    data, physics = (notice_lines(one for one in shown if is_physics(one.code) is wanted) for wanted in (False, True))
     kinds = [count_of(len(lines), f"{kind} warning") for lines, kind in ((data, "data"), (physics, "physics")) if lines]
     legend = f" (marked {MARK} below the table)" if marked and physics else ""
     lines = data if marked else data + physics
@@ -108,6 +109,30 @@ def require_one(log: "JointLog", joints: "Sequence[Reasoned]", lack: str) -> Non
     if all(joint.reason for joint in joints):
         lines = "".join(f"\n  {line}" for line in reason_lines(joints))
         raise AnalysisError(f"{log.source.path}: {lack}:{lines}")
+
+
+def conclude(log: "JointLog", notices: "Iterable[Notice]", *, strict: bool) -> None:
+    """Exit with the code for a result that stands: with doubts if that is asked for, or with input missing from it."""
+    exit_if_strict({log.source.path: [one.code for one in notices]}, strict=strict)
+    exit_if_damaged(log)
+
+
+def exit_if_strict(codes: Mapping[str, Iterable[str]], *, strict: bool) -> None:
+    """If asked to, exit with the code of a limit where warnings of a log, by its path, are about the physics."""
+    from friction_audit.reporting.notices import AS_ASKED, is_physics
+
+    doubts = [
+        (path, dict.fromkeys(code for code in some if is_physics(code) and code not in AS_ASKED))
+        for path, some in codes.items()
+    ]
+    lines = [f"{path}: {', '.join(some)}" for path, some in doubts if some]
+    if strict and lines:
+        more = f"; and {len(lines) - MOST_NAMED} more" if len(lines) > MOST_NAMED else ""
+        remark(
+            f"error: --strict: warnings about the physics: {'; '.join(lines[:MOST_NAMED])}{more}; expected none; the "
+            "results are complete; do what the warnings say, or leave out --strict"
+        )
+        raise typer.Exit(EXCEEDED)
 
 
 def is_damaged(log: "JointLog") -> bool:
@@ -183,21 +208,12 @@ def torque_settings(torque: opt.TorqueOptions, robot: str) -> "TorqueSettings":
     """Return how the interaction torque is made."""
     from friction_audit.preprocessing.settings import TorqueSettings
 
-    payload: Any = torque.payload
-    if payload is not None:
-        payload = parse_numbers("--payload", payload, ("mass", "x", "y", "z"))
-    vector: Any = parse_numbers("--gravity-vector", torque.gravity_vector, ("x", "y", "z"))
-    return TorqueSettings(
-        torque=torque.torque,
-        gravity=torque.gravity,
-        inertia=torque.inertia,
-        drive=torque.drive,
-        robot=robot,
-        urdf=torque.urdf,
-        payload=payload,
-        gravity_vector=vector,
-        model_rate_hz=torque.model_rate,
-    )
+    own: dict[str, Any] = asdict(torque)
+    own["model_rate_hz"] = own.pop("model_rate")
+    own["gravity_vector"] = parse_numbers("--gravity-vector", torque.gravity_vector, ("x", "y", "z"))
+    if torque.payload is not None:
+        own["payload"] = parse_numbers("--payload", torque.payload, ("mass", "x", "y", "z"))
+    return TorqueSettings(robot=robot, **own)
 
 
 def cycle_settings(cycles: opt.CycleOptions) -> "CycleSettings":
@@ -231,5 +247,5 @@ def audit_settings(options: opt.LogOptions, estimate: opt.EstimateOptions | None
         t_stop_s=selection.t_end,
         torque=torque_settings(options.torque, options.reading.robot),
         cycles=cycle_settings(options.cycles),
-        friction=FrictionSettings(estimator=estimate.estimator, model=estimate.model, window=estimate.window),
+        friction=FrictionSettings(**asdict(estimate)),
     )

@@ -13,7 +13,7 @@ import typer
 from friction_audit.effects import registry
 from friction_audit.errors import UsageError, printable
 from friction_audit.joint_numbers import parse_joint_numbers
-from friction_audit.reporting.figures import style
+from friction_audit.reporting.figures import style as figure_style
 from friction_audit.reporting.figures.registry import figure_names
 
 # Their modules load numerics, and the help shows them: a test holds them equal.
@@ -26,7 +26,7 @@ DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drif
 DIFF_FIGURES = figure_names("diff")
 PLOTTED = figure_names("estimate", "replay", "diagnosis")
 ALL = "all"
-EFFECTS, IMAGE_FORMATS = registry.NAMES, style.FORMATS
+EFFECTS, IMAGE_FORMATS = registry.NAMES, figure_style.FORMATS
 EXPORTS = ("mcap", "csv", "parquet")
 
 
@@ -103,6 +103,12 @@ def _some(names: Sequence[str]) -> Callable[[list[str]], list[str]]:
         return list(dict.fromkeys(chosen))
 
     return check
+
+
+def style(name: str) -> str:
+    """Draw the figures of this command in a style."""
+    figure_style.STYLE.set(figure_style.load_style(name))
+    return name
 
 
 def some_figures(wanted: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:

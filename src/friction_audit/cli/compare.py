@@ -8,8 +8,8 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
-from friction_audit.cli.figure_files import save_figures
-from friction_audit.cli.grouped_help import COMPARISON
+from friction_audit.cli.grouped_help import COMPARISON, GENERAL
+from friction_audit.cli.outputs import save_figures
 from friction_audit.cli.simulate import changed
 
 if TYPE_CHECKING:
@@ -75,6 +75,7 @@ def command(
     general: opt.GeneralOptions,
     figures: Annotated[list[str], opt.figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
     formats: opt.FigureFormats = opt.PNG,
+    style: Annotated[str, opt.style_option(GENERAL)] = "sans",  # noqa: ARG001 - its callback acts on it
     folder: opt.FigureFolder = Path("compared"),
     overwrite: opt.Overwrite = False,
 ) -> None:

@@ -6,18 +6,11 @@ from typing import Annotated
 import typer
 
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import read_options
 from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import OUTPUT
-from friction_audit.cli.options import (
-    GeneralOptions,
-    LogPath,
-    Overwrite,
-    ReadingOptions,
-    SelectionOptions,
-    dialect_option,
-)
 from friction_audit.cli.outputs import show_written
 from friction_audit.errors import UsageError
 
@@ -41,18 +34,18 @@ def _list_dialects(wanted: bool) -> None:
 
 
 def command(
-    log: LogPath,
+    log: opt.LogPath,
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The new log; its suffix chooses the format.")],
-    selection: SelectionOptions,
-    reading: ReadingOptions,
-    general: GeneralOptions,
+    selection: opt.SelectionOptions,
+    reading: opt.ReadingOptions,
+    general: opt.GeneralOptions,
     dialect: Annotated[
-        str | None, dialect_option(OUTPUT, "One of --list-dialects. Default: the first one with OUT's suffix.")
+        str | None, opt.dialect_option(OUTPUT, "One of --list-dialects. Default: the first one with OUT's suffix.")
     ] = None,
     list_dialects: Annotated[  # noqa: ARG001 - its callback acts on it
         bool, option(OUTPUT, "List the dialects and stop.", "--list-dialects", callback=_list_dialects, is_eager=True)
     ] = False,
-    overwrite: Overwrite = False,
+    overwrite: opt.Overwrite = False,
 ) -> None:
     """Convert a log to Parquet, CSV, MCAP, NumPy or a ROS bag."""
     from friction_audit.io.writers.write_log import choose_writer, write_log

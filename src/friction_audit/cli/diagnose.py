@@ -61,19 +61,22 @@ def command(
     log: opt.LogPath,
     options: DiagnosisOptions,
     shared: opt.LogOptions,
+    drawn: opt.FigureOptions,
     folder: Annotated[
         Path | None, opt.folder_option(f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR.")
     ] = None,
     figures: Annotated[list[str], opt.figures_option(choices.DIAGNOSIS_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
-    formats: opt.FigureFormats = opt.PNG,
     export: opt.Exports = opt.NO_EXPORT,
+    strict: opt.Strict = False,
 ) -> None:
     """Name the effects that the model of each joint misses."""
     voice = shared.general.voice
     audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)
     settings = _settings(options)
     kinds, again = choices.some_figures(figures, choices.DIAGNOSIS_FIGURES), shared.overwrite
-    out = ResultFolder(folder=folder, name="diagnose", figures=kinds, formats=formats, exports=export, overwrite=again)
+    out = ResultFolder(
+        folder=folder, name="diagnose", figures=kinds, formats=drawn.formats, exports=export, overwrite=again
+    )
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
     with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "scipy.signal"):
@@ -107,7 +110,7 @@ def command(
         out.write_exports(diagnose_tables(found), recorded, stages)
     show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
     chain.exit_for_bugs(joint_bugs(found), voice)
-    chain.exit_if_damaged(recorded)
+    chain.conclude(recorded, diagnose_notices(found), strict=strict)
 
 
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":

@@ -8,21 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
-from friction_audit.cli.batch_files import EXCEEDED, UNTESTABLE
+from friction_audit.cli import options as opt
+from friction_audit.cli.batch_files import UNTESTABLE
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import parse_joints
-from friction_audit.cli.console import DAMAGED, Voice
-from friction_audit.cli.figure_files import write_figures
-from friction_audit.cli.options import (
-    PNG,
-    EstimateOptions,
-    FigureFormats,
-    LogOptions,
-    fail_on_option,
-    figures_option,
-    folder_option,
-)
-from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
+from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_figures, write_junit
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -43,23 +34,27 @@ HELP = f"A log, an {RESULT}, or a folder of logs or of results."
 def command(
     before: Annotated[Path, typer.Argument(metavar="BEFORE", help=HELP)],
     after: Annotated[Path, typer.Argument(metavar="AFTER", help="Likewise.")],
-    friction: EstimateOptions,
-    shared: LogOptions,
-    folder: Annotated[Path | None, folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR.")] = None,
-    figures: Annotated[list[str], figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    formats: FigureFormats = PNG,
-    fail_on: Annotated[list[str] | None, fail_on_option("coulomb=10%", "changed", "recordings")] = None,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
+    drawing: opt.FigureOptions,
+    folder: Annotated[Path | None, opt.folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR.")] = None,
+    figures: Annotated[list[str], opt.figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    fail_on: Annotated[list[str] | None, opt.fail_on_option("coulomb=10%", "changed", "recordings")] = None,
+    junit: opt.JUnit = None,
+    strict: opt.Strict = False,
 ) -> None:
     """Compare the friction of logs before and after, per joint."""
     from friction_audit.drift.report import parse_limit
     from friction_audit.drift.two_sides import compare_sides
+    from friction_audit.reporting.diff import diff_notices
 
     voice = shared.general.voice
     limits = tuple(parse_limit(text) for text in fail_on or ())
     kinds = choices.some_figures(figures, choices.DIFF_FIGURES)
-    out = ResultFolder(folder=folder, name="diff", figures=kinds, formats=formats, overwrite=shared.overwrite)
+    out = ResultFolder(folder=folder, name="diff", figures=kinds, formats=drawing.formats, overwrite=shared.overwrite)
     for source in (before, after):
         out.check(source, (DOCUMENT, TABLE))
+    check_junit(junit, limits, overwrite=shared.overwrite)
     recordings, left_out = [], []
     for source in (before, after):
         found, lost = _recordings(source, shared, friction, folder, voice)
@@ -67,13 +62,21 @@ def command(
         left_out += lost
     with voice.step("compare"):
         sides = compare_sides(*recordings)
-    code = _report(sides, limits, left_out, out, shared, friction)
+    notices = (*left_out, *diff_notices(sides))
+    code = _report(sides, limits, notices, out, shared, friction)
+    if junit is not None:
+        from friction_audit.reporting.junit import junit_text
+
+        write_junit(junit, junit_text("diff", sides.report, limits, sides.unit), overwrite=shared.overwrite)
+    own = ("the comparison", [one.code for one in notices])
+    every = ((one.session.path, one.session.codes) for one in (*sides.before, *sides.after))
+    chain.exit_if_strict(dict([own, *every]), strict=strict)
     if code:
         raise typer.Exit(code)
 
 
 def _recordings(
-    source: Path, shared: LogOptions, friction: EstimateOptions, folder: Path | None, voice: Voice
+    source: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, folder: Path | None, voice: Voice
 ) -> "tuple[list[Recording], list[Notice]]":
     """Return the recordings of a side, and which of several logs were left out."""
     from friction_audit.batch.find_logs import find_logs
@@ -100,7 +103,7 @@ def _recordings(
     return found, lost
 
 
-def _of_log(path: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Recording":
+def _of_log(path: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, voice: Voice) -> "Recording":
     from friction_audit.batch.work import recording_of
     from friction_audit.reporting.notices import estimate_notices
 
@@ -123,19 +126,18 @@ def _of_result(path: Path, wanted: tuple[int, ...] | None) -> "Recording":
 def _report(
     sides: "TwoSides",
     limits: "Sequence[Limit]",
-    left_out: "Sequence[Notice]",
+    warnings: "Sequence[Notice]",
     out: ResultFolder,
-    shared: LogOptions,
-    friction: EstimateOptions,
+    shared: opt.LogOptions,
+    friction: opt.EstimateOptions,
 ) -> int:
-    from friction_audit.reporting.diff import changes_table, diff_document, diff_lines, diff_notices
+    from friction_audit.reporting.diff import changes_table, diff_document, diff_lines
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.drift_words import limit_sentences
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.words import in_unit
 
     voice, json = shared.general.voice, shared.general.json
-    warnings = (*left_out, *diff_notices(sides))
     beyond, unknown = ([in_unit(text, sides.unit) for text in some] for some in limit_sentences(sides.report, limits))
     settings = asdict(audit_settings(shared, friction))
     document = write_document(diff_document(sides, settings, warnings, beyond, unknown))
@@ -153,4 +155,4 @@ def _report(
     if beyond or unknown:
         return EXCEEDED if beyond else UNTESTABLE
     damaged = any(one.session.damaged for one in (*sides.before, *sides.after))
-    return DAMAGED if left_out or damaged else 0
+    return DAMAGED if damaged or any(one.code == "log_left_out" for one in warnings) else 0

@@ -22,18 +22,21 @@ def command(
     log: opt.LogPath,
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
+    drawn: opt.FigureOptions,
     folder: Annotated[
         Path | None, opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")
     ] = None,
     figures: Annotated[list[str], opt.figures_option(choices.FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    formats: opt.FigureFormats = opt.PNG,
     export: opt.Exports = opt.NO_EXPORT,
+    strict: opt.Strict = False,
 ) -> None:
     """Estimate friction per joint over time, with 95 % intervals."""
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     kinds, again = choices.some_figures(figures, choices.FIGURES), shared.overwrite
-    out = ResultFolder(folder=folder, name="estimate", figures=kinds, formats=formats, exports=export, overwrite=again)
+    out = ResultFolder(
+        folder=folder, name="estimate", figures=kinds, formats=drawn.formats, exports=export, overwrite=again
+    )
     out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
@@ -57,4 +60,4 @@ def command(
         if export:
             out.write_exports(estimate_tables(result), recorded, stages)
     show(text, lambda: estimate_lines(result), json=json)
-    chain.exit_if_damaged(recorded)
+    chain.conclude(recorded, estimate_notices(result), strict=strict)

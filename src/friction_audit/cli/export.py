@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings
 from friction_audit.cli.choices import option, parse_joints, parse_numbers
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import OUTPUT
-from friction_audit.cli.options import EstimateOptions, LogOptions
 from friction_audit.cli.outputs import show
 from friction_audit.errors import UsageError
 
@@ -29,6 +29,9 @@ EXAMPLES = """Examples:
 class ExportOptions:
     """How friction is written."""
 
+    arm: Annotated[
+        str | None, option(OUTPUT, "Arm of a batch whose reference is exported. Default: the only one.", metavar="NAME")
+    ] = None
     into: Annotated[
         Path | None,
         option(
@@ -60,18 +63,21 @@ class ExportOptions:
 def command(
     source: Annotated[
         Path,
-        typer.Argument(metavar="SOURCE", help="A log, an estimate.json, a model.toml, or a folder that holds one."),
+        typer.Argument(
+            metavar="SOURCE",
+            help="A log, an estimate.json, a model.toml, a batch.json or its ledger, or a folder that holds one.",
+        ),
     ],
     out: Annotated[
-        Path, typer.Argument(metavar="OUT", help="File to write: .urdf, .xml, .sdf, .usda, .py, .hpp, .yaml or .csv.")
+        Path,
+        typer.Argument(metavar="OUT", help="File to write: .urdf, .xml, .sdf, .usda, .py, .hpp or .h, .yaml or .csv."),
     ],
     options: ExportOptions,
-    friction: EstimateOptions,
-    shared: LogOptions,
+    friction: opt.EstimateOptions,
+    shared: opt.LogOptions,
 ) -> None:
     """Export friction to a file of a simulator or a controller."""
-    from friction_audit.export.export import ExportSettings, export_friction
-    from friction_audit.export.registry import choose_target, read_into
+    from friction_audit.export.export import ExportSettings, choose_target, export_friction, read_into
     from friction_audit.export.source import of_estimate, read_result, result_file
 
     voice = shared.general.voice
@@ -86,8 +92,10 @@ def command(
         overwrite=shared.overwrite,
     )
     result = result_file(source)
+    if options.arm is not None and result is None:
+        raise UsageError(f"--arm {options.arm}: is for a result of batch-report; choose an arm of a log with --topic")
     estimate = _estimate(source, shared, friction, voice) if result is None else None
-    joints = of_estimate(estimate) if estimate else read_result(result or source)
+    joints = of_estimate(estimate) if estimate else read_result(result or source, options.arm)
     with voice.step(f"write {out}"):
         export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
     from friction_audit.reporting.documents import write_document
@@ -104,7 +112,7 @@ def command(
         chain.exit_if_damaged(estimate.log)
 
 
-def _estimate(source: Path, shared: LogOptions, friction: EstimateOptions, voice: Voice) -> "Estimate":
+def _estimate(source: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, voice: Voice) -> "Estimate":
     settings = audit_settings(shared, friction)
     with chain.loading("friction_audit.friction.estimate"):
         log = chain.read_torque(source, shared, voice)

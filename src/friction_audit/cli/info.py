@@ -2,22 +2,16 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import cycle_settings, read_options, torque_settings
 from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.grouped_help import READING
-from friction_audit.cli.options import (
-    CycleOptions,
-    GeneralOptions,
-    ReadingOptions,
-    SelectionOptions,
-    TorqueOptions,
-)
 from friction_audit.errors import FrictionAuditError
 
 if TYPE_CHECKING:
@@ -37,11 +31,11 @@ EXAMPLES = """Examples:
 
 def command(
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Log files, or directories of ROS 2 bags.")],
-    selection: SelectionOptions,
-    reading: ReadingOptions,
-    torque: TorqueOptions,
-    cycles: CycleOptions,
-    general: GeneralOptions,
+    selection: opt.SelectionOptions,
+    reading: opt.ReadingOptions,
+    torque: opt.TorqueOptions,
+    cycles: opt.CycleOptions,
+    general: opt.GeneralOptions,
     full: Annotated[
         bool, option(READING, f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", "--full")
     ] = False,
@@ -49,7 +43,8 @@ def command(
     """Summarise logs: format, channels, clock, joints, cycles."""
     voice = general.voice
     options = read_options(reading, selection)
-    view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles), full=full)
+    joints = parse_joints(selection.joints)
+    view = _View(joints, torque_settings(torque, reading.robot), cycle_settings(cycles), full)
     failures: list[FrictionAuditError] = []
     entries = [_entry(path, options, view, voice, failures) for path in logs]
     _print(entries, voice, json=general.json)
@@ -59,14 +54,13 @@ def command(
         raise typer.Exit(DAMAGED)
 
 
-class _View:
+class _View(NamedTuple):
     """What of a log is looked at, and how."""
 
-    def __init__(
-        self, selection: SelectionOptions, torque: "TorqueSettings", cycles: "CycleSettings", *, full: bool
-    ) -> None:
-        self.joints, self.full = parse_joints(selection.joints), full
-        self.torque, self.cycles = torque, cycles
+    joints: tuple[int, ...] | None
+    torque: "TorqueSettings"
+    cycles: "CycleSettings"
+    full: bool
 
 
 def _entry(

@@ -10,9 +10,8 @@ import typer
 from friction_audit.cli import choices
 from friction_audit.cli import grouped_help as panel
 from friction_audit.cli.choices import option
-from friction_audit.cli.config import load_config
 from friction_audit.cli.console import Voice
-from friction_audit.cli.grouped_help import show_every_option
+from friction_audit.cli.grouped_help import load_config, show_every_option
 from friction_audit.friction.settings import ESTIMATORS, MODELS
 from friction_audit.preprocessing import settings
 
@@ -23,6 +22,22 @@ NO_EXPORT: list[str] = []
 FigureFormats = Annotated[
     list[str], option(panel.FIGURE_FILES, "Formats of the figures.", "--figure-format", some_of=choices.IMAGE_FORMATS)
 ]
+
+
+def style_option(heading: str) -> object:
+    """Return the option that chooses the rcParams of the figures."""
+    text = "sans; ieee or latex: fonts of a paper or of LaTeX; a style of matplotlib, or a style sheet."
+    return option(heading, text, metavar="NAME|FILE.mplstyle", callback=choices.style)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FigureOptions:
+    """How figures are drawn."""
+
+    formats: FigureFormats = ("png",)  # type: ignore[assignment] # a dataclass takes no list
+    style: Annotated[str, style_option(panel.FIGURE_FILES)] = "sans"
+
+
 Exports = Annotated[
     list[str],
     option(
@@ -42,6 +57,18 @@ MinEffect = Annotated[
         "--min-effect",
         metavar="NM",
         min=0.0,
+    ),
+]
+
+
+JUnit = Annotated[
+    Path | None,
+    option(
+        panel.DRIFT,
+        "Write the limits as JUnit, a test case per joint and limit: a failure where it is exceeded, an error where it "
+        "cannot be tested.",
+        "--junit",
+        metavar="FILE.xml",
     ),
 ]
 
@@ -77,6 +104,9 @@ def folder_option(text: str) -> object:
 FigureFolder = Annotated[Path, folder_option("Folder of the figures.")]
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A log file, or the directory of a ROS 2 bag.")]
 Overwrite = Annotated[bool, option(panel.GENERAL, "Replace files that exist.", "--overwrite")]
+Strict = Annotated[
+    bool, option(panel.GENERAL, "Exit with 5, when all is written, if a warning is about the physics.", "--strict")
+]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,17 +1,20 @@
-"""What a command makes of one result: documents, figures and tables in a folder, and text on standard output."""
+"""What a command makes of a result: documents, figures and tables in a folder, and text on standard output."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.errors import UsageError
+from friction_audit.reporting.figures.registry import FIGURES
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from friction_audit.io.tidy_table import TidyTable
     from friction_audit.joint_log import JointLog
 
@@ -96,6 +99,26 @@ class ResultFolder:
         return self.exported([table.name for table in tables])
 
 
+def check_junit(path: Path | None, limits: Sequence[object], *, overwrite: bool) -> None:
+    """Refuse a file of limits that could not be written or may be a log, or for which there are no limits."""
+    if path is None:
+        return
+    if path.suffix.lower() != ".xml":
+        raise UsageError(f"--junit {path}: ending {path.suffix or 'missing'}: expected .xml; rename it")
+    if not limits:
+        raise UsageError(f"--junit {path}: there is no limit to write; give one with --fail-on, e.g. coulomb=15%")
+    check_outputs([path], overwrite=overwrite)
+
+
+def write_junit(path: Path | None, text: str, *, overwrite: bool) -> None:
+    """Write the limits, if they are to be written."""
+    from friction_audit.io.files import whole_file
+
+    if path is not None:
+        with whole_file(path, overwrite=overwrite) as draft:
+            draft.write_text(text, encoding="utf-8")
+
+
 def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voice, *, json: bool) -> None:
     """Print the document of files that were written, or its warnings and the files."""
     from friction_audit.reporting.documents import write_document
@@ -111,3 +134,82 @@ def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voic
 def show(document: str, lines: Callable[[], Iterable[str]], *, json: bool) -> None:
     """Print the document, or the table for people."""
     say(document if json else "\n".join(lines()), nl=not json)
+
+
+class FigureFile(NamedTuple):
+    """A figure written: its kind, its joint (None: all of them) and its path."""
+
+    kind: str
+    joint: int | None
+    path: Path
+
+
+def possible_files(folder: Path, kinds: Sequence[str], formats: Sequence[str]) -> list[Path]:
+    """Return the files that figures of these kinds would replace, whichever joints there are; known before reading."""
+    sheets = [folder / f"{kind}.{suffix}" for kind in kinds for suffix in formats]
+    single = [path for kind in kinds for suffix in formats for path in folder.glob(f"{kind}-joint[0-9]*.{suffix}")]
+    return sheets + sorted(single)
+
+
+def write_figures(
+    results: Mapping[str, object],
+    kinds: Sequence[str],
+    numbers: Sequence[int],
+    folder: Path,
+    formats: Sequence[str],
+    *,
+    overwrite: bool,
+    voice: Voice,
+    unit: str,
+    each_joint: bool = False,
+) -> list[FigureFile]:
+    """Draw all joints on a sheet and, if asked for, each joint alone; several at a time where a process may be copied.
+
+    The results are given by name, the formats as suffixes.
+    """
+    from friction_audit.io.files import whole_file
+    from friction_audit.parallel import in_processes, workers_for
+    from friction_audit.reporting.figures.style import load_matplotlib
+
+    # A sheet of one joint is that joint's figure.
+    sheet = numbers[0] if len(numbers) == 1 else None
+    alone = numbers if each_joint and sheet is None else ()
+    drawn = [kind.name for kind in FIGURES if kind.result in results and kind.name in kinds]
+    tasks = [
+        FigureFile(kind, joint, folder / name)
+        for kind in drawn
+        for joint, name in ((sheet, kind), *((number, f"{kind}-joint{number}") for number in alone))
+    ]
+    load_matplotlib(formats)  # once, and not by every copy
+    contents = in_processes(partial(_content, results, tasks, formats, unit), len(tasks), workers_for(len(tasks)))
+    files = []
+    for task in tasks:
+        with voice.step(f"draw {task.path.name}"):
+            for suffix, content in zip(formats, next(contents), strict=True):
+                path = Path(f"{task.path}.{suffix}")
+                with whole_file(path, overwrite=overwrite) as draft:
+                    draft.write_bytes(content)
+                files.append(task._replace(path=path))
+    return files
+
+
+def _content(
+    results: Mapping[str, object], tasks: Sequence[FigureFile], formats: Sequence[str], unit: str, number: int
+) -> list[bytes]:
+    from friction_audit.reporting.figures.panels import label_in_unit
+    from friction_audit.reporting.figures.style import figure_bytes
+
+    task = tasks[number]
+    kind = next(kind for kind in FIGURES if kind.name == task.kind and kind.result in results)
+    figure = label_in_unit(kind.draw(results[kind.result], task.joint), unit)
+    return [figure_bytes(figure, suffix) for suffix in formats]
+
+
+def save_figures(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
+    """Write a figure to several files, in the formats that their suffixes name."""
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.figures.style import save_figure
+
+    for path in paths:
+        with whole_file(path, overwrite=overwrite) as draft:
+            save_figure(figure, draft)

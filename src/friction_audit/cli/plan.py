@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings
 from friction_audit.cli.choices import option, parse_joints, parse_numbers
 from friction_audit.cli.grouped_help import GENERAL, MOTION
-from friction_audit.cli.options import LogOptions, folder_option
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.errors import InputError, UsageError
 
@@ -55,12 +55,12 @@ class MotionOptions:
 
 def command(
     motion: MotionOptions,
-    shared: LogOptions,
+    shared: opt.LogOptions,
     source: Annotated[
         Path | None, typer.Argument(metavar="[SOURCE]", help="A log, a diagnose.json or an estimate.json.")
     ] = None,
     folder: Annotated[
-        Path | None, folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR.")
+        Path | None, opt.folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR.")
     ] = None,
 ) -> None:
     """Plan the motion that separates ambiguous effects."""
@@ -105,7 +105,7 @@ def command(
     show(document, lambda: plan_lines(recordings, settled), json=shared.general.json)
 
 
-def _tasks(source: Path | None, motion: MotionOptions, shared: LogOptions) -> "tuple[Arm, list[Task]]":
+def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -> "tuple[Arm, list[Task]]":
     """Return the arm and what its joints need; where nothing is to be decided, the best recordings of the first one."""
     from friction_audit.io.files import read_document
     from friction_audit.planning.task import Joint, Task, arm_of, tasks_of
@@ -139,7 +139,7 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: LogOptions) -> "t
     return arm, [*(tasks if source else []), *best]
 
 
-def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: LogOptions) -> "tuple[Arm, list[Task]]":
+def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: opt.LogOptions) -> "tuple[Arm, list[Task]]":
     import numpy as np
 
     from friction_audit.diagnosis.diagnose import diagnose_subjects

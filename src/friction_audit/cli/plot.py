@@ -7,10 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.figure_files import possible_files, write_figures
-from friction_audit.cli.grouped_help import OUTPUT
+from friction_audit.cli.outputs import possible_files, write_figures
 
 if TYPE_CHECKING:
     from friction_audit.pipeline import Estimate
@@ -25,39 +23,30 @@ def command(
     log: opt.LogPath,
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
+    drawn: opt.FigureOptions,
     figures: Annotated[list[str], opt.figures_option(choices.PLOTTED)] = ["velocity-torque"],  # noqa: B006 - Typer copies it
-    formats: opt.FigureFormats = opt.PNG,
     folder: opt.FigureFolder = Path("figures"),
     min_effect: opt.MinEffect = 0.0,
-    style: Annotated[
-        str,
-        option(
-            OUTPUT,
-            "Fonts: sans, those of an IEEE paper, or those of LaTeX.",
-            "--style",
-            one_of=("sans", "ieee", "latex"),
-        ),
-    ] = "sans",
+    strict: opt.Strict = False,
 ) -> None:
     """Draw figures for a paper: all joints, and each joint alone."""
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     kinds = choices.some_figures(figures, choices.PLOTTED)
-    chain.check_outputs(possible_files(folder, kinds, formats), overwrite=shared.overwrite, log=log)
+    chain.check_outputs(possible_files(folder, kinds, drawn.formats), overwrite=shared.overwrite, log=log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
+    from friction_audit.reporting.notices import estimate_notices
+
+    warnings = estimate_notices(result)
     if not shared.general.json:
-        from friction_audit.reporting.notices import estimate_notices
+        chain.warn_about(result.log, warnings, voice)
 
-        chain.warn_about(result.log, estimate_notices(result), voice)
-    from friction_audit.reporting.figures.style import STYLE
-
-    STYLE.set(style)
     files = write_figures(
         _results(result, kinds, min_effect, voice),
         kinds,
         result.interaction.joint_numbers,
         folder,
-        formats,
+        drawn.formats,
         overwrite=shared.overwrite,
         voice=voice,
         unit=result.log.source.torque_unit,
@@ -71,7 +60,7 @@ def command(
     else:
         for file in files:
             say(str(file.path))
-    chain.exit_if_damaged(result.log)
+    chain.conclude(result.log, warnings, strict=strict)
 
 
 def _results(result: "Estimate", kinds: Sequence[str], min_effect: float, voice: Voice) -> dict[str, object]:

@@ -12,12 +12,11 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.config import command_line
 from friction_audit.cli.console import say
 from friction_audit.cli.diagnose import joint_bugs
-from friction_audit.cli.grouped_help import OUTPUT
+from friction_audit.cli.grouped_help import OUTPUT, command_line
 from friction_audit.cli.outputs import ResultFolder
-from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
+from friction_audit.cli.replay import ReplayOptions, replay_settings
 
 EXAMPLES = """Examples:
   friction-audit report run.mcap
@@ -32,7 +31,7 @@ FORMATS = tuple(choices.REPORT_FORMATS)
 LENGTHS = {"read": 2.0, "friction": 2.0, "compensator": 1.0, "diagnosis": 15.0}  # as on a log of 21 s, seven joints
 DRAWING, WRITING = 15.0, 2.0  # likewise: the first file has to wait for the figures
 # Parameters that change nothing in the report; the values of a --config file are written out.
-NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config")
+NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config", "strict")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -69,6 +68,7 @@ def command(
         ),
     ] = None,
     export: opt.Exports = opt.NO_EXPORT,
+    strict: opt.Strict = False,
 ) -> None:
     """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice
@@ -114,7 +114,7 @@ def command(
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)
-    chain.exit_if_damaged(recorded)
+    chain.conclude(recorded, made.report_notices(report), strict=strict)
 
 
 def _lengths(sections: Sequence[str], written: int) -> list[float]:

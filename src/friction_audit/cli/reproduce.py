@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from friction_audit.cli import chain
+from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
-from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.grouped_help import SIMULATION
-from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, Overwrite
+from friction_audit.cli.outputs import save_figures
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Simulations
@@ -24,7 +24,8 @@ PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 
 
 def command(
-    general: GeneralOptions,
+    drawing: opt.FigureOptions,
+    general: opt.GeneralOptions,
     figures: Annotated[
         list[str], option(SIMULATION, "Figures of the paper to draw. Default: all.", "--figures", some_of=PAPER_FIGURES)
     ] = list(PAPER_FIGURES),  # noqa: B006 - Typer copies it
@@ -38,9 +39,8 @@ def command(
             max=1000,
         ),
     ] = 20,
-    formats: FigureFormats = PNG,
-    folder: FigureFolder = Path("reproduced"),
-    overwrite: Overwrite = False,
+    folder: opt.FigureFolder = Path("reproduced"),
+    overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate the paper's figures and measure its claims."""
     from friction_audit.reporting.compare import claim_lines, count_line, reproduce_document
@@ -48,7 +48,7 @@ def command(
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
     voice, json = general.voice, general.json
-    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
+    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in drawing.formats] for number in figures}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
     chosen = [one for one in REPRODUCTIONS if one.figure in paths]
     rows: list[dict[str, Any]] = []

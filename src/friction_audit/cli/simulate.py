@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
-from friction_audit.cli.options import ChangeOptions, GeneralOptions, Overwrite, dialect_option
 from friction_audit.cli.outputs import show_written
 from friction_audit.errors import UsageError
 
@@ -85,20 +85,20 @@ def command(
     ] = None,
     *,
     simulation: SimulationOptions,
-    change: ChangeOptions,
+    change: opt.ChangeOptions,
     lists: ListOptions,
-    general: GeneralOptions,
+    general: opt.GeneralOptions,
     out: Annotated[
         Path | None, option(OUTPUT, "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE")
     ] = None,
     dialect: Annotated[
         str | None,
-        dialect_option(GENERAL, "One of convert --list-dialects. Default: the first one with FILE's suffix."),
+        opt.dialect_option(GENERAL, "One of convert --list-dialects. Default: the first one with FILE's suffix."),
     ] = None,
     truth: Annotated[
         Path | None, option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json")
     ] = None,
-    overwrite: Overwrite = False,
+    overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate a log whose friction and effects are known."""
     if lists.scenarios or lists.effects_there_are:
@@ -179,7 +179,7 @@ def _choose_output(
     return out, writer
 
 
-def changed(settings: Any, change: ChangeOptions, model: Path | None = None, **asked: float | None) -> Any:  # noqa: ANN401 - of any scenario
+def changed(settings: Any, change: opt.ChangeOptions, model: Path | None = None, **asked: float | None) -> Any:  # noqa: ANN401 - of any scenario
     """Return settings of a simulation, changed as asked for.
 
     Raises:

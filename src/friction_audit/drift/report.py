@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from friction_audit.drift.session import Session
 from friction_audit.errors import UsageError
@@ -14,6 +14,7 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 # "temperature": it changes together with the temperature, so that drift and temperature are confounded.
 SHAPES = ("none", "step", "steps", "ramp", "step_or_ramp", "temperature", "too_few")
 
+LimitVerdict = Literal["kept", "exceeded", "untestable"]
 COEFFICIENT_OF = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad", "any": None}
 
 PATTERN = re.compile(r"(?:joint(?P<joint>[1-9]\d*)\.)?(?P<name>[a-z]+)=(?P<size>[^%]+?)\s*(?P<percent>%)?")
@@ -240,47 +241,43 @@ def _number(text: str, where: str) -> float:
 
 
 class Judged(NamedTuple):
-    """A coefficient that a limit is meant for, with its arm and joint; None where no session has an estimate of it."""
+    """A coefficient that a limit is meant for; without arm, joint and coefficient where no session has an estimate."""
 
-    where: str
-    found: CoefficientDrift | None
     limit: Limit
+    verdict: LimitVerdict
+    robot: str = ""
+    joint: int | None = None
+    found: CoefficientDrift | None = None
+
+    @property
+    def where(self) -> str:
+        """Its arm and joint."""
+        return f"{self.robot}, joint {self.joint}"
 
 
-def exceeded(report: DriftReport, limits: Sequence[Limit]) -> list[Judged]:
-    """Return each coefficient that went beyond a limit.
+def judge(report: DriftReport, limits: Sequence[Limit]) -> Iterator[Judged]:
+    """Judge each coefficient by each limit that is meant for it.
 
     A limit is exceeded if drift is proven and the change from the reference to the last sessions, as estimated, is at
-    least as large as the limit.
+    least as large as the limit. It is untestable where the sessions cannot show a change as small as that; a limit of 0
+    asks for any drift that is proven, which every test answers.
     """
-    return [
-        Judged(where, found, limit)
-        for limit in limits
-        for where, found in _meant(report, limit)
-        if found.drift and abs((found.total if limit.relative else found.change).value) >= limit.size
-    ]
-
-
-def untestable(report: DriftReport, limits: Sequence[Limit]) -> list[Judged]:
-    """Return each coefficient whose sessions cannot show a change as small as a limit.
-
-    A limit of 0 asks for any drift that is proven, which every test answers.
-    """
-    judged = []
     for limit in limits:
-        meant = list(_meant(report, limit))
-        judged += [] if meant else [Judged("", None, limit)]
-        for where, found in meant:
-            least = found.smallest_drift if limit.relative else found.smallest_change
-            proved = found.drift and isfinite((found.total if limit.relative else found.change).value)
-            if not (proved or limit.size == 0.0 or (least <= limit.size and found.shape != "temperature")):
-                judged.append(Judged(where, found, limit))
-    return judged
+        meant = [
+            Judged(limit, _verdict(found, limit), arm.robot, joint.joint, found)
+            for arm in report.arms
+            for joint in arm.joints
+            for found in joint.coefficients
+            if limit.joint in {None, joint.joint} and limit.coefficient in {None, found.coefficient}
+        ]
+        yield from meant or [Judged(limit, "untestable")]
 
 
-def _meant(report: DriftReport, limit: Limit) -> Iterator[tuple[str, CoefficientDrift]]:
-    for arm in report.arms:
-        for joint in arm.joints:
-            for found in joint.coefficients:
-                if limit.joint in {None, joint.joint} and limit.coefficient in {None, found.coefficient}:
-                    yield f"{arm.robot}, joint {joint.joint}", found
+def _verdict(found: CoefficientDrift, limit: Limit) -> LimitVerdict:
+    change = (found.total if limit.relative else found.change).value
+    least = found.smallest_drift if limit.relative else found.smallest_change
+    if found.drift and abs(change) >= limit.size:
+        return "exceeded"
+    proved = found.drift and isfinite(change)
+    tested = proved or limit.size == 0.0 or (least <= limit.size and found.shape != "temperature")
+    return "kept" if tested else "untestable"

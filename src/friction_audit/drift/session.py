@@ -116,6 +116,7 @@ class Session:
         note: From the manifest.
         joints: One summary per joint.
         warnings: What was noticed, one sentence each.
+        codes: Their codes, and those of what was noticed while the friction was estimated.
         damaged: Whether part of the file was left out.
     """
 
@@ -130,6 +131,7 @@ class Session:
     temperature_c: float | None = None
     note: str = ""
     warnings: tuple[str, ...] = ()
+    codes: tuple[str, ...] = ()
     damaged: bool = False
 
 

@@ -109,13 +109,19 @@ class TwoSides:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class _Mean:
-    """A value with its variance, the degrees of freedom of that, and the variance between recordings in it."""
+    """A value with its variance, the degrees of freedom of that, and the variance between recordings in it.
+
+    ``scatter`` is the variance of the values of the recordings, within and between them; ``borrowed`` says that a
+    single recording has that of the other side.
+    """
 
     value: float
     variance: float
     freedom: float
     between: float = NAN
+    scatter: float = NAN
     recordings: int = 1
+    borrowed: bool = False
 
     def interval(self) -> Coefficient:
         half = _critical(self.freedom) * self.variance**0.5
@@ -232,6 +238,7 @@ def _random_effects(found: Sequence[_Mean]) -> _Mean:
         variance=float(max(errors) ** 2),
         freedom=len(known) - 1,
         between=max(float(result.tau2), 0.0),
+        scatter=float(values.var(ddof=1)),
         recordings=len(known),
     )
 
@@ -244,15 +251,22 @@ def _unweighted(found: Sequence[_Mean]) -> _Mean:
     scatter = float(value.var(ddof=1))
     return _Mean(
         value=float(value.mean()), variance=scatter / len(value), freedom=len(value) - 1, between=scatter,
-        recordings=len(value),
+        scatter=scatter, recordings=len(value),
     )  # fmt: skip
 
 
 def _with_between(one: _Mean, other: _Mean) -> _Mean:
-    if one.recordings != 1 or not other.between > 0.0:
+    """Return a single recording as one of the population of the other side's.
+
+    The variance between few recordings is often estimated as zero; then that of their values counts, as in the
+    prediction interval for one more of them.
+    """
+    if one.recordings != 1 or other.recordings < 2:  # noqa: PLR2004 - several
         return one
-    freedom = _satterthwaite((one.variance, one.freedom), (other.between, other.freedom))
-    return replace(one, variance=one.variance + other.between, freedom=freedom)
+    variance = max(one.variance + other.between, other.scatter)
+    between = variance - one.variance
+    freedom = _satterthwaite((one.variance, one.freedom), (between, other.freedom))
+    return replace(one, variance=variance, freedom=freedom, borrowed=between > 0.0)
 
 
 def _satterthwaite(*parts: tuple[float, float]) -> float:
@@ -268,6 +282,8 @@ def _critical(freedom: float, confidence: float = CONFIDENCE) -> float:
 
 def _difference(first: _Mean, second: _Mean) -> _Mean:
     freedom = _satterthwaite((first.variance, first.freedom), (second.variance, second.freedom))
+    if first.borrowed or second.borrowed:  # one variance between recordings stands in both
+        freedom = min(first.freedom, second.freedom)
     return _Mean(value=second.value - first.value, variance=first.variance + second.variance, freedom=freedom)
 
 

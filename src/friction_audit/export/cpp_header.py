@@ -89,7 +89,7 @@ def _comment(name: str) -> str:
 
 TARGET = Target(
     name="cpp",
-    suffix=".hpp",
+    suffixes=(".hpp", ".h"),
     summary="C++17 header with the friction law of every joint for a control loop",
     highest_power=None,
     write=write,

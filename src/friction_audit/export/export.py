@@ -1,11 +1,16 @@
-"""Friction of the joints of a source -> a file of a simulator or a controller."""
+"""Friction of the joints of a source -> a file of a simulator or a controller, checked by simulation in MuJoCo."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from friction_audit.export.friction_law import FrictionLaw, even_speeds
-from friction_audit.export.mujoco_check import SimulatedGap, hinge, simulated_gaps
+import numpy as np
+
+from friction_audit.errors import InputError, UsageError
+from friction_audit.export import cpp_header, plain_text, robot_xml
+from friction_audit.export.friction_law import FittedFriction, FrictionLaw, even_speeds
 from friction_audit.export.source import Joints, laws_of, speeds_of
 from friction_audit.export.target import ExportedJoint, Target, match_names
 from friction_audit.export.xml_text import XmlText
@@ -14,7 +19,35 @@ from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.torque_source import known_arm
 
+if TYPE_CHECKING:
+    from mujoco import MjModel
+
+TARGETS: tuple[Target, ...] = (
+    *(robot_xml.URDF, robot_xml.MJCF, robot_xml.SDF, plain_text.USD, plain_text.ISAAC_LAB, cpp_header.TARGET),
+    *(plain_text.ROS2_CONTROL, plain_text.CSV),
+)
+"""All formats."""
 CUBIC = 3  # highest power of the damping that MuJoCo simulates
+WINDOW_S = (
+    0.2  # after which the simulation starts again from the recorded state: an arm without friction is far by then
+)
+MOST_WINDOWS = 300  # a minute of simulation in all, spread over the log; their rms is known to 4 %
+GAP_STEPS = 20  # median time steps above which a window has no torque to be driven by
+STEP_S = 1e-3  # of the simulation, or the log's own step where that is shorter
+# A hinge whose inertia is all the joint's; the body has what MuJoCo asks of every moving one.
+HINGE = """<mujoco><compiler boundmass="0" boundinertia="0"/><option gravity="0 0 0"/><worldbody><body>
+<joint axis="0 0 1" armature="{!r}"/><inertial pos="0 0 0" mass="1e-9" diaginertia="1e-9 1e-9 1e-9"/>
+</body></worldbody></mujoco>"""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SimulatedGap:
+    """Simulated less recorded position at the ends of windows of 0.2 s, root mean square, of one joint."""
+
+    joint: int  # number of the joint, 1..n
+    without_rad: float  # without friction
+    with_rad: float  # with the friction that is exported
+    windows: int  # number of windows
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -41,6 +74,35 @@ class ExportSettings:
     # whether the inertia is written as armature; None where it is without that of the links
     armature: bool | None = None
     overwrite: bool = False  # whether a file that exists is replaced
+
+
+def choose_target(out: Path) -> Target:
+    """Return the target whose suffix a file has.
+
+    Raises:
+        UsageError: If there is none.
+    """
+    found = next((target for target in TARGETS if out.suffix.lower() in target.suffixes), None)
+    if found is None:
+        known = ", ".join(f"{' or '.join(target.suffixes)} ({target.name})" for target in TARGETS)
+        raise UsageError(f"{out}: the suffix {out.suffix!r} names no format of an export; expected {known}")
+    return found
+
+
+def read_into(target: Target, path: Path) -> XmlText:
+    """Read the user's file that friction is written into.
+
+    Raises:
+        UsageError: If the format takes no such file.
+        InputError: If it cannot be read or is no XML.
+    """
+    if target.joints_of is None:
+        takers = ", ".join(one.suffixes[0] for one in TARGETS if one.joints_of is not None)
+        raise UsageError(f"--into {path}: {target.name} makes a new file; --into is for {takers}")
+    try:
+        return XmlText(path.read_bytes(), str(path))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}; give the file of the robot") from error
 
 
 def export_friction(
@@ -132,3 +194,71 @@ def _gap(column: int, number: int, found: tuple[Float, Float, int]) -> Simulated
     return SimulatedGap(
         joint=number, without_rad=float(without[column]), with_rad=float(with_friction[column]), windows=windows
     )
+
+
+def hinge(inertia_kg_m2: float) -> "MjModel":
+    """Return a model of one joint with nothing but an inertia."""
+    import mujoco
+
+    return mujoco.MjModel.from_xml_string(HINGE.format(inertia_kg_m2))
+
+
+def simulated_gaps(
+    model: "MjModel", t: Float, q: Float, dq: Float, torque: Float, friction: Sequence[FittedFriction | None]
+) -> tuple[Float, Float, int]:
+    """Move an arm by recorded torques over windows that each start from the recording, without friction and with it.
+
+    Args:
+        model: The arm, j joints that turn, without friction.
+        t: Times, strictly increasing, shape (n,). [s]
+        q: Positions, shape (n, j). [rad]
+        dq: Velocities, shape (n, j). [rad/s]
+        torque: Torques on the joints, shape (n, j). [N m]
+        friction: Friction of each joint, None for one without.
+
+    Returns:
+        Root mean square of simulated less recorded position at the ends of the windows, without friction and with it,
+        shape (j,) each [rad], and the number of windows.
+    """
+    usual = float(np.median(np.diff(t)))
+    step = min(STEP_S, usual)
+    steps = round(WINDOW_S / step)
+    times = np.arange(t[0], t[-1], step)
+    drive, position, velocity = (
+        np.column_stack([np.interp(times, t, column) for column in signal.T]) for signal in (torque, q, dq)
+    )
+    starts = np.arange(0, len(times) - steps, steps)
+    gaps = t[:-1][np.diff(t) > GAP_STEPS * usual]
+    begins = times[starts]
+    inside = np.searchsorted(gaps, begins) != np.searchsorted(gaps, begins + WINDOW_S)
+    starts = starts[~inside]
+    starts = starts[np.linspace(0, len(starts) - 1, min(len(starts), MOST_WINDOWS)).astype(np.int64)]
+    bare = copy(model)
+    bare.opt.timestep = step
+    rubbing = copy(bare)
+    for dof, fitted in enumerate(friction):
+        if fitted is not None:
+            rubbing.dof_frictionloss[dof] = fitted.coulomb_nm
+            rubbing.dof_damping[dof] = fitted.viscous_nms_per_rad
+            rubbing.dof_dampingpoly[dof] = fitted.quadratic_nms2_per_rad2, fitted.cubic_nms3_per_rad3
+    if not len(starts):
+        return np.full(model.nv, np.nan), np.full(model.nv, np.nan), 0
+    ends = position[starts + steps]
+    errors = [_ends(one, drive, position, velocity, starts, steps) - ends for one in (bare, rubbing)]
+    without, with_friction = (np.sqrt(np.mean(error**2, axis=0)) for error in errors)
+    return without, with_friction, len(starts)
+
+
+def _ends(model: "MjModel", drive: Float, q: Float, dq: Float, starts: Sequence[int], steps: int) -> Float:
+    """Return the positions that the simulation reaches from each start, shape (w, j)."""
+    import mujoco
+
+    data, ends = mujoco.MjData(model), np.empty((len(starts), model.nv))
+    for window, start in enumerate(starts):
+        mujoco.mj_resetData(model, data)
+        data.qpos[:], data.qvel[:] = q[start], dq[start]
+        for k in range(start, start + steps):
+            data.qfrc_applied[:] = 0.5 * (drive[k] + drive[k + 1])
+            mujoco.mj_step(model, data)
+        ends[window] = data.qpos
+    return ends

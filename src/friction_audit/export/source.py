@@ -1,4 +1,4 @@
-"""Where an export takes its numbers from: a model file, an estimate's document, a folder of results, or a log."""
+"""Where an export takes its numbers from: a model, a document of an estimate or a batch, their folder, or a log."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.effects.joint_model import JointModel, load_model, simple_model
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law, moving_speeds
@@ -14,7 +15,7 @@ from friction_audit.io.files import read_document
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 
-MODEL, ESTIMATE = "model.toml", "estimate.json"
+MODEL, ESTIMATE, BATCH, LEDGER = "model.toml", "estimate.json", "batch.json", ".sqlite"
 OTHERWISE = f"of `diagnose`, give the {MODEL} that it writes with --output"
 SPEEDS = (0.01, 1.0)  # rad/s: of a file without a log, from the slowest motion that counts to that of a hand
 
@@ -32,17 +33,26 @@ class Joints:
 def result_file(source: Path) -> Path | None:
     """Return the file of results that a source is or holds; None for a log."""
     if source.is_dir():
-        return next((source / name for name in (MODEL, ESTIMATE) if (source / name).is_file()), None)
+        return next((source / name for name in (MODEL, ESTIMATE, BATCH) if (source / name).is_file()), None)
+    if source.suffix.lower() == LEDGER:
+        return source.with_name(BATCH)  # which holds the reference that its sessions were compared with
     return source if source.suffix.lower() in (".toml", ".json") else None
 
 
-def read_result(path: Path) -> Joints:
-    """Read a model file or an estimate's document.
+def read_result(path: Path, arm: str | None = None) -> Joints:
+    """Read a model file, or the document of an estimate or of a batch, of which the reference of an arm is taken.
 
     Raises:
-        InputError: If it is neither.
+        InputError: If it is none of these.
+        UsageError: If it is not certain which arm of a batch is meant.
     """
-    if path.suffix.lower() == ".toml":
+    is_model = path.suffix.lower() == ".toml"
+    document = {} if is_model else read_document(path, ("estimate", "batch"), OTHERWISE)
+    if str(document.get("schema")).startswith("friction-audit/batch/"):
+        return _of_batch(document, path, arm)
+    if arm is not None:
+        raise UsageError(f"--arm {arm}: {path} is no document of batch-report and holds one arm; leave the option out")
+    if is_model:
         model = load_model(path)
         known = list(zip(range(1, len(model.names) + 1), model.names, model.joints, strict=True))
         return Joints(
@@ -50,7 +60,7 @@ def read_result(path: Path) -> Joints:
             reflected=None,
             lacking=tuple((number, "no model in the file") for number, _, joint in known if joint is None),
         )
-    return _of_document(read_document(path, ("estimate",), OTHERWISE), path)
+    return _of_document(document, path)
 
 
 def of_estimate(estimate: Estimate) -> Joints:
@@ -107,7 +117,9 @@ def laws_of(
 def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
     keys = (("regression", "inertia_kg_m2"), ("coulomb_nm", "value"), ("viscous_nms_per_rad", "value"))
     try:
-        chosen = document["settings"]["torque_chosen"]
+        chosen, unit = document["settings"]["torque_chosen"], str(document["source"].get("torque_unit", "N m"))
+        if unit != "N m":
+            raise UsageError(f"{path}: its torque is in {unit}; expected N m; estimate again with --torque-constant")
         rows = [
             (int(one["joint"]), str(one["name"]), [_number(one[k], key) for k, key in keys], str(one["reason"] or ""))
             for one in document["joints"]
@@ -115,6 +127,26 @@ def _of_document(document: Mapping[str, Any], path: Path) -> Joints:
         return _joints(rows, chosen["drive"], chosen["inertia"])
     except (KeyError, TypeError, ValueError) as error:
         raise InputError(f"{path}: is no whole document of `estimate` ({error!r}); write it again") from error
+
+
+def _of_batch(document: Mapping[str, Any], path: Path, arm: str | None) -> Joints:
+    """Return the levels in the reference of an arm, which hold no inertia."""
+    try:
+        arms = [str(one["robot"]) for one in document["robots"]]
+        chosen = arms[0] if arm is None and len(arms) == 1 else arm
+        if chosen not in arms:
+            asked = f"no arm {arm}" if arm else f"{len(arms)} arms"
+            raise UsageError(f"{path}: {asked}; it holds {', '.join(arms)}; choose one with --arm")
+        rows = []
+        for one in document["joints"]:
+            if one["robot"] == chosen:
+                found = [one["coefficients"].get(name, {}).get("level") for name in COEFFICIENTS]
+                levels = [_number(level, "value") for level in found]
+                reason = "no session of the reference has its friction" if np.isnan(levels).all() else ""
+                rows.append((int(one["joint"]), str(one["name"]), [float("nan"), *levels], reason))
+        return _joints(rows, "robot", "none")
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(f"{path}: is no whole document of `batch-report` ({error!r}); write it again") from error
 
 
 def _joints(rows: Iterable[tuple[int, str, Sequence[float], str]], drive: str, inertia: str) -> Joints:

@@ -1,8 +1,7 @@
 """What a target of an export is: one record per file format."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from xml.sax.saxutils import quoteattr
 
 from friction_audit.errors import UsageError
 from friction_audit.export.friction_law import FittedFriction, FrictionLaw
@@ -30,11 +29,11 @@ class Target:
     """A file format of a simulator or a controller."""
 
     name: str  # unique name
-    suffix: str  # file name ending with the dot
+    suffixes: tuple[str, ...]  # file name endings with the dot, the usual one first
     summary: str  # one line for help and documentation
-    highest_power: int | None  # of the speed, that its damping has; None where it holds the law itself
     # returns the content of the file; the user's file is None where a new one is made
     write: Callable[[Sequence[ExportedJoint], XmlText | None], bytes]
+    highest_power: int | None = 1  # of the speed, that its damping has; None where it holds the law itself
     armature: bool = False  # whether it has a place for the inertia
     # returns the joints of the user's file, in its order, or None where a format takes no such file
     joints_of: Callable[[XmlText], list[Tag]] | None = None
@@ -43,11 +42,6 @@ class Target:
 def number(value: float) -> str:
     """Return a number as text."""
     return f"{value:.{DIGITS}g}"
-
-
-def attributes(values: Mapping[str, str]) -> str:
-    """Return attributes as they stand in a start tag."""
-    return " ".join(f"{key}={quoteattr(value)}" for key, value in values.items())
 
 
 def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:

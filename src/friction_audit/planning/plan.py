@@ -1,6 +1,6 @@
 """The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
@@ -12,6 +12,7 @@ from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import Index, RegressionProblem
 from friction_audit.diagnosis.result import Verdict
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.effect import Trait
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.effects.registry import effect_of, effects
 from friction_audit.errors import AnalysisError, UsageError
@@ -32,6 +33,7 @@ END_S = 0.5  # rest after the last stroke
 SEED = 7  # of the noise of the check
 SIZE = 0.1  # of the friction torque: an effect of this size counts, where no log has one
 FEWEST_RUNS = 3  # with fewer there are too few cycles for a diagnosis
+AT_AN_END = (0.15, 2)  # share of the time, and least number of runs, at either end where a drift is to be seen
 RATE_HZ = 1000.0  # of a trajectory's samples before they are thinned out
 
 
@@ -61,6 +63,9 @@ class JointPlan:
     task: Task
     limits: Limits  # limits that it keeps
     runs: tuple[Candidate, ...]  # in the order in which they are run
+    # if above zero, the same runs follow once more after this rest: at both ends of a time a trend shows most
+    # (D-optimal), and a drift that settles while a joint moves all the time is a constant for most samples
+    rest_s: float = 0.0
     separated: tuple[Separated, ...] = ()  # what the design expects of each pair
     answers: tuple[Answer, ...] = ()  # with each effect in turn; empty if not simulated
     coefficients: Mapping[str, Coefficient] = field(default_factory=dict)  # what `estimate` would find
@@ -68,7 +73,11 @@ class JointPlan:
     @property
     def motion(self) -> Prescribed:
         """All strokes, one after the other."""
-        return Prescribed(strokes=tuple(one for run in self.runs for one in run.strokes))
+        once = tuple(one for run in self.runs for one in run.strokes)
+        if not self.rest_s:
+            return Prescribed(strokes=once)
+        rested = once[-1]._replace(rest_s=once[-1].rest_s + self.rest_s)
+        return Prescribed(strokes=(*once[:-1], rested, *once))
 
     @property
     def duration_s(self) -> float:
@@ -129,28 +138,53 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     truths = {name: one[name] for one in sets if len(one) > 1 for name in one}
     certain = [next(iter(one.values())) for one in sets if len(one) == 1]
     about = design.information_of(joint, candidates, truths, certain, effects())
-    counts = _filled(about, design.value_of_separation, duration_s)
-    names, values = about.separation(counts.astype(float))
+    counts, at_both_ends = _designed(about, duration_s)
+    runs = design.in_order(candidates, counts)
+    names, values = about.separation(counts.astype(float) * (2.0 if at_both_ends else 1.0))
     expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
     pairs = [(one, other) for one in truths for other in truths if one != other and other in expected[one]]
     plan = JointPlan(
         task=task,
         limits=limits,
-        runs=design.in_order(candidates, counts),
+        runs=runs,
         separated=tuple(Separated(one, other, expected[one][other]) for one, other in pairs),
     )
+    if at_both_ends:
+        plan = replace(plan, rest_s=duration_s - plan.duration_s - sum(one.duration_s for one in runs))
     there = {name: [one.get(name, next(iter(one.values()))) for one in sets] for name in truths}
     return replace(plan, answers=tuple(answer(plan, name, terms) for name, terms in there.items() if check))
 
 
+def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool]:
+    """Return how often each candidate is run, and whether all of it at both ends of the time."""
+    share, fewest = AT_AN_END
+    if _only_drift(about.truths):
+        counts = _exchanged(about, design.value_of_separation, share * duration_s)
+        if counts.sum() >= fewest:  # else there is no time for both
+            return counts, True
+    return _filled(about, design.value_of_separation, duration_s), False
+
+
+def _exchanged(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
+    return design.exchange(about, criterion, duration_s - Prescribed(strokes=()).start_s - END_S)
+
+
 def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
-    counts = design.exchange(about, criterion, duration_s - Prescribed(strokes=()).start_s - END_S)
+    counts = _exchanged(about, criterion, duration_s)
     if counts.sum() < FEWEST_RUNS:
         raise AnalysisError(
             f"{duration_s:g} s: room for {counts.sum()} candidate motions, the shortest of "
             f"{about.seconds.min():.1f} s; expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
         )
     return counts
+
+
+def _only_drift(names: Iterable[str]) -> bool:
+    """Return True if all that is to be decided is whether an offset drifts: constants, and what changes with time."""
+    known = [effect_of(name) for name in names]
+    constant = [Trait.EXACT in one.traits for one in known]
+    slow = [one.axis == "time" and Trait.EVEN in one.traits for one in known]
+    return 0 < sum(constant) < len(known) and all(map(any, zip(constant, slow, strict=True)))
 
 
 def usual_terms(joint: Joint) -> dict[str, FittedTerm]:

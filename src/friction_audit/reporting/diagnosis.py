@@ -159,7 +159,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     """
     log, joints = found.estimate.log, found.discrepancy.joints
     unit = log.source.torque_unit
-    marked, physics = physics_of(log, diagnose_notices(found), joints)
+    marked, physics = physics_of(diagnose_notices(found), joints)
     counts = [joint.gap.cycles for joint in joints if joint.gap is not None]
     span = " to ".join(map(str, sorted({min(counts), max(counts)}))) if counts else "0"
     lines = [

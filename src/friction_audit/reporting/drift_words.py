@@ -18,8 +18,7 @@ from friction_audit.drift.report import (
     JointDrift,
     Judged,
     Limit,
-    exceeded,
-    untestable,
+    judge,
 )
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import FEWEST_SESSIONS
@@ -233,8 +232,14 @@ def arm_sentence(arm: ArmDrift) -> str:
 
 def limit_sentences(report: DriftReport, limits: Iterable[Limit]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
-    every = tuple(limits)
-    return tuple(map(_beyond, exceeded(report, every))), tuple(map(_untestable, untestable(report, every)))
+    judged = list(judge(report, tuple(limits)))
+    beyond = tuple(limit_sentence(one) for one in judged if one.verdict == "exceeded")
+    return beyond, tuple(limit_sentence(one) for one in judged if one.verdict == "untestable")
+
+
+def limit_sentence(one: Judged) -> str:
+    """Return what a limit that is not kept is exceeded by, or why it cannot be tested."""
+    return _beyond(one) if one.verdict == "exceeded" else _untestable(one)
 
 
 def _beyond(one: Judged) -> str:

@@ -211,7 +211,7 @@ def estimate_lines(estimate: Estimate) -> list[str]:
     """Return what was chosen, a row per joint, and the reasons of the joints that have no estimate."""
     choice, settings = estimate.interaction.choice, estimate.settings.friction
     joints, unit = estimate.friction.joints, estimate.log.source.torque_unit
-    marked, physics = physics_of(estimate.log, estimate_notices(estimate), joints)
+    marked, physics = physics_of(estimate_notices(estimate), joints)
     window = f"history over up to {settings.cycles_per_point} cycles; intervals are 95 %"
     lines = [
         log_line(estimate.log),

@@ -16,26 +16,19 @@ IN_AMPERE = (
 )
 
 
-READ = (
-    "clock_stretched",
-    "velocity_scale",
-    "torque_unit_suspected",
-    "torque_coarse",
-    "torque_in_ampere",
-    "torque_converted",
+RECORDING = (
+    *("dropped_samples", "gap", "jitter", "low_rate", "stale_samples", "slow_state", "unordered", "batched_stamps"),
+    *("duplicate_stamps", "clock_stopped", "clock_disagreement", "robot_time_unit", "time_unit", "incomplete_rows"),
+    *("incomplete_messages", "degrees", "degrees_suspected", "velocity_unit", "velocity_dead", "position_mismatch"),
+    *("torque_dead", "torque_ambiguous", "wild_samples", "non_finite", "no_numbers", "damaged_numbers", "truncated"),
+    *("missing_messages", "undecodable_messages", "file_grew", "empty_channel", "sparse_channel", "channel_empty"),
+    *("incomplete_channel", "empty_joint", "first_row", "first_part", "topic_chosen", "suffix_mismatch"),
+    *("few_cycles", "model_not_used", "dq_other_clock", "cycles", "speed_spread", "reversals", "standstill", "holes"),
+    *("channels_left_out", "log_left_out", "joint_on_one_side", "not_compared", "same_recording"),
 )
-"""Codes of the reader's findings that change what every number means: warnings about the physics."""
-RECORDED = (
-    "few_cycles",
-    "model_not_used",
-    "dq_other_clock",
-    "cycles",
-    "speed_spread",
-    "reversals",
-    "standstill",
-    "holes",
-)
-"""Codes of later steps that are about the recording and not about the physics."""
+"""Codes of what is about the recording: no number that stands means anything else by it."""
+AS_ASKED = ("torque_converted",)
+"""Codes about the physics that only repeat what the user asked for."""
 CORRECTED = ("dq_late", "sign_turned", "joints_left_out")
 """Codes of what was detected and taken into account; the table says what the torque is made of."""
 TABLED = ("not_determined", "from_regression", "not_replayed")
@@ -143,16 +136,14 @@ def minor(log: JointLog) -> frozenset[str]:
     return frozenset((*CORRECTED, *(one.code for one in small)))
 
 
-def is_physics(notice: Notice, log: JointLog) -> bool:
+def is_physics(code: str) -> bool:
     """Return True for a warning that changes what a number of a result means, False for one about the recording."""
-    if notice.code in (*TABLED, *CORRECTED, *RECORDED):
-        return False
-    return notice.code in READ or all(notice.code != finding.code for finding in log.source.findings)
+    return code not in (*TABLED, *CORRECTED, *RECORDING)
 
 
-def physics_of(log: JointLog, notices: Iterable[Notice], joints: Iterable[Reasoned]) -> tuple[list[int], list[str]]:
+def physics_of(notices: Iterable[Notice], joints: Iterable[Reasoned]) -> tuple[list[int], list[str]]:
     """Return the rows of a table of joints with a warning about the physics, and the lines that explain the mark."""
-    found = [notice for notice in notices if is_physics(notice, log)]
+    found = [notice for notice in notices if is_physics(notice.code)]
     marked = {notice.joint for notice in found}
     rows = [row for row, joint in enumerate(joints) if joint.joint in marked and not joint.reason]
     return rows, [f"{MARK} {line}" for line in notice_lines(found)]

@@ -89,6 +89,7 @@ JOINT_PLAN = Record(
         Column("duration", float, "its length", "duration_s", unit="s"),
         Column("limits", LIMITS, "limits that it keeps"),
         Column("runs", [RUN], "in order"),
+        Column("rest", float, "after them; then the same runs follow once more; 0: they do not", unit="s"),
         Column("separated", [SEPARATED], "what the design expects of each pair of effects"),
         Column("answers", [ANSWER], "what `diagnose` would answer, simulated; empty if it was not"),
         Column("coefficients", {"*": Coefficient}, "what `estimate` would find, simulated"),
@@ -186,6 +187,8 @@ def _joint_lines(plan: JointPlan) -> Iterator[str]:
         yield f"  {count} x {run.words}; {low:+.2f} to {high:+.2f} rad from the start, {run.duration_s:.0f} s"
     if len(plan.runs) > 1:
         yield "  in mixed order, each from rest to rest; the other joints hold still"
+    if plan.rest_s:
+        yield f"  then rest for {plan.rest_s:.0f} s, and all of it once more: a drift shows most between both ends"
     if plan.answers:
         yield from table_lines(ANSWER.people(plan.answers, "t"))
     if found := [(key, one, 0.5 * (one.high - one.low)) for key, one in plan.coefficients.items()]:

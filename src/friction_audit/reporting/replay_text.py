@@ -15,7 +15,7 @@ from friction_audit.reporting.words import in_unit, with_unit
 
 def replay_lines(found: LogReplay) -> list[str]:
     """Return what was assumed, a row per joint, what moved in it, steps of friction, and why joints have no result."""
-    marked, physics = physics_of(found.estimate.log, replay_notices(found), found.replay.joints)
+    marked, physics = physics_of(replay_notices(found), found.replay.joints)
     joints, counterfactual, unit = (
         found.replay.joints,
         found.replay.counterfactual,

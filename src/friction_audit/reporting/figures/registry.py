@@ -207,7 +207,13 @@ def draw_result(
     from friction_audit.reporting.figures.panels import label_in_unit  # loads numerics, which the help does not need
 
     if axes is None:
-        drawn: MatplotlibFigure | Axes = figure.draw(result, joint)
+        from friction_audit.reporting.figures.style import STYLE, style_in_force
+
+        token = STYLE.set(style_in_force())
+        try:
+            drawn: MatplotlibFigure | Axes = figure.draw(result, joint)
+        finally:
+            STYLE.reset(token)
     else:
         held = [one.joint for one in estimate.friction.joints]
         if joint is None and len(held) > 1:

@@ -1,12 +1,15 @@
 """The look of all figures: colours, fonts, file formats."""
 
-import io
-from collections.abc import Iterable, Iterator
+import logging
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from friction_audit.errors import UsageError, shortened
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -66,7 +69,61 @@ STYLES: dict[str, dict[str, Any]] = {
     | {"font.serif": ["cmr10", "DejaVu Serif"], "mathtext.fontset": "cm", "axes.formatter.use_mathtext": True},
 }
 """Fonts of the figures by name: as on the page, as in a journal's columns, as LaTeX sets text."""
-STYLE: ContextVar[str] = ContextVar("STYLE", default="sans")
+STYLE: ContextVar[Mapping[str, Any]] = ContextVar("STYLE", default=STYLES["sans"])
+"""rcParams that come before those of the figures."""
+LONGEST_FAULT = 120  # characters of what matplotlib says of a style sheet
+
+
+def load_style(name: str) -> Mapping[str, Any]:
+    """Return the rcParams of a style: by its name here or in matplotlib, or of a style sheet.
+
+    Raises:
+        UsageError: If there is no such style, or the sheet cannot be read or has a line that is no setting.
+    """
+    if name in STYLES:
+        return STYLES[name]
+    from matplotlib import rc_params_from_file, style
+
+    if name in style.library:
+        return _items(style.library[name])
+    where, expected = f"--style {name}", "expected lines like `axes.grid: True`"
+    if not Path(name).is_file():
+        known = f"{', '.join(STYLES)}, or one of matplotlib, e.g. ggplot"
+        raise UsageError(f"{where}: neither a file nor a style; give a style sheet (.mplstyle), or a name: {known}")
+    logger, faults = logging.getLogger("matplotlib"), _Faults()
+    logger.addHandler(faults)
+    try:
+        found = rc_params_from_file(name, use_default_template=False)
+    except (OSError, UnicodeError) as error:
+        raise UsageError(f"{where}: cannot be read ({error}); {expected}; give a style sheet of matplotlib") from error
+    finally:
+        logger.removeHandler(faults)
+    if faults.lines:
+        raise UsageError(f"{where}: {faults.lines[0]}; {expected}; correct the file")
+    return _items(found)
+
+
+def _items(found: Mapping[Any, Any]) -> dict[str, Any]:
+    return dict(found.items())  # with the type of every name, mypy takes them for no names
+
+
+class _Faults(logging.Handler):
+    """Keeps what matplotlib says of a style sheet: it leaves out what it does not understand."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.lines: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.lines.append(shortened(record.getMessage(), LONGEST_FAULT))
+
+
+def style_in_force() -> Mapping[str, Any]:
+    """Return the rcParams that are not matplotlib's own: those of a program, its style sheets and its matplotlibrc."""
+    from matplotlib import rcParams, rcParamsDefault
+
+    known: dict[Any, Any] = rcParamsDefault
+    return {name: rcParams[name] for name in known if name != "backend" and rcParams[name] != known[name]}
 
 
 @contextmanager
@@ -80,10 +137,11 @@ def figure_style(*, mathematics: bool = False) -> Iterator[None]:
 
     from matplotlib import rc_context, rcParamsDefault
 
-    # The user's own matplotlibrc must not change what a result looks like.
+    # A matplotlibrc must not change what a command draws; in a program STYLE holds it.
     defaults: dict[Any, Any] = rcParamsDefault  # with the type of every name, mypy looks at this line for seconds
-    settings = {name: value for name, value in defaults.items() if name != "backend"} | RC | STYLES[STYLE.get()]
-    settings["text.parse_math"] = mathematics
+    settings = {name: value for name, value in defaults.items() if name != "backend"} | RC | dict(STYLE.get())
+    # Words from a log are no LaTeX: panda_joint1 ends its run.
+    settings |= {"text.parse_math": mathematics, "text.usetex": False}
     with rc_context(settings), warnings.catch_warnings():
         # Names of joints may be in any script; the user cannot change the font.
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
@@ -111,7 +169,7 @@ def figure_bytes(figure: "Figure", kind: str) -> bytes:
     """Return the content of a figure's file in one of FORMATS."""
     from matplotlib.ticker import ScalarFormatter
 
-    content = io.BytesIO()
+    content = BytesIO()
     with figure_style(mathematics=True):  # axes draw their numbers only now
         for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
             for tick in axis.get_major_ticks() if isinstance(axis.get_major_formatter(), ScalarFormatter) else ():

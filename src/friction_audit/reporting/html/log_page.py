@@ -146,7 +146,7 @@ def _answer(report: LogReport, answered: list[JointReport], drawn: Drawn) -> Ite
         yield VERDICT.people(answered, caption=caption, unit=report.unit).filled()
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
-    _, physics = physics_of(report.estimate.log, estimate_notices(report.estimate), joints)
+    _, physics = physics_of(estimate_notices(report.estimate), joints)
     if physics:
         yield Text(lines=physics, listed=True, tone="unsure")
     without = [in_unit(line, report.unit) for line in reason_lines(joints)]
