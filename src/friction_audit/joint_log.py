@@ -61,7 +61,7 @@ class Source:
         path: The path as the user gave it.
         sha256: Content hash of the file (of all files, in sorted order, for a directory).
         format: Name of the reader that read it.
-        robot: ``"panda"``, ``"fr3"`` or ``"unknown"``, by joint names or message types.
+        robot: Name of a preset, or ``"unknown"``: by joint names or message types, or as the user said.
         serial: Serial number of the arm as the file states it, empty if it does not.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of the first sample, or None when the clock does not say. [s]

@@ -19,7 +19,7 @@ def log_columns(count: str) -> tuple[Column, ...]:
         Column("path", str, "path as given", "source.path"),
         Column("sha256", str, "of the file", "source.sha256"),
         Column("format", str, "the reader", "source.format"),
-        Column("robot", str, "`panda`, `fr3` or `unknown`", "source.robot"),
+        Column("robot", str, "a preset such as `panda`, or `unknown`", "source.robot"),
         Column("clock", str, "`robot_time`, `header_stamp`, `log_time` or `column`", "source.clock"),
         Column("topic", str, "topic or table that was read", "source.topic", null=True),
         Column("start", float, "Unix time of the first sample", "source.start_s", unit="s"),

@@ -1,5 +1,6 @@
 """A stream of messages -> Recording: what all message containers have in common."""
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -28,6 +29,7 @@ _SAMPLED_MESSAGES = 16  # first messages of a topic, from which its joints and c
 _CLOCK_DRIFT = 0.01  # most drift of the time of recording against the source's clock; beyond, the whole log is read
 _MOST_TIMES_SMALLER = 100  # a count in the file is believed up to a file of a hundredth of the size of its samples
 _NANOSECONDS = 1e9
+_UNIT = re.compile(r":m?A$")  # of a motor current, after the name of a field in --map
 _CLOCKS = 3  # arrays of times that are kept with the channels
 
 
@@ -72,7 +74,9 @@ def read_messages(
         start_s=clock.start_s,
         robot=_robot(choice, candidates),
         topic=candidate.topic,
-        mapping={name: shown % kind.fields[name] for name in samples.channels},
+        mapping={
+            name: shown % kind.fields[name] + _unit_of(options.mapping.get(name, "")) for name in samples.channels
+        },
         findings=(
             *choice.findings,
             *_left_out(choice),
@@ -81,6 +85,10 @@ def read_messages(
             *clock.findings,
         ),
     )
+
+
+def _unit_of(stated: str) -> str:
+    return found[0] if (found := _UNIT.search(stated)) else ""
 
 
 def topics_of(path: Path, stream: MessageStream) -> tuple[Topic, ...]:
@@ -200,7 +208,9 @@ def _kinds(
     kinds: dict[int, MessageKind] = {}
     refusals: list[InputError] = []
     # actual.velocities[{i}] names the array actual.velocities
-    stated = {channel: text.replace("[{i}]", "").replace(".{i}", "") for channel, text in mapping.items()}
+    stated = {
+        channel: _UNIT.sub("", text).replace("[{i}]", "").replace(".{i}", "") for channel, text in mapping.items()
+    }
     for connection in connections:
         paths = decoders[connection.key].paths
         named = stated if wanted in (None, connection.topic.strip("/")) else {}

@@ -17,7 +17,7 @@ from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.motor_current import convert_torque
+from friction_audit.io.readers.motor_current import convert_torque, doubt_current
 from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
@@ -111,6 +111,7 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
 
 
 def _log_of_part(recording: Recording, options: ReadOptions, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
+    recording = doubt_current(recording)
     if not options.has_window:
         return to_joint_log(recording, path=path, sha256=sha256, format=format)
     recording = _part(recording, options, path)
