@@ -54,6 +54,15 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class Joined:
+    """A further file that channels of a log came from: path as given, content hash, name of the reader."""
+
+    path: str
+    sha256: str
+    format: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Source:
     """Where a log came from and how it was understood.
 
@@ -73,6 +82,7 @@ class Source:
         findings: What was noticed about the recording.
         window: Start and end of the part that was taken, as asked for. [s]
         skipped_s: Time from the first sample of the recording to that of this log. [s]
+        joined: Further files that channels came from.
     """
 
     path: str
@@ -89,6 +99,7 @@ class Source:
     findings: tuple[Finding, ...] = ()
     window: tuple[float | None, float | None] = (None, None)
     skipped_s: float = 0.0
+    joined: tuple[Joined, ...] = ()
 
     @property
     def dead_torque(self) -> frozenset[int]:

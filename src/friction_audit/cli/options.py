@@ -104,6 +104,15 @@ class ReadingOptions:
             metavar="CHANNEL=NAME",
         ),
     ] = None
+    join: Annotated[
+        list[Path] | None,
+        option(
+            panel.READING,
+            "Another file of the same log: its channels are interpolated at the stamps of LOG. Repeatable.",
+            "--join",
+            metavar="FILE",
+        ),
+    ] = None
     time_scale: Annotated[
         float, option(panel.READING, "Factor on the log's clock, if its rate is wrong.", metavar="FACTOR")
     ] = 1.0

@@ -22,6 +22,8 @@ class Recording:
         joint_names: One name per joint.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of t = 0, or None when the clock does not say. [s]
+        origin_s: Reading of the clock at t = 0. [s]
+        guessed_unit: Unit of the clock where neither its name nor its size says it.
         first_s: Time of the log's first sample on the clock of t where only a part was read, else None. [s]
         robot: Robot by joint names or message types, or ``"unknown"``.
         serial: Serial number of the arm as the file states it, empty if it does not.
@@ -37,6 +39,8 @@ class Recording:
     joint_names: tuple[str, ...]
     clock: str = "column"
     start_s: float | None = None
+    origin_s: float = 0.0
+    guessed_unit: str = ""
     first_s: float | None = None
     robot: str = "unknown"
     serial: str = ""

@@ -13,6 +13,15 @@ from friction_audit.reporting.table import Column, Document, Record, to_json
 NO_OPTIONS: Mapping[str, object] = MappingProxyType({})
 
 
+JOINED = Record(
+    (
+        Column("path", str, "path as given"),
+        Column("sha256", str, "of the file"),
+        Column("format", str, "the reader"),
+    )
+)
+
+
 def log_columns(count: str) -> tuple[Column, ...]:
     """Return the keys that tell which log it is; ``count`` names the number of its joints."""
     return (
@@ -31,6 +40,7 @@ def log_columns(count: str) -> tuple[Column, ...]:
         Column(
             "torque_unit", ("N m", "A", "mA"), "`A` or `mA` where the torque is a motor current", "source.torque_unit"
         ),
+        Column("joined", [JOINED], "further files of the log (`--join`)", "source.joined", optional=True),
     )
 
 

@@ -20,7 +20,7 @@ from friction_audit.io.readers.time_column import TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
-_REQUIRED = ("q", "dq")
+REQUIRED = ("q", "dq")
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
@@ -52,6 +52,7 @@ def map_columns(
     labels: Mapping[int, str] | None = None,
     constant: Collection[int] = (),
     arm: str = "",
+    needed: Sequence[str] = REQUIRED,
 ) -> ColumnMap:
     """Find time, joints and channels among the columns of a table with one row per time.
 
@@ -62,6 +63,7 @@ def map_columns(
         labels: Position of a column -> its joint, where the table holds joint names next to the numbers.
         constant: Positions of columns seen not to change.
         arm: The arm to read, where the table holds several.
+        needed: Channels without which it is no log, and with them a torque; none where other files have them.
 
     Raises:
         InputError: If a column that is needed is missing; all of them are named at once.
@@ -80,16 +82,19 @@ def map_columns(
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
-    if time is None or not groups.keys() >= {*_REQUIRED} or not groups.keys() & {*TORQUE_CHANNELS}:
+    lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
+    if time is None or lacks:
         _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
-    columns = replace(_align(groups, time, bare, path), stated=frozenset(stated))
+    columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
     first = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
     doubts = doubt_torque(columns, first, joints=len(columns.joint_names))
     return replace(columns, findings=(*columns.findings, *doubts))
 
 
-def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, str]) -> ColumnMap | None:
+def map_long_columns(
+    names: Sequence[str], *, path: str, mapping: Mapping[str, str], needed: Sequence[str] = REQUIRED
+) -> ColumnMap | None:
     """Find the columns of a table with one row per joint and time; None if it has a column per joint."""
     bare = [name.strip() for name in names]
     joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
@@ -104,10 +109,10 @@ def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, s
     degrees = {name.channel for cell, name in parsed if name.degrees and best.get(name.channel) == cell}
     degrees |= {channel for channel, group in stated.items() if group.degrees}
     degrees -= {channel for channel, group in stated.items() if group.template.endswith(":rad")}
-    if not {*_REQUIRED} <= best.keys():
+    if not {*needed} <= best.keys() or not best:
         return None
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
-    if time is None or not set(TORQUE_CHANNELS) & best.keys():
+    if time is None or (needed and not set(TORQUE_CHANNELS) & best.keys()):
         raise InputError(
             f"{path}: a table with a column {bare[joint]!r} needs columns for time, q, dq and a torque "
             f"({', '.join(TORQUE_CHANNELS)}); found {', '.join(bare)}"
@@ -208,7 +213,7 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
     wanted = [] if found_time else ["t"]
-    wanted += [channel for channel in _REQUIRED if channel not in groups]
+    wanted += [channel for channel in REQUIRED if channel not in groups]
     torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
     listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
     near = [hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)]
@@ -234,9 +239,12 @@ def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
     return [f"{stems[stem]} ({channel})" for stem in stems if stem in close and stem not in taken and len(stem) > 1]
 
 
-def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str) -> ColumnMap:
+def _align(
+    groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str, needed: Sequence[str]
+) -> ColumnMap:
     """Bring all channels to the same joints, in the same order."""
-    reference = next((groups[c] for c in _REQUIRED if not groups[c].in_order), groups["q"])
+    there = [c for c in REQUIRED if c in groups] or list(groups)
+    reference = next((groups[c] for c in there if not groups[c].in_order), groups[there[0]])
     joints = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
     keys = _in_order_of_names(_sorted_keys(reference.cells), joints)
     channels, findings, short = {}, [], []
@@ -246,14 +254,14 @@ def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], 
         cells = _cells_in_order(group, keys)
         if cells is not None:
             channels[channel] = cells
-        elif channel in _REQUIRED or torques == [channel]:
+        elif channel in REQUIRED or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
             text = (
                 f"{channel} has columns for {len(group.cells)} of {len(keys)} joints ({group.template}); it is left out"
             )
             findings.append(Finding(code="incomplete_channel", message=text, amount=float(len(group.cells))))
-    if short or not any(c in channels for c in TORQUE_CHANNELS):
+    if short or (needed and not any(c in channels for c in TORQUE_CHANNELS)):
         raise InputError(
             f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "
             f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {shorten(names)}; "

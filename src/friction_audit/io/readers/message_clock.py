@@ -19,10 +19,11 @@ _TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header sta
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MessageClock:
-    """The clock chosen: name, t from its smallest value [s], Unix time of t = 0 or None, what was noticed."""
+    """The clock chosen: name, t from its smallest value [s], its reading at t = 0, and that if it is Unix time."""
 
     name: str
     t: Float
+    origin_s: float
     start_s: float | None
     findings: tuple[Finding, ...]
 
@@ -54,7 +55,8 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
     # The robot's clock counts from its start, so the log time stands in for it.
     source = stamp if chosen == "header_stamp" and stamp is not None else log_time
     start_s = float(source.min()) / _NANOSECONDS
-    return MessageClock(chosen, clocks[chosen], start_s if start_s > _FIRST_UNIX_TIME_S else None, tuple(findings))
+    unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
+    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings))
 
 
 def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]:

@@ -72,6 +72,7 @@ def read_messages(
         joint_names=choice.joints,
         clock=clock.name,
         start_s=clock.start_s,
+        origin_s=clock.origin_s,
         robot=_robot(choice, candidates),
         topic=candidate.topic,
         mapping={

@@ -118,6 +118,7 @@ class ReadOptions:
         gear_ratio: Turns of the motor per turn of the joint, likewise.
         torque_scale: Factor on the measured torque, likewise.
         flip: Numbers (1..n) of joints whose measured torque has the other sign.
+        join: Further files of the same log, whose channels are interpolated at the stamps of the first.
     """
 
     topic: str | None = None
@@ -131,7 +132,9 @@ class ReadOptions:
     gear_ratio: tuple[float, ...] = ()
     torque_scale: tuple[float, ...] = ()
     flip: tuple[int, ...] = ()
+    join: tuple[str, ...] = ()
 
+    partial: ClassVar[bool] = False
     hashed: ClassVar[bool] = True
     joint_by_joint: ClassVar[bool] = False
 
@@ -186,6 +189,12 @@ class FirstLook(ReadOptions):
     def reads_part(self, whole_bytes: float) -> bool:  # noqa: ARG002
         """Return True if a part is asked for."""
         return self.has_window
+
+
+class OneOfSeveral(ReadOptions):
+    """Options with which a file may lack channels, since other files of the same log have them."""
+
+    partial = True
 
 
 class JointByJoint(ReadOptions):

@@ -33,15 +33,23 @@ def refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -
     Raises:
         InputError: Naming them.
     """
-    absent = []
+    lost = []
+    for channel, name in absent(mapping, names).items():
+        near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
+        lost.append(f"--map {channel}={mapping[channel]}" + (f" (did you mean {' or '.join(near)}?)" if near else ""))
+    if lost:
+        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(names)}")
+
+
+def absent(mapping: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
+    """Return the channels whose columns a table lacks, and the first name that it lacks."""
+    bare, found = [name.strip() for name in names], {}
     for channel, value in mapping.items():
         try:
-            stated_time(value, names) if channel == "t" else stated_group(value, names)
+            stated_time(value, bare) if channel == "t" else stated_group(value, bare)
         except KeyError as error:
-            near = difflib.get_close_matches(str(error.args[0]), names, n=3, cutoff=0.5)
-            absent.append(f"--map {channel}={value}" + (f" (did you mean {' or '.join(near)}?)" if near else ""))
-    if absent:
-        raise InputError(f"{path}: no column for {' and no column for '.join(absent)}; found {shorten(names)}")
+            found[channel] = str(error.args[0])
+    return found
 
 
 def shorten(names: Sequence[str]) -> str:
