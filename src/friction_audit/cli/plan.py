@@ -64,7 +64,7 @@ def command(
     ] = None,
 ) -> None:
     """Plan the motion that separates ambiguous effects."""
-    from friction_audit.io.writers.joint_trajectory import write_csv, write_mcap
+    from friction_audit.io.writers.topics import write_csv, write_mcap
     from friction_audit.planning.motion import limits_of
     from friction_audit.planning.plan import plan_task, trajectory_of
     from friction_audit.reporting.documents import write_document

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.io.checks.sampling import DROPPED_STEPS
+from friction_audit.io.checks.clock import DROPPED_STEPS
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice

@@ -6,16 +6,18 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.channel_names import ALIASES, ForeignName, parse_name
-from friction_audit.io.readers.joint_names import UNNAMED_ARM, arms_in, choose_arm, robot_of, several_arms
-from friction_audit.io.readers.stated_columns import (
+from friction_audit.io.readers.channel_names import (
+    ALIASES,
+    ForeignName,
     Group,
     JointKey,
+    parse_name,
     refuse_absent,
     shorten,
     stated_group,
     stated_time,
 )
+from friction_audit.io.readers.joint_names import UNNAMED_ARM, arms_in, choose_arm, robot_of, several_arms
 from friction_audit.io.readers.time_column import TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 

@@ -14,12 +14,17 @@ from friction_audit.errors import InputError
 from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import robot_of
-from friction_audit.io.readers.joint_samples import LARGEST_EXPECTATION, JointSamples
-from friction_audit.io.readers.message_clock import choose_clock
 from friction_audit.io.readers.message_decoder import DefinitionError, MessageDecoder, decoder_for, needs_message
 from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, match_kind, row_of
-from friction_audit.io.readers.message_layout import BlockDecoder
-from friction_audit.io.readers.message_stream import Block, Connection, MessageStream, Window, block_of_payloads
+from friction_audit.io.readers.message_layout import LARGEST_EXPECTATION, BlockDecoder, JointSamples
+from friction_audit.io.readers.message_stream import (
+    Block,
+    Connection,
+    MessageStream,
+    Window,
+    block_of_payloads,
+    choose_clock,
+)
 from friction_audit.io.readers.reader import MARGIN_S, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.topics import Candidate, Choice, choose_topic
 from friction_audit.io.recording import Recording

@@ -10,13 +10,11 @@ from tempfile import TemporaryDirectory
 from friction_audit.errors import InputError
 from friction_audit.io.files import METADATA, STORAGES, starts_with
 from friction_audit.io.readers.channel_names import serial_in
-from friction_audit.io.readers.decompress import MOST_TIMES_PACKED, bound_of
 from friction_audit.io.readers.mcap import MAGIC, McapStream
-from friction_audit.io.readers.message_stream import Block, Damage, MessageStream, Window
+from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
-from friction_audit.io.readers.sqlite_recovery import SQLITE_MAGIC, copy_of_cut
+from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream, copy_of_cut
 from friction_audit.io.recording import Recording
 
 _COMPRESSED_SUFFIXES = (".zstd", ".zst")

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
+from friction_audit.io.readers.channel_names import absent
 from friction_audit.io.readers.columns import (
     MOST_JOINTS,
     REQUIRED,
@@ -22,7 +23,6 @@ from friction_audit.io.readers.columns import (
 )
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
 from friction_audit.io.readers.reader import ON_DEMAND_BYTES, ReadOptions, refuse_too_large
-from friction_audit.io.readers.stated_columns import absent
 from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float
