@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Iterator
+from itertools import groupby
 from pathlib import Path
 
-from friction_audit.presets import PRESETS, TORQUES
+from friction_audit.presets import PRESETS, TORQUES, Preset
 
 PAGE = Path(__file__).parent / "formats.md"
 BEGIN, END = "<!-- presets -->", "<!-- end of presets -->"
@@ -12,14 +13,17 @@ BEGIN, END = "<!-- presets -->", "<!-- end of presets -->"
 
 def page_of(text: str) -> str:
     """Return the page with the table of today's presets."""
-    table = "\n".join(("| `--robot` | arm | joints | torque signal | figures |", "|---" * 5 + "|", *_rows()))
+    table = "\n".join(("| `--robot` | joints | torque signal | figures |", "|---" * 4 + "|", *_rows()))
     return re.sub(f"{BEGIN}.*{END}", lambda _: f"{BEGIN}\n\n{table}\n\n{END}", text, flags=re.DOTALL)
 
 
 def _rows() -> Iterator[str]:
-    for name, preset in PRESETS.items():
-        first, last = preset.joints[0], preset.joints[-1]
-        yield f"| `{name}` | {preset.label} | `{first}`...`{last}` | {TORQUES[preset.torque]} | {preset.source} |"
+    for (joints, torque, source), names in groupby(PRESETS, lambda one: _shown(PRESETS[one])):
+        yield f"| {' '.join(f'`{name}`' for name in names)} | `{joints[0]}`...`{joints[-1]}` | {torque} | {source} |"
+
+
+def _shown(preset: Preset) -> tuple[tuple[str, ...], str, str]:
+    return preset.joints, TORQUES[preset.torque], preset.source
 
 
 if __name__ == "__main__":

@@ -11,8 +11,8 @@ from math import inf, radians
 BUILT_IN = "panda"  # the arm whose rigid-body model comes with this package
 SENSOR, CURRENT, ESTIMATE = "sensor", "current", "estimate"
 TORQUES = {
-    SENSOR: "joint torque sensors, link side",
-    CURRENT: "motor current [A], or a torque made from it",
+    SENSOR: "joint torque sensors",
+    CURRENT: "motor current, or made from it",
     ESTIMATE: "estimated from the motor current",
 }
 
@@ -74,7 +74,7 @@ def _universal_robots(name: str, speeds: Sequence[float], torques: Sequence[floa
         speed_rad_s=_radians(*speeds),
         torque_nm=tuple(torques),
         torque=CURRENT,
-        source=f"Universal_Robots_ROS2_Description, config/{name}/joint_limits.yaml; effort: ur_robot_driver",
+        source="Universal_Robots_ROS2_Description, config/*/joint_limits.yaml; effort: ur_robot_driver",
         shared=r"(?:shoulder_(?:pan|lift)|elbow|wrist_[123])_joint",
     )
 
@@ -88,7 +88,7 @@ def _iiwa(name: str, model: str, speeds: Sequence[float], torques: Sequence[floa
         speed_rad_s=_radians(*speeds),
         torque_nm=tuple(torques),
         torque=SENSOR,
-        source="KUKA, Sensitive robotics LBR iiwa (brochure), axis data; names: lbr_fri_ros2_stack",
+        source="KUKA brochure Sensitive robotics LBR iiwa; names: lbr_fri_ros2_stack",
         shared=r"(?:lbr_|iiwa_|lbr_iiwa_)(?:joint_?|a)[1-7]",
     )
 
@@ -103,7 +103,7 @@ PRESETS: dict[str, Preset] = {
         speed_rad_s=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
         torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
         torque=SENSOR,
-        source="Franka Control Interface documentation, robot and interface specifications; libfranka 0.9",
+        source="Franka Control Interface documentation; libfranka 0.9",
         acceleration_rad_s2=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
         torque_rate_nm_s=1000.0,
     ),
@@ -116,7 +116,7 @@ PRESETS: dict[str, Preset] = {
         speed_rad_s=(2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26),
         torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
         torque=SENSOR,
-        source="franka_description, robots/fr3/joint_limits.yaml; libfranka 0.13, rate_limiting.h",
+        source="franka_description/robots/fr3; libfranka 0.13",
         acceleration_rad_s2=(10.0,) * 7,
         torque_rate_nm_s=1000.0,
     ),
@@ -137,7 +137,7 @@ PRESETS: dict[str, Preset] = {
         speed_rad_s=(1.3963, 1.3963, 1.3963, 1.3963, 1.2218, 1.2218, 1.2218),
         torque_nm=(39.0, 39.0, 39.0, 39.0, 9.0, 9.0, 9.0),
         torque=SENSOR,
-        source="ros2_kortex, kortex_description/arms/gen3/7dof; torque: Kortex API, ActuatorCyclic.Feedback",
+        source="kortex_description/arms/gen3/7dof; torque: Kortex API, ActuatorCyclic",
     ),
     "xarm7": Preset(
         label="UFACTORY xArm 7",
@@ -148,7 +148,7 @@ PRESETS: dict[str, Preset] = {
         speed_rad_s=(3.14,) * 7,
         torque_nm=(50.0, 50.0, 30.0, 30.0, 30.0, 20.0, 20.0),
         torque=ESTIMATE,
-        source="xarm_ros2, xarm_description/urdf/xarm7/xarm7.urdf.xacro; no torque sensors: xarm_ros2 issue 98",
+        source="xarm_description/urdf/xarm7; no torque sensors: xarm_ros2 issue 98",
     ),
 }
 _ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?\d+$", re.IGNORECASE)

@@ -27,6 +27,7 @@ _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
 _MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
+_SEVERAL = re.compile(r"\{i\}|,|-")  # in a --map entry that names a column per joint
 _AMBIGUOUS = ("torque", "tau", "effort")
 
 
@@ -100,7 +101,8 @@ def map_long_columns(
     """Find the columns of a table with one row per joint and time; None if it has a column per joint."""
     bare = [name.strip() for name in names]
     joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
-    if joint is None or any(_is_several(value, bare) for channel, value in mapping.items() if channel != "t"):
+    listed = [one for channel, one in mapping.items() if channel != "t" and one not in bare]
+    if joint is None or any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed):
         return None
     refuse_absent(mapping, bare, path)
     stated = {channel: stated_group(value, bare) for channel, value in mapping.items() if channel != "t"}
@@ -143,11 +145,6 @@ def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -
         f"without gravity, use --map tau_interaction={first['tau_J']}"
     )
     return (Finding(code="torque_ambiguous", message=message),)
-
-
-def _is_several(value: str, names: Sequence[str]) -> bool:
-    """Return True if a --map entry names a column per joint."""
-    return value not in names and (re.search(r"\{i\}|,|-", value) is not None or f"{value}[0]" in names)
 
 
 def _outside_the_arm(names: Sequence[str], labels: Mapping[int, str], arm: str, path: str) -> frozenset[int]:
@@ -253,7 +250,9 @@ def _align(
     torques = [c for c in TORQUE_CHANNELS if c in groups]
     for channel in (c for c in JOINT_CHANNELS if c in groups):
         group = groups[channel]
-        cells = _cells_in_order(group, keys)
+        fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
+        there = group.cells.values() if fits else [group.cells[key] for key in keys if key in group.cells]
+        cells = tuple(there) if len(there) == len(keys) else None
         if cells is not None:
             channels[channel] = cells
         elif channel in REQUIRED or torques == [channel]:
@@ -292,13 +291,6 @@ def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> l
     arms = arms_in(list(key_of))
     ordered = [key_of[name] for joints in arms.values() for name in joints]
     return ordered if len(arms) == 1 and len(ordered) == len(keys) else keys
-
-
-def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] | None:
-    """Return the channel's columns for these joints, or None if it does not have them all."""
-    if len(group.cells) == len(keys) and (group.in_order or len(keys) == 1):
-        return tuple(group.cells.values())
-    return tuple(group.cells[key] for key in keys) if all(key in group.cells for key in keys) else None
 
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:

@@ -78,18 +78,13 @@ def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], tuple[Finding, ...]]:
     text = ", ".join(f"{name} of {_size(whole[name])}" for name in sorted(others))
     message = f"left out: {text}; expected {samples} samples in every array, one row or column per joint"
     findings = (Finding(code="wrong_shape", message=message, amount=float(len(others))),) if others else ()
-    return _without_common_structure(found), findings
+    heads = {name.rpartition(".")[0] for name in found}
+    head = f"{heads.pop()}." if len(heads) == 1 else ""  # a structure that holds all arrays: log.q is q
+    return {name.removeprefix(head): array for name, array in found.items()}, findings
 
 
 def _size(array: NDArray[Any]) -> str:
     return "x".join(map(str, array.shape))
-
-
-def _without_common_structure(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Leave out the structure that holds all arrays: ``log.q`` is ``q``."""
-    heads = {name.rpartition(".")[0] for name in arrays}
-    head = f"{heads.pop()}." if len(heads) == 1 else ""
-    return {name.removeprefix(head): array for name, array in arrays.items()}
 
 
 def _from_version_5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import islice
@@ -180,15 +180,12 @@ def _decoder(path: Path, connection: Connection, payload: bytes | None, wanted: 
 def _first_blocks(stream: MessageStream, connections: Sequence[Connection]) -> dict[int, Block]:
     """Return the first messages of each connection, which may lie in several blocks."""
     # One connection at a time: a container may hand over all messages of one before it comes to the next.
-    found = {
-        c.key: list(islice(_messages_of(stream, c.key), min(_SAMPLED_MESSAGES, c.messages or 1))) for c in connections
-    }
+    found = {}
+    for c in connections:
+        blocks = stream.blocks([c.key])
+        timed = ((int(one.log_time[index]), one.payload(index)) for one in blocks for index in range(len(one)))
+        found[c.key] = list(islice(timed, min(_SAMPLED_MESSAGES, c.messages or 1)))
     return {key: block_of_payloads(key, *zip(*timed, strict=True)) for key, timed in found.items() if timed}
-
-
-def _messages_of(stream: MessageStream, key: int) -> Iterator[tuple[int, bytes]]:
-    for block in stream.blocks([key]):
-        yield from ((int(block.log_time[index]), block.payload(index)) for index in range(len(block)))
 
 
 def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> list[Row]:
