@@ -93,7 +93,17 @@ def test_nothing_is_invented_in_a_gap(tmp_path: Path) -> None:
         saved(tmp_path / "b.csv", {key: value[kept] for key, value in columns.items()}),
     )
     assert not ((log.t > 20.0) & (log.t < 25.0)).any()
-    assert "non_finite" in {found.code for found in log.source.findings}
+    (found,) = [one for one in log.source.findings if one.code == "joined"]
+    assert found.amount == 1001.0  # the stamps from 20.0 to 25.0 s
+    assert not any(one.damaged for one in log.source.findings)
+
+
+def test_one_missing_number_is_bridged(tmp_path: Path) -> None:
+    columns = torque()
+    columns["tau_interaction_1"][100] = np.nan
+    first = saved(tmp_path / "a.csv", motion())
+    log = read_log(first, ReadOptions(join=saved(tmp_path / "b.csv", columns)))  # type: ignore[arg-type]
+    assert (len(log.t), [one.damaged for one in log.source.findings]) == (12000, [False])
 
 
 def test_order_of_the_stamps_and_repeats_do_not_matter(tmp_path: Path) -> None:

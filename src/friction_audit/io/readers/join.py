@@ -38,25 +38,33 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
                 "files of one recording"
             )
         joined = _with_channels(first_path, joined, path, other, stamps)
-    lost = [c for c in ("q", "dq") if c not in joined.channels]
-    lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
-    if lost:
-        names = ", ".join(path.name for path, _ in parts)
-        held = "; ".join(f"{path.name} has {', '.join(part.channels) or 'none'}" for path, part in parts)
-        raise InputError(
-            f"{first_path}: no {' and no '.join(lost)} in {names}; {held}; join the file that has it with --join, or "
-            "name its columns with --map"
-        )
+    _refuse_lacks(parts, joined)
     rows = (joined.t >= low) & (joined.t <= high)
+    for channel in {"q", "dq", *TORQUE_CHANNELS} & joined.channels.keys() - parts[0][1].channels.keys():
+        there = np.isfinite(joined.channels[channel]).all(axis=1)
+        rows &= there | ~there.any()  # a channel without any number is refused with the other faults
     outside = len(rows) - int(np.count_nonzero(rows))
     names = ", ".join(f"{', '.join(c for c in JOINT_CHANNELS if c in part.channels)} of {p.name}" for p, part in others)
-    cut = f"; {outside} samples outside of the common span are left out" if outside else ""
+    cut = f"; {outside} samples outside of the common span or in gaps are left out" if outside else ""
     message = f"joined on the clock of {first_path.name}, by linear interpolation: {names}{cut}"
     found = Finding(code="joined", message=message, amount=float(outside))
     if outside:  # the parts of a log that --t-start and --t-end name count from its first sample all the same
         first_s = float(np.nanmin(joined.t)) if joined.first_s is None else joined.first_s
         joined = replace(joined.take_rows(rows), first_s=first_s)
     return joined.with_findings(found)
+
+
+def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) -> None:
+    """Refuse files that are no log together."""
+    lost = [c for c in ("q", "dq") if c not in joined.channels]
+    lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
+    if lost:
+        names = ", ".join(path.name for path, _ in parts)
+        held = "; ".join(f"{path.name} has {', '.join(part.channels) or 'none'}" for path, part in parts)
+        raise InputError(
+            f"{parts[0][0]}: no {' and no '.join(lost)} in {names}; {held}; join the file that has it with --join, or "
+            "name its columns with --map"
+        )
 
 
 def _refuse_unused(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[str, str]) -> None:

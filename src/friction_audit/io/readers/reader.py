@@ -143,6 +143,8 @@ class ReadOptions:
 
     def __post_init__(self) -> None:
         """Raise UsageError if the factor is not above zero, a channel does not exist, or the part holds no time."""
+        join = (self.join,) if isinstance(self.join, str | Path) else self.join
+        object.__setattr__(self, "join", tuple(map(str, join)))
         wrong = []
         for channel in (one for one in self.mapping if one not in _MAPPABLE):
             near = get_close_matches(channel, _MAPPABLE, n=2)
