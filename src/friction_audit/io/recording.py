@@ -68,12 +68,6 @@ class Recording:
         kept = {channel: np.asfortranarray(array[:, list(joints)]) for channel, array in self.channels.items()}
         return replace(self, channels=kept, joint_names=tuple(self.joint_names[joint] for joint in joints))
 
-    def without_channels(self, channels: Sequence[str]) -> "Recording":
-        """Return the recording without some channels."""
-        kept = {channel: array for channel, array in self.channels.items() if channel not in channels}
-        names = {channel: name for channel, name in self.mapping.items() if channel not in channels}
-        return replace(self, channels=kept, mapping=names)
-
     def name_of(self, channel: str, joint: int) -> str:
         """Return how messages call a channel of a joint (0-based)."""
         return f"{channel} ({self.mapping.get(channel, channel)}) of {self.joint_names[joint]}"

@@ -8,7 +8,7 @@ dq arrives at another q, and a torque that large changes dq.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,7 +84,11 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
         few = int(missing[channel].max())
         text = f"{channel} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
         findings.append(Finding(code="sparse_channel", message=text, amount=float(few)))
-    return recording.without_channels((*empty, *sparse)).with_findings(*findings)
+    channels, mapping = dict(recording.channels), dict(recording.mapping)
+    for channel in (*empty, *sparse):
+        del channels[channel]
+        mapping.pop(channel, None)
+    return replace(recording, channels=channels, mapping=mapping).with_findings(*findings)
 
 
 def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recording:

@@ -207,11 +207,9 @@ class JointSamples:
         self.incomplete = 0
         self._capacity = min(max(expected or 0, _SMALLEST_CAPACITY), LARGEST_EXPECTATION)
         self.channels = {name: np.empty((self._capacity, len(joints)), order="F") for name in channels}
-        self._log_time = np.empty(self._capacity, np.int64)
-        self._stamp = np.empty(self._capacity, np.int64)
+        self._log_time, self._stamp = np.empty(self._capacity, np.int64), np.empty(self._capacity, np.int64)
         self._robot_time = np.empty(self._capacity)
-        self._has_stamp = True
-        self._has_robot_time = True
+        self._has_stamp = self._has_robot_time = True
         self._columns: dict[tuple[str, ...], NDArray[np.intp]] = {}
 
     def _columns_of(self, names: tuple[str, ...]) -> NDArray[np.intp]:
@@ -268,15 +266,13 @@ class JointSamples:
         self._has_robot_time &= row.robot_time is not None
 
     def _extend(self, more: int) -> slice:
-        first, last = self.count, self.count + more
-        if last > self._capacity:
-            self._resize(max(last, 2 * self._capacity))
-        self.count = last
-        return slice(first, last)
+        first, self.count = self.count, self.count + more
+        if self.count > self._capacity:
+            self._resize(max(self.count, 2 * self._capacity), first)
+        return slice(first, self.count)
 
-    def _resize(self, capacity: int) -> None:
+    def _resize(self, capacity: int, kept: int) -> None:
         """Move everything, one array at a time; memory that was never written to costs nothing."""
-        kept = min(self.count, capacity)
         for name, old in self.channels.items():
             self.channels[name] = _moved(old, kept, capacity)
         self._log_time = _moved(self._log_time, kept, capacity)
@@ -287,7 +283,7 @@ class JointSamples:
     def trim(self) -> None:
         """Give back the room that was not needed."""
         if self.count < self._capacity:
-            self._resize(self.count)
+            self._resize(self.count, self.count)
 
     @property
     def log_time(self) -> Int:
