@@ -74,7 +74,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
         try:
             parts = []
             for at in files:
-                part: Recording = at[2].module.read(at[0], _own_options(options, first=at is files[0]))
+                part = at[2].read(at[0], _own_options(options, first=at is files[0]))
                 damage += part.findings
                 mismatches += _suffix_mismatch(at[0], at[2])
                 parts.append((at[0], part))
@@ -188,7 +188,7 @@ def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
     _stamp(file)
     reader = choose_reader(file)
     try:
-        return reader.name, reader.module.topics(file)
+        return reader.name, reader.topics(file)
     except OSError as error:
         raise _unreadable(file, error) from error
 
@@ -201,7 +201,7 @@ def choose_reader(path: Path) -> Reader:
     """
     by_suffix = [reader for reader in READERS if reader.is_named(path)]
     for reader in (*by_suffix, *READERS):
-        if reader.module.recognises(path):
+        if reader.recognises(path):
             return reader
     packed = next((name for magic, name in _PACKED.items() if starts_with(path, magic)), None)
     if packed is not None:

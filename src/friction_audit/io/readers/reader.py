@@ -7,10 +7,12 @@ from difflib import get_close_matches
 from importlib import import_module
 from math import inf
 from pathlib import Path
+from types import ModuleType
 from typing import Any, ClassVar, Self
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.files import starts_with
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import JOINT_CHANNELS
 
 MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its ends are judged by their neighbours
@@ -224,7 +226,20 @@ class Reader:
         """Return True if the file's name ends as this format does."""
         return path.name.lower().endswith(self.suffixes)
 
+    def recognises(self, path: Path) -> bool:
+        """Return True if this file (or directory) is of this format, from its content; never raises."""
+        return bool(self._module.recognises(path))
+
+    def read(self, path: Path, options: ReadOptions) -> Recording:
+        """Read it."""
+        recording: Recording = self._module.read(path, options)
+        return recording
+
+    def topics(self, path: Path) -> tuple[Topic, ...]:
+        """List what is in it."""
+        found: tuple[Topic, ...] = self._module.topics(path)
+        return found
+
     @property
-    def module(self) -> Any:  # noqa: ANN401 - a module
-        """Its ``recognises(path)``, which never raises, ``read(path, options)`` and ``topics(path)``."""
+    def _module(self) -> ModuleType:
         return import_module(f"{__package__}.{self.name}")
