@@ -1,6 +1,7 @@
 """Arms known by name: limits, names of joints, kinds of torque, and what is said where a model is missing."""
 
 import json
+import runpy
 from math import inf, pi
 from pathlib import Path
 
@@ -102,7 +103,7 @@ def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path) -> 
         "plan", "--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "90", "-o", tmp_path
     )
     assert done.code == 0, done.err
-    header = (tmp_path / "trajectory.csv").read_text().splitlines()[0]
+    header = (tmp_path / "trajectory_estimate.csv").read_text().splitlines()[0]
     assert "q_elbow_joint" in header
     assert "Universal_Robots_ROS2_Description" in (tmp_path / "plan.json").read_text()
 
@@ -160,3 +161,9 @@ def test_an_unknown_preset_lists_the_names(run: Run, tmp_path: Path) -> None:
     assert done.code == 2
     for name in PRESETS:
         assert name in done.err
+
+
+def test_the_table_of_arms_is_that_of_the_source() -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    text = (docs / "formats.md").read_text()
+    assert runpy.run_path(str(docs / "make_preset_table.py"))["page_of"](text) == text, "run docs/make_preset_table.py"

@@ -87,8 +87,10 @@ class ReadingOptions:
         str,
         option(
             panel.COMMON,
-            "Robot whose rigid-body model may be used; auto: the robot that the log names.",
+            f"Arm that gives limits and kind of torque, one of {', '.join(settings.ROBOTS)}; the panda also has a "
+            "rigid-body model. auto: the robot that the log names.",
             one_of=settings.ROBOTS,
+            metavar="NAME",
         ),
     ] = "auto"
     topic: Annotated[
