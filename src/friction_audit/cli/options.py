@@ -87,10 +87,9 @@ class ReadingOptions:
         str,
         option(
             panel.COMMON,
-            f"Arm that gives limits and kind of torque, one of {', '.join(settings.ROBOTS)}; the panda also has a "
-            "rigid-body model. auto: the robot that the log names.",
+            "Arm that gives limits and kind of torque, and, of the panda, a rigid-body model; auto: the robot that the "
+            "log names.",
             one_of=settings.ROBOTS,
-            metavar="NAME",
         ),
     ] = "auto"
     topic: Annotated[
