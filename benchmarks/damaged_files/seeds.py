@@ -4,6 +4,7 @@ import gzip
 import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -88,7 +89,7 @@ def more_seeds(folder: Path) -> dict[str, Path]:
     paths: dict[str, Path] = {}
     for joints in (1, 2):
         log = swinging_log(joints, joints)
-        arrays = {"time": log.t, "q": log.q, "dq": log.dq, "tau_J": log.tau_J}
+        arrays: dict[str, Any] = {"time": log.t, "q": log.q, "dq": log.dq, "tau_J": log.tau_J}
         names = [f"{name}_{joint + 1}" for name in ("q", "dq", "tau_J") for joint in range(joints)]
         columns = np.column_stack(list(arrays.values()))
         table = pd.DataFrame(columns, columns=["time", *names])
@@ -108,9 +109,9 @@ def more_seeds(folder: Path) -> dict[str, Path]:
         for kind, other in (("csv", "parquet"), ("npz", "csv")):
             place = own / f"{kind}-{other}.joined"
             place.mkdir()
-            motion = table.drop(columns=[name for name in table if name.startswith("tau")])
+            motion = table.drop(columns=[name for name in names if name.startswith("tau")])
             _write(motion, place / f"motion.{kind}")
-            _write(table[["time", *(n for n in table if n.startswith("tau"))]].iloc[::2], place / f"torque.{other}")
+            _write(table[["time", *(n for n in names if n.startswith("tau"))]].iloc[::2], place / f"torque.{other}")
         paths |= {f"{own.name}-{path.name}": path for path in sorted(own.iterdir())}
     return paths
 
@@ -122,10 +123,11 @@ def _write(table: pd.DataFrame, path: Path) -> None:
         case ".parquet":
             table.to_parquet(path)
         case _:
-            np.savez(path, **{str(name): table[name].to_numpy() for name in table})
+            arrays: dict[str, Any] = {str(name): table[name].to_numpy() for name in table}
+            np.savez(path, **arrays)
 
 
-def _write_hdf5(path: Path, arrays: dict[str, np.ndarray]) -> None:
+def _write_hdf5(path: Path, arrays: dict[str, Any]) -> None:
     """Write MATLAB's version 7.3, as MATLAB lays it out."""
     import h5py  # noqa: PLC0415 - an extra
 
@@ -140,7 +142,7 @@ def _write_data_set(folder: Path, table: pd.DataFrame, file: str) -> None:
     """Write a LeRobot data set of one episode."""
     (folder / "meta").mkdir(parents=True)
     (folder / "data" / "chunk-000").mkdir(parents=True)
-    motors = [name for name in table if name != "time"]
+    motors = [str(name) for name in table if name != "time"]
     names = [f"axis_{name.rpartition('_')[2]}.{name.rpartition('_')[0]}" for name in motors]
     feature = {"dtype": "float32", "shape": [len(motors)], "names": names}
     features = {"observation.state": feature, "timestamp": {"dtype": "float32", "shape": [1], "names": None}}

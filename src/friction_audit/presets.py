@@ -57,11 +57,6 @@ def _radians(*degrees: float) -> tuple[float, ...]:
     return tuple(map(radians, degrees))
 
 
-def _both(*degrees: float) -> dict[str, tuple[float, ...]]:
-    high = _radians(*degrees)
-    return {"low_rad": tuple(-end for end in high), "high_rad": high}
-
-
 def _universal_robots(name: str, speeds: Sequence[float], torques: Sequence[float]) -> Preset:
     """Return an e-Series or later arm: shoulder, elbow and wrist have figures of their own."""
     return Preset(
@@ -70,7 +65,8 @@ def _universal_robots(name: str, speeds: Sequence[float], torques: Sequence[floa
         joints=tuple(
             f"{one}_joint" for one in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
         ),
-        **_both(360, 360, 180, 360, 360, 360),
+        low_rad=_radians(-360, -360, -180, -360, -360, -360),
+        high_rad=_radians(360, 360, 180, 360, 360, 360),
         speed_rad_s=_radians(*speeds),
         torque_nm=tuple(torques),
         torque=CURRENT,
@@ -84,7 +80,8 @@ def _iiwa(name: str, model: str, speeds: Sequence[float], torques: Sequence[floa
         label=f"KUKA LBR iiwa {model}",
         pattern=name.replace("iiwa", "iiwa_?"),
         joints=tuple(f"lbr_A{number}" for number in range(1, 8)),
-        **_both(170, 120, 170, 120, 170, 120, 175),
+        low_rad=_radians(-170, -120, -170, -120, -170, -120, -175),
+        high_rad=_radians(170, 120, 170, 120, 170, 120, 175),
         speed_rad_s=_radians(*speeds),
         torque_nm=tuple(torques),
         torque=SENSOR,

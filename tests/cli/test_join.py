@@ -38,7 +38,7 @@ def saved(path: Path, columns: Mapping[str, np.ndarray]) -> Path:
         case ".parquet":
             frame.to_parquet(path)
         case ".npz":
-            np.savez(path, **columns)
+            np.savez(path, **columns)  # type: ignore[arg-type]
         case _:
             frame.to_csv(path, index=False, float_format="%.17g")
     return path

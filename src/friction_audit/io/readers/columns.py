@@ -251,8 +251,8 @@ def _align(
     for channel in (c for c in JOINT_CHANNELS if c in groups):
         group = groups[channel]
         fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
-        there = group.cells.values() if fits else [group.cells[key] for key in keys if key in group.cells]
-        cells = tuple(there) if len(there) == len(keys) else None
+        own = list(group.cells.values()) if fits else [group.cells[key] for key in keys if key in group.cells]
+        cells = tuple(own) if len(own) == len(keys) else None
         if cells is not None:
             channels[channel] = cells
         elif channel in REQUIRED or torques == [channel]:
