@@ -1,11 +1,17 @@
 """Undamaged logs in every container, written by the program's own writers and by the libraries'."""
 
+import gzip
+import json
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
+import pyarrow as pa
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
+from scipy.io import savemat
 
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import JointLog, Source
@@ -73,3 +79,75 @@ def _mcap_variants(source: Path, folder: Path) -> Iterator[tuple[str, Path]]:
                 )
             writer.finish()  # type: ignore[no-untyped-call]
         yield f"mcap-{name}", path
+
+
+def more_seeds(folder: Path) -> dict[str, Path]:
+    """Write undamaged logs of the formats that this program does not write; return path by name.
+
+    A folder ``joined`` holds two files of one log.
+    """
+    paths: dict[str, Path] = {}
+    for joints in (1, 2):
+        log = swinging_log(joints, joints)
+        arrays: dict[str, Any] = {"time": log.t, "q": log.q, "dq": log.dq, "tau_J": log.tau_J}
+        names = [f"{name}_{joint + 1}" for name in ("q", "dq", "tau_J") for joint in range(joints)]
+        columns = np.column_stack(list(arrays.values()))
+        table = pd.DataFrame(columns, columns=["time", *names])
+        content = table.to_csv(index=False).encode()
+        own = folder / f"own-{joints}"
+        own.mkdir()
+        (own / "run.csv.gz").write_bytes(gzip.compress(content))
+        (own / "run.csv.zst").write_bytes(pa.compress(content, codec="zstd", asbytes=True))
+        np.save(own / "plain.npy", columns)
+        np.save(own / "records.npy", table.to_records(index=False))
+        for compressed in (False, True):
+            savemat(own / f"{'packed' if compressed else 'plain'}.mat", arrays, do_compression=compressed)
+        savemat(own / "structure.mat", {"log": arrays})
+        _write_hdf5(own / "version73.mat", arrays)
+        _write_data_set(own / "v2.lerobot", table, "episode_000000")
+        _write_data_set(own / "v3.lerobot", table, "file-000")
+        for kind, other in (("csv", "parquet"), ("npz", "csv")):
+            place = own / f"{kind}-{other}.joined"
+            place.mkdir()
+            motion = table.drop(columns=[name for name in names if name.startswith("tau")])
+            _write(motion, place / f"motion.{kind}")
+            _write(table[["time", *(n for n in names if n.startswith("tau"))]].iloc[::2], place / f"torque.{other}")
+        paths |= {f"{own.name}-{path.name}": path for path in sorted(own.iterdir())}
+    return paths
+
+
+def _write(table: pd.DataFrame, path: Path) -> None:
+    match path.suffix:
+        case ".csv":
+            table.to_csv(path, index=False)
+        case ".parquet":
+            table.to_parquet(path)
+        case _:
+            arrays: dict[str, Any] = {str(name): table[name].to_numpy() for name in table}
+            np.savez(path, **arrays)
+
+
+def _write_hdf5(path: Path, arrays: dict[str, Any]) -> None:
+    """Write MATLAB's version 7.3, as MATLAB lays it out."""
+    import h5py  # noqa: PLC0415 - an extra
+
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, array in arrays.items():
+            file.create_dataset(name, data=np.atleast_2d(array.T)).attrs["MATLAB_class"] = np.bytes_("double")
+    with path.open("r+b") as stream:
+        stream.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(124) + b"\x00\x02IM")
+
+
+def _write_data_set(folder: Path, table: pd.DataFrame, file: str) -> None:
+    """Write a LeRobot data set of one episode."""
+    (folder / "meta").mkdir(parents=True)
+    (folder / "data" / "chunk-000").mkdir(parents=True)
+    motors = [str(name) for name in table if name != "time"]
+    names = [f"axis_{name.rpartition('_')[2]}.{name.rpartition('_')[0]}" for name in motors]
+    feature = {"dtype": "float32", "shape": [len(motors)], "names": names}
+    features = {"observation.state": feature, "timestamp": {"dtype": "float32", "shape": [1], "names": None}}
+    version = "v2.1" if file.startswith("episode") else "v3.0"
+    info = {"codebase_version": version, "fps": RATE_HZ, "features": features}
+    (folder / "meta" / "info.json").write_text(json.dumps(info))
+    frames = {"timestamp": table["time"], "observation.state": list(table[motors].to_numpy()), "episode_index": 0}
+    pd.DataFrame(frames).to_parquet(folder / "data" / "chunk-000" / f"{file}.parquet")

@@ -54,6 +54,7 @@ class ReadingOptions(TypedDict, total=False):
     gear_ratio: tuple[float, ...]
     torque_scale: tuple[float, ...]
     flip: tuple[int, ...]
+    join: tuple[str, ...]
 
 
 class EstimateOptions(TypedDict, total=False):

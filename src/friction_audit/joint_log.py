@@ -54,6 +54,15 @@ class Finding:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class Joined:
+    """A further file that channels of a log came from: path as given, content hash, name of the reader."""
+
+    path: str
+    sha256: str
+    format: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Source:
     """Where a log came from and how it was understood.
 
@@ -61,7 +70,7 @@ class Source:
         path: The path as the user gave it.
         sha256: Content hash of the file (of all files, in sorted order, for a directory).
         format: Name of the reader that read it.
-        robot: ``"panda"``, ``"fr3"`` or ``"unknown"``, by joint names or message types.
+        robot: Name of a preset, or ``"unknown"``: by joint names or message types, or as the user said.
         serial: Serial number of the arm as the file states it, empty if it does not.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of the first sample, or None when the clock does not say. [s]
@@ -73,6 +82,7 @@ class Source:
         findings: What was noticed about the recording.
         window: Start and end of the part that was taken, as asked for. [s]
         skipped_s: Time from the first sample of the recording to that of this log. [s]
+        joined: Further files that channels came from.
     """
 
     path: str
@@ -89,6 +99,7 @@ class Source:
     findings: tuple[Finding, ...] = ()
     window: tuple[float | None, float | None] = (None, None)
     skipped_s: float = 0.0
+    joined: tuple[Joined, ...] = ()
 
     @property
     def dead_torque(self) -> frozenset[int]:

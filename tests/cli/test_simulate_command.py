@@ -15,8 +15,8 @@ import pytest
 
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import read_log
+from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS
-from friction_audit.io.writers.writer import Writer
 from friction_audit.reporting.schemas import load_schema
 from friction_audit.simulation import Simulation, scenarios, simulate
 from friction_audit.simulation.assign import paths

@@ -11,8 +11,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
 from friction_audit.io.readers import read_log
+from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS, choose_writer, write_log
-from friction_audit.io.writers.writer import Writer
 from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, Source
 
 NAMES = [writer.name for writer in WRITERS]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.io.readers.message_clock import choose_clock
+from friction_audit.io.readers.message_stream import choose_clock
 from friction_audit.io.readers.time_column import find_time, to_clock
 
 START_NS = 1_700_000_000_000_000_123

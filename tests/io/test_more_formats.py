@@ -119,6 +119,28 @@ def test_matlab_files_without_a_log(tmp_path: Path) -> None:
         read_log(path)
 
 
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        (
+            lambda m: {"dq": m["dq"][:-1]},
+            r"no column for dq.*left out: dq of 299x3; expected 300 samples in every array",
+        ),
+        (lambda m: {"q": m["q"][:, :, None].repeat(2, 2)}, r"no column for q.*left out: q of 300x3x2"),
+        (
+            lambda m: {"tau_J": m["tau_J"].ravel()},
+            r"left out: dq of 300x3, q of 300x3, t of 300; expected 900 samples",
+        ),
+        (lambda m: {"dq": m["dq"][:, :2]}, r"do not cover the same joints: expected 3 joints.*dq \(2 joints"),
+    ],
+)
+def test_matlab_arrays_of_wrong_shapes(tmp_path: Path, wrong: Any, message: str) -> None:
+    arrays = motion(300)
+    scipy.io.savemat(tmp_path / "run.mat", arrays | wrong(arrays))
+    with pytest.raises(InputError, match=message):
+        read_log(tmp_path / "run.mat")
+
+
 def data_set(root: Path, version: str, episodes: int, features: dict[str, list[str]]) -> Path:
     """Write a data set: the layout of ``info.json`` and of the Parquet files is that of huggingface/lerobot."""
     folder = root / "data" / "chunk-000"

@@ -10,7 +10,7 @@ from friction_audit.errors import InputError, UsageError
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import READERS, ReadOptions, list_topics, read_log
 from friction_audit.io.readers import csv as reader
-from friction_audit.io.readers.csv_dialect import Dialect, sniff_csv
+from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
 from tests.io.synthetic_recordings import motion, tidy_frame, write_tidy_csv
 

@@ -58,16 +58,16 @@ def test_every_candidate_keeps_the_limits_and_returns_to_the_start(asked: Limits
 
 def test_limits_of_the_panda_are_those_published() -> None:
     joint = Joint(number=4, name="panda_joint4", hand=False, reach_rad=(-9.0, 9.0))
-    found = limits_of(joint, -2.0, urdf=None, panda=True)
+    found = limits_of(joint, -2.0, urdf=None, robot="panda")
     assert (found.low_rad, found.high_rad) == pytest.approx((-3.0718 + 0.05, -0.0698 - 0.05))
     assert (found.speed_rad_s, found.acceleration_rad_s2, found.jerk_rad_s3) == (2.175, 3.125, 300.0)
-    by_hand = limits_of(replace(joint, hand=True), -2.0, urdf=None, panda=True)
+    by_hand = limits_of(replace(joint, hand=True), -2.0, urdf=None, robot="panda")
     assert by_hand.acceleration_rad_s2 == 3.125  # a trajectory for a hand is one for the arm too
     assert by_hand.speed_rad_s == 1.8
-    asked = limits_of(joint, -2.0, urdf=None, panda=True, range_rad=(-0.1, 0.2), speed_rad_s=0.5, jerk_rad_s3=None)
+    asked = limits_of(joint, -2.0, urdf=None, robot="panda", range_rad=(-0.1, 0.2), speed_rad_s=0.5, jerk_rad_s3=None)
     assert (asked.high_rad, asked.speed_rad_s, asked.jerk_rad_s3) == pytest.approx((-1.8, 0.5, 300.0))
     with pytest.raises(UsageError, match="no joint elbow"):
-        limits_of(replace(joint, name="elbow"), 0.0, urdf=urdf(), panda=False)
+        limits_of(replace(joint, name="elbow"), 0.0, urdf=urdf(), robot="")
 
 
 def urdf() -> Path:

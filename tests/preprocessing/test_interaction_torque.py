@@ -155,8 +155,8 @@ def test_no_robot_is_assumed_that_neither_log_nor_user_names() -> None:
 
 
 def test_an_fr3_does_not_get_a_panda_s_inertias_unasked() -> None:
-    assert codes(extract(hand_log("fr3")))[:2] == ["fr3_no_model", "gravity_in_torque"]
-    with pytest.raises(UsageError, match="FR3"):
+    assert codes(extract(hand_log("fr3")))[:2] == ["no_model", "gravity_in_torque"]
+    with pytest.raises(UsageError, match="Franka Research 3"):
         extract(hand_log("fr3"), gravity="model")
     assert extract(hand_log("fr3"), gravity="model", robot="panda").choice.robot == "panda"
 

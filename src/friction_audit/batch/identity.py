@@ -19,7 +19,7 @@ class Recorded:
         session: Its summary. ``robot`` is what the log itself calls the arm, empty if nothing; ``start_s`` is that of
             the log's clock; nothing of a manifest is in it.
         topic: What ``--topic`` would have to say to read this arm of several; empty where the log holds one.
-        kind: ``"panda"``, ``"fr3"`` or ``"unknown"``.
+        kind: Name of a preset, or ``"unknown"``.
         named_by_serial: True if the log's name for the arm is a serial number, which no other arm has.
     """
 

@@ -163,6 +163,7 @@ def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: o
         from friction_audit.diagnosis.settings import DiagnosisSettings
 
         diagnosis = DiagnosisSettings(min_effect_nm=sessions.min_effect)
+    chain.refuse_join(shared.reading, "batch-report reads")
     reading = read_options(shared.reading, shared.selection)
     return BatchSettings(audit=audit_settings(shared, friction), reading=reading, diagnosis=diagnosis)
 

@@ -185,6 +185,15 @@ def check_joint_model(path: object, model: "ArmModel", log: "JointLog") -> None:
         )
 
 
+def refuse_join(reading: opt.ReadingOptions, what: str) -> None:
+    """Refuse ``--join`` where several logs are read: its files are those of one log."""
+    if reading.join:
+        raise UsageError(
+            f"--join {reading.join[0]}: {what} several logs; expected files of one log; join each with `friction-audit "
+            "convert LOG OUT --join FILE` first"
+        )
+
+
 def read_options(reading: opt.ReadingOptions, selection: opt.SelectionOptions) -> "ReadOptions":
     """Return how the log is read, and which part of it."""
     from friction_audit.io.readers import ReadOptions
@@ -199,6 +208,7 @@ def read_options(reading: opt.ReadingOptions, selection: opt.SelectionOptions) -
         gear_ratio=parse_list("--gear-ratio", reading.gear_ratio),
         torque_scale=parse_list("--torque-scale", reading.torque_scale),
         flip=parse_joint_numbers(reading.flip, f"--flip {reading.flip}") if reading.flip is not None else (),
+        join=tuple(map(str, reading.join or ())),
         t_start_s=selection.t_start,
         t_end_s=selection.t_end,
     )

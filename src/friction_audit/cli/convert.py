@@ -53,7 +53,8 @@ def command(
 
     voice, joints = general.voice, parse_joints(selection.joints)
     options, writer = read_options(reading, selection), choose_writer(out, dialect)
-    chain.check_outputs([out], overwrite=overwrite, log=log, folder=not writer.suffix)
+    for one in (log, *(reading.join or ())):
+        chain.check_outputs([out], overwrite=overwrite, log=one, folder=not writer.suffix)
     kept = chain.read(log, options, voice)
     count = len(kept.joint_names)
     absent = [str(joint) for joint in joints or () if joint > count]

@@ -48,6 +48,7 @@ def command(
     from friction_audit.drift.two_sides import compare_sides
     from friction_audit.reporting.diff import diff_notices
 
+    chain.refuse_join(shared.reading, "diff reads")
     voice = shared.general.voice
     limits = tuple(parse_limit(text) for text in fail_on or ())
     kinds = choices.some_figures(figures, choices.DIFF_FIGURES)

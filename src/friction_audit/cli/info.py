@@ -42,6 +42,8 @@ def command(
 ) -> None:
     """Summarise logs: format, channels, clock, joints, cycles."""
     voice = general.voice
+    if len(logs) > 1:
+        chain.refuse_join(reading, "these are")
     options = read_options(reading, selection)
     joints = parse_joints(selection.joints)
     view = _View(joints, torque_settings(torque, reading.robot), cycle_settings(cycles), full)

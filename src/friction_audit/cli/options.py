@@ -117,7 +117,8 @@ class ReadingOptions:
         str,
         option(
             panel.COMMON,
-            "Robot whose rigid-body model may be used; auto: the robot that the log names.",
+            "Arm that gives limits and kind of torque, and, of the panda, a rigid-body model; auto: the robot that the "
+            "log names.",
             one_of=settings.ROBOTS,
         ),
     ] = "auto"
@@ -132,6 +133,15 @@ class ReadingOptions:
             "dq=velocity_{i}; with a unit: q=angle_{i}:deg, tau_J=i_{i}:A. Repeatable.",
             "--map",
             metavar="CHANNEL=NAME",
+        ),
+    ] = None
+    join: Annotated[
+        list[Path] | None,
+        option(
+            panel.READING,
+            "Another file of the same log: its channels are interpolated at the stamps of LOG. Repeatable.",
+            "--join",
+            metavar="FILE",
         ),
     ] = None
     time_scale: Annotated[

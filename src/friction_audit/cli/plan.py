@@ -64,7 +64,7 @@ def command(
     ] = None,
 ) -> None:
     """Plan the motion that separates ambiguous effects."""
-    from friction_audit.io.writers.joint_trajectory import write_csv, write_mcap
+    from friction_audit.io.writers.topics import write_csv, write_mcap
     from friction_audit.planning.motion import limits_of
     from friction_audit.planning.plan import plan_task, trajectory_of
     from friction_audit.reporting.documents import write_document
@@ -78,11 +78,12 @@ def command(
         arm, tasks = _tasks(source, motion, shared)
     within = None if motion.range_ is None else parse_numbers("--range", motion.range_, ("LOW", "HIGH"))
     asked = {"speed_rad_s": motion.speed, "acceleration_rad_s2": motion.acceleration, "jerk_rad_s3": motion.jerk}
-    robot, recordings, purposes = shared.reading.robot, [], {one.purpose for one in tasks} - {None}
+    robot = {"auto": arm.robot, "none": ""}.get(shared.reading.robot, shared.reading.robot)
+    recordings, purposes = [], {one.purpose for one in tasks} - {None}
 
     def planned(task: "Task") -> "JointPlan":
-        start, panda = arm.start_rad[task.joint.number - 1], arm.panda and robot != "none"
-        limits = limits_of(task.joint, start, urdf=shared.torque.urdf, panda=panda, range_rad=within, **asked)
+        start = arm.start_rad[task.joint.number - 1]
+        limits = limits_of(task.joint, start, urdf=shared.torque.urdf, robot=robot, range_rad=within, **asked)
         return plan_task(task, limits, motion.duration, check=motion.check)
 
     for purpose in (one for one in PURPOSES if one in purposes):
@@ -109,7 +110,7 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -
     """Return the arm and what its joints need; where nothing is to be decided, the best recordings of the first one."""
     from friction_audit.io.files import read_document
     from friction_audit.planning.task import Joint, Task, arm_of, tasks_of
-    from friction_audit.robot.arm import BUILT_IN
+    from friction_audit.presets import BUILT_IN, PRESETS
     from friction_audit.simulation.panda_joint import READY_RAD
 
     wanted, start = parse_joints(shared.selection.joints), None
@@ -117,9 +118,10 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -
         names = tuple(f"Q{k}" for k in range(1, motion.start.count(",") + 2))
         start = parse_numbers("--start", motion.start, names)
     if source is None:
-        panda = shared.reading.robot == BUILT_IN or start is None
-        start = READY_RAD if start is None else start
-        arm = arm_of(BUILT_IN if panda else "", len(READY_RAD) if panda else len(start), start, {})
+        asked = shared.reading.robot
+        robot = asked if asked in PRESETS else BUILT_IN if start is None else ""
+        joints = len(PRESETS[robot].joints if robot else start or ())
+        arm = arm_of(robot, joints, start or (READY_RAD if robot == BUILT_IN else None), {})
         number = (wanted or (1,))[0]
         if number > len(arm.names):
             raise UsageError(f"--joints {number}: the arm has {len(arm.names)} joints; choose one of them")

@@ -17,7 +17,7 @@ from friction_audit.cli.outputs import show_written
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.io.writers.writer import Writer
+    from friction_audit.io.writers.tables import Writer
     from friction_audit.joint_log import JointLog
     from friction_audit.reporting.documents import SimulatedLog
     from friction_audit.simulation.assign import Setting

@@ -12,6 +12,7 @@ from friction_audit.compensation.compensators import (
 )
 from friction_audit.effects.joint_model import ArmModel, JointModel
 from friction_audit.errors import UsageError
+from friction_audit.presets import PRESETS
 
 DEFAULT_MODEL = "combined"
 # Twice the paper's: on a Panda's sensors, the difference of two cycles is noise as often as friction.
@@ -21,9 +22,7 @@ FEED_BACK = ("disturbance_observer", "torque_regulation")  # without a loop over
 MODEL = "model"  # applies the friction of a model file
 COMPETITORS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
 
-PANDAS = ("panda", "fr3")  # robots with the limits below (manufacturer's data), as ``Source.robot`` names them
-PANDA_TORQUE_NM = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
-PANDA_TORQUE_RATE_NM_S = 1000.0
+PANDAS = ("panda", "fr3")  # robots with the published static friction, as ``Source.robot`` names them
 
 FITTED, MODELLED = "the joint fitted to this log", "the joint of the model file"
 
@@ -73,9 +72,10 @@ class Limits:
 
 def limits_of(robot: str, joint: int) -> Limits:
     """Return the limits of a joint, given by its number for people; none for an unknown arm."""
-    if robot not in PANDAS or not 1 <= joint <= len(PANDA_TORQUE_NM):
+    preset = PRESETS.get(robot)
+    if preset is None or not 1 <= joint <= len(preset.joints):
         return Limits()
-    return Limits(torque_nm=PANDA_TORQUE_NM[joint - 1], rate_nm_s=PANDA_TORQUE_RATE_NM_S)
+    return Limits(torque_nm=preset.torque_nm[joint - 1], rate_nm_s=preset.torque_rate_nm_s)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -22,6 +22,8 @@ class Recording:
         joint_names: One name per joint.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of t = 0, or None when the clock does not say. [s]
+        origin_s: Reading of the clock at t = 0. [s]
+        guessed_unit: Unit of the clock where neither its name nor its size says it.
         first_s: Time of the log's first sample on the clock of t where only a part was read, else None. [s]
         robot: Robot by joint names or message types, or ``"unknown"``.
         serial: Serial number of the arm as the file states it, empty if it does not.
@@ -37,6 +39,8 @@ class Recording:
     joint_names: tuple[str, ...]
     clock: str = "column"
     start_s: float | None = None
+    origin_s: float = 0.0
+    guessed_unit: str = ""
     first_s: float | None = None
     robot: str = "unknown"
     serial: str = ""
@@ -63,12 +67,6 @@ class Recording:
         """Return some joints only, given by column."""
         kept = {channel: np.asfortranarray(array[:, list(joints)]) for channel, array in self.channels.items()}
         return replace(self, channels=kept, joint_names=tuple(self.joint_names[joint] for joint in joints))
-
-    def without_channels(self, channels: Sequence[str]) -> "Recording":
-        """Return the recording without some channels."""
-        kept = {channel: array for channel, array in self.channels.items() if channel not in channels}
-        names = {channel: name for channel, name in self.mapping.items() if channel not in channels}
-        return replace(self, channels=kept, mapping=names)
 
     def name_of(self, channel: str, joint: int) -> str:
         """Return how messages call a channel of a joint (0-based)."""

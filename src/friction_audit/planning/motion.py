@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.planning.task import Joint
+from friction_audit.presets import PRESETS
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
 from friction_audit.simulation.motion.strokes import PEAK, Stroke
 
-# Of joints 1 to 7, a quarter of what libfranka allows, in rad/s^2; with it 300 rad/s^3: joint_limits.yaml of
-# moveit_resources. Positions and speeds of the built-in URDF are those of libfranka.
-PANDA_ACCELERATIONS, PANDA_JERK = (3.75, 1.875, 2.5, 3.125, 3.75, 5.0, 5.0), 300.0
+# Where the highest acceleration is published, a quarter of it, with this jerk: as joint_limits.yaml of
+# panda_moveit_config (moveit_resources) does for the Panda.
+ACCELERATION_SHARE, JERK_RAD_S3 = 0.25, 300.0
 USUAL = (1.5, 2.5, 100.0)  # rad/s, rad/s^2, rad/s^3: below the limits of all common arms
 HAND = (1.8, 8.0, 150.0)  # what a person does with ease; slower than this a person is not steady:
 HAND_SLOWEST, ROBOT_SLOWEST = 0.05, 0.01  # rad/s
@@ -68,13 +69,13 @@ def limits_of(
     start_rad: float,
     *,
     urdf: Path | None,
-    panda: bool,
+    robot: str = "",
     range_rad: tuple[float, ...] | None = None,
     **asked: float | None,
 ) -> Limits:
     """Return the limits of a joint: those of the arm, tightened to those of a hand, replaced by what is asked for.
 
-    The arm is that of a URDF, or a Panda, or unknown. The range is relative to the start; speed, acceleration and jerk
+    The arm is that of a URDF, or a preset, or unknown. The range is relative to the start; speed, acceleration and jerk
     are asked for by the names of ``Limits``, None where the arm decides.
 
     Raises:
@@ -85,10 +86,14 @@ def limits_of(
     if urdf is not None:
         low, high, speed = limits_in(read_urdf(urdf), str(urdf), joint.name)
         source = f"{urdf.name}; acceleration and jerk {source}"
-    elif panda:
-        low, high, speed = limits_in(read_urdf(None), "the built-in Panda", f"panda_joint{joint.number}")
-        acceleration, jerk = PANDA_ACCELERATIONS[joint.number - 1], PANDA_JERK
-        source = "libfranka, moveit_resources (panda_moveit_config)"
+    elif robot in PRESETS and joint.number <= len(PRESETS[robot].joints):
+        preset, k = PRESETS[robot], joint.number - 1
+        low, high, speed = preset.low_rad[k], preset.high_rad[k], preset.speed_rad_s[k]
+        if preset.acceleration_rad_s2:
+            acceleration, jerk = ACCELERATION_SHARE * preset.acceleration_rad_s2[k], JERK_RAD_S3
+            source = f"{preset.source}; a quarter of the acceleration, jerk of panda_moveit_config"
+        else:
+            source = f"{preset.source}; acceleration and jerk {source}"
     if joint.hand:
         speed, acceleration, jerk = map(min, (speed, acceleration, jerk), HAND)
         source = f"{source}; at most those of a person"

@@ -21,7 +21,7 @@ from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnosis_subjects, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings
-from friction_audit.robot.arm import BUILT_IN
+from friction_audit.presets import PRESETS
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, JointParameters, Operator, simulate
 from friction_audit.simulation.motion import MotionSettings, StopAndGo
 from friction_audit.simulation.panda_joint import READY_RAD
@@ -29,6 +29,7 @@ from friction_audit.simulation.panda_joint import READY_RAD
 Purpose = Literal["decide", "diagnose", "estimate"]
 RATE_HZ = 500.0  # of simulated logs: ten times the diagnosis' samples
 LEAST_NOISE_NM = 1e-4
+FRANKA = ("panda", "fr3")  # arms with this ready pose
 REACH_RAD = 0.8  # to either side of the start: room for gravity, which takes 1.5 rad, within most arms' ranges
 SERVO = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}  # of a position controller, as in joint-driven
 AUTO = AuditSettings(cycles=CycleSettings(thresholds="auto"))  # slow strokes are no cycles at the usual thresholds
@@ -93,7 +94,7 @@ class Arm(NamedTuple):
 
     names: tuple[str, ...]  # of its joints
     start_rad: tuple[float, ...]
-    panda: bool
+    robot: str  # name of its preset, or another word where it has none
     known_start: bool  # whether a log or the user gave the start
 
 
@@ -103,13 +104,14 @@ def arm_of(robot: str, joints: int, start: Sequence[float] | None, names: Mappin
     Raises:
         UsageError: If the start has another number of joints.
     """
-    panda = robot == BUILT_IN
-    usual = READY_RAD if panda and joints == len(READY_RAD) else (0.0,) * joints
+    preset = PRESETS.get(robot)
+    usual = READY_RAD if robot in FRANKA and joints == len(READY_RAD) else (0.0,) * joints
     place = usual if start is None else tuple(map(float, start))
     if len(place) != joints or not np.isfinite(place).all():
         raise UsageError(f"--start: {len(place)} positions; expected {joints}, one per joint [rad]")
-    known = (names.get(k, f"{'panda_' if panda else ''}joint{k}") for k in range(1, joints + 1))
-    return Arm(tuple(known), place, panda, known_start=start is not None)
+    others = preset.joints if preset and len(preset.joints) == joints else [f"joint{k}" for k in range(1, joints + 1)]
+    known = (names.get(k, name) for k, name in enumerate(others, 1))
+    return Arm(tuple(known), place, robot, known_start=start is not None)
 
 
 def tasks_of(

@@ -7,6 +7,7 @@ from math import inf, isfinite
 from pathlib import Path
 
 from friction_audit.errors import UsageError
+from friction_audit.presets import PRESETS
 
 GIVEN: ContextVar[str] = ContextVar("GIVEN", default="")
 """The command that a user gave, without the choices of the torque; empty where there is none."""
@@ -67,7 +68,7 @@ TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
 GRAVITIES = ("auto", "in-torque", "removed", "logged", "model")
 INERTIAS = ("auto", "model", "none")
 DRIVES = ("auto", "hand", "robot")
-ROBOTS = ("auto", "panda", "fr3", "none")
+ROBOTS = ("auto", *PRESETS, "none")
 CHOICES = {"torque": TORQUES, "gravity": GRAVITIES, "inertia": INERTIAS, "drive": DRIVES, "robot": ROBOTS}
 
 
@@ -80,7 +81,7 @@ class TorqueSettings:
         gravity: Where gravity comes from, one of GRAVITIES.
         inertia: Whether inertial and Coriolis torque is removed, one of INERTIAS.
         drive: Who moves the joint, one of DRIVES.
-        robot: Whose rigid-body model may be used, one of ROBOTS.
+        robot: Which arm it is, and whose rigid-body model may be used, one of ROBOTS.
         urdf: A URDF that replaces the built-in model, or None.
         payload: mass [kg] and centre of mass x, y, z [m] in the flange frame, or None.
         gravity_vector: Gravity in the base frame. [m/s^2]

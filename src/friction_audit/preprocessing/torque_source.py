@@ -9,10 +9,12 @@ from friction_audit.joint_log import JointLog
 from friction_audit.preprocessing.interaction import Caution, TorqueChoice
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog
+from friction_audit.presets import BUILT_IN, PRESETS
 from friction_audit.robot import Arm, load_arm
 
 # Source of the torque -> channel of the log, in the order in which ``auto`` prefers them.
 CHANNELS = {"interaction": "tau_interaction", "tau_ext": "tau_ext_hat_filtered", "tau_J": "tau_J"}
+MODELS = ("urdf", BUILT_IN)  # robots with a rigid-body model
 FROM_TAU_J = ("removed", "logged", "model")  # choices of gravity that are about tau_J
 PANDA_JOINTS = 7
 EXPLAINED_BY_OWN_MODEL = 0.1  # share of the torque's variance that the model of an arm of the same kind leaves
@@ -121,7 +123,7 @@ def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
 
 
 def known_robot(log: JointLog, settings: TorqueSettings) -> str:
-    """Return whose model may be used: ``"urdf"``, ``"panda"``, ``"fr3"``, ``"none"`` or ``"unknown"``."""
+    """Return whose model may be used: ``"urdf"``, the name of a preset, ``"none"`` or ``"unknown"``."""
     if settings.urdf is not None:
         return "urdf"
     return log.source.robot if settings.robot == "auto" else settings.robot
@@ -133,7 +135,7 @@ def _source(log: JointLog, settings: TorqueSettings, robot: str) -> tuple[str, s
         return settings.torque, "asked"
     if settings.gravity in FROM_TAU_J or settings.inertia == "model":
         return "tau_J", "asked"
-    known, external = robot in ("urdf", "panda"), log.tau_ext_hat_filtered is not None
+    known, external = robot in MODELS, log.tau_ext_hat_filtered is not None
     ranking = (
         ("interaction", "interaction", log.tau_interaction is not None),
         ("tau_J", "logged", log.tau_J is not None and log.gravity is not None),
@@ -147,7 +149,7 @@ def _source(log: JointLog, settings: TorqueSettings, robot: str) -> tuple[str, s
 def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm | None:
     """Load the model if it is needed and the log or the user names it; no arm is assumed."""
     demanded = settings.gravity == "model" or settings.inertia == "model"
-    if robot in ("urdf", "panda"):
+    if robot in MODELS:
         by_default = log.gravity is None and settings.gravity == "auto"
         possible = robot == "urdf" or len(log.joint_names) == PANDA_JOINTS
         useful = possible and settings.drive != "hand" and settings.inertia == "auto"
@@ -155,10 +157,13 @@ def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm 
     if not demanded:
         return None
     where = log.source.path
-    if robot == "fr3":
+    if robot in PRESETS:
+        urdf = settings.command(where, robot="auto", urdf="FILE")
+        panda = f"; with the Panda's, newton metres off: {settings.command(where, robot=BUILT_IN)}"
         raise UsageError(
-            f"{where}: an FR3, whose inertias differ from the Panda's by newton metres; the built-in model is a "
-            "Panda's: give the FR3's --urdf (with inertias), or --robot panda to use the Panda's all the same"
+            f"{where}: {PRESETS[robot].label}: names and limits are known, no rigid-body model, which --gravity "
+            f"model and --inertia model need; built in: {BUILT_IN}; give this arm's URDF with inertias: {urdf}"
+            f"{panda if robot == 'fr3' else ''}"
         )
     if robot == "none":
         raise UsageError(
@@ -199,8 +204,8 @@ def _cautions(
             f"tau_J differs from the Panda's model by more than {VENDOR_DISAGREES_NM:g} N m: a payload is missing; to "
             "use tau_J, give it: --payload MASS,X,Y,Z (Franka hand: 0.73,-0.01,0,0.03)"
         )
-    if gravity == "in-torque" and robot == "fr3":
-        found["fr3_no_model"] = "FR3: no built-in model; give its --urdf, or --robot panda to use the Panda's model"
+    if gravity == "in-torque" and robot in PRESETS and robot not in MODELS:
+        found["no_model"] = f"{PRESETS[robot].label}: no built-in rigid-body model; give its --urdf"
     if gravity == "in-torque":
         remedy = (
             f"; remove it: {_with_gravity_removed(log, coarse, settings)}" if log.source.torque_unit == "N m" else ""
@@ -244,10 +249,10 @@ def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
     Raises:
         UsageError: If no model of this arm is known.
     """
-    if known_robot(log, settings) in ("none", "unknown"):
+    if known_robot(log, settings) not in (*MODELS, "fr3"):
         raise UsageError(
-            f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name its "
-            f"robot; {with_a_model(log, settings, '--cycles-from', 'hand')}; or use --cycles-from joint"
+            f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name one "
+            f"that is built in; {with_a_model(log, settings, '--cycles-from', 'hand')}; or use --cycles-from joint"
         )
     return _load(log, settings)
 

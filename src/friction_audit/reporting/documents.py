@@ -13,13 +13,22 @@ from friction_audit.reporting.table import Column, Document, Record, to_json
 NO_OPTIONS: Mapping[str, object] = MappingProxyType({})
 
 
+JOINED = Record(
+    (
+        Column("path", str, "path as given"),
+        Column("sha256", str, "of the file"),
+        Column("format", str, "the reader"),
+    )
+)
+
+
 def log_columns(count: str) -> tuple[Column, ...]:
     """Return the keys that tell which log it is; ``count`` names the number of its joints."""
     return (
         Column("path", str, "path as given", "source.path"),
         Column("sha256", str, "of the file", "source.sha256"),
         Column("format", str, "the reader", "source.format"),
-        Column("robot", str, "`panda`, `fr3` or `unknown`", "source.robot"),
+        Column("robot", str, "a preset such as `panda`, or `unknown`", "source.robot"),
         Column("clock", str, "`robot_time`, `header_stamp`, `log_time` or `column`", "source.clock"),
         Column("topic", str, "topic or table that was read", "source.topic", null=True),
         Column("start", float, "Unix time of the first sample", "source.start_s", unit="s"),
@@ -31,6 +40,7 @@ def log_columns(count: str) -> tuple[Column, ...]:
         Column(
             "torque_unit", ("N m", "A", "mA"), "`A` or `mA` where the torque is a motor current", "source.torque_unit"
         ),
+        Column("joined", [JOINED], "further files of the log (`--join`)", "source.joined", optional=True),
     )
 
 

@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.io.checks.sampling import DROPPED_STEPS
+from friction_audit.io.checks.clock import DROPPED_STEPS
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
+from friction_audit.presets import PRESETS, candidates
 from friction_audit.reporting.documents import WARNING, log_columns
 from friction_audit.reporting.estimate import sign_text
 from friction_audit.reporting.notices import Notice, interaction_notices, log_notices
@@ -247,7 +248,9 @@ def _topic(topic: TopicSummary) -> str:
 def _lines(summary: LogSummary) -> Iterator[str]:
     log, source, torque = summary.log, summary.log.source, summary.torque
     topic = f", topic {source.topic}" if source.topic else ""
-    yield f"format   {source.format}{topic}, robot {source.robot}, {count_of(len(log.joint_names), 'joint')}"
+    alike = candidates(log.joint_names) if source.robot not in PRESETS else ()
+    robot = source.robot + (f" (joints of {', '.join(alike)}: name it with --robot)" if alike else "")
+    yield f"format   {source.format}{topic}, robot {robot}, {count_of(len(log.joint_names), 'joint')}"
     yield from (f"read     {found.message}" for found in source.findings if found.code in SHOWN)
     samples = f"{log.duration_s:.6g} s, {count_of(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
     yield f"clock    {source.clock}, {samples}, {summary.clock_text}"

@@ -57,6 +57,7 @@ class Column:
         tone: Tone of the badge around a text, by the text.
         code: Whether it is the name of a file or the like, which may break anywhere.
         words: Whether it is a phrase for which the page leaves room.
+        optional: Whether a document has the key only where there is something.
     """
 
     name: str
@@ -74,6 +75,7 @@ class Column:
     tone: Callable[[str], Tone] | None = None
     code: bool = False
     words: bool = False
+    optional: bool = False
 
     @property
     def key(self) -> str:
@@ -194,7 +196,8 @@ class Record:
         """Return a row as an object, or the rows of a table of arrays as a list."""
         columns = self.on("j")
         if not self.arrays:
-            return {column.key: column.json(row, torque_unit) for column in columns}
+            there = (column for column in columns if not column.optional or column.value(row))
+            return {column.key: column.json(row, torque_unit) for column in there}
         cells = zip(*(_plain(column.value(row)) for column in columns), strict=True)
         keys = [column.key for column in columns]
         return [dict(zip(keys, map(to_json, values), strict=True)) for values in cells]
@@ -202,7 +205,8 @@ class Record:
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of a row."""
         properties = {column.key: column.schema() for column in self.on("j")}
-        return {"type": "object", "required": list(properties), "properties": properties}
+        required = [column.key for column in self.on("j") if not column.optional]
+        return {"type": "object", "required": required, "properties": properties}
 
     def file(self, joints: Iterable[tuple[int, str, Any]], torque_unit: str = NEWTON_METRES) -> TidyTable:
         """Return the table for files.

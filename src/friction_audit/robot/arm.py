@@ -12,12 +12,12 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
+from friction_audit.presets import BUILT_IN
 from friction_audit.robot.urdf import Inertial, parse_urdf
 
 if TYPE_CHECKING:
     import mujoco
 
-BUILT_IN = "panda"  # the arm whose URDF comes with this package
 # How flange links end; where a URDF has none of them, the last link that the last joint moves is taken.
 FLANGE_NAMES = ("link8", "flange", "tool0")
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)

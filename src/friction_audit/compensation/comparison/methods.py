@@ -15,7 +15,7 @@ from friction_audit.compensation.compensators import (
 )
 from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.settings import PANDA_TORQUE_NM, PANDA_TORQUE_RATE_NM_S
+from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import Hidden
@@ -56,8 +56,8 @@ def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> J
     return Joint(
         column=column,
         parameters=parameters,
-        max_torque_nm=PANDA_TORQUE_NM[column],
-        max_torque_rate_nm_s=PANDA_TORQUE_RATE_NM_S,
+        max_torque_nm=limits_of("panda", column + 1).torque_nm,
+        max_torque_rate_nm_s=limits_of("panda", column + 1).rate_nm_s,
         payback_s=known,
     )
 

@@ -6,14 +6,10 @@ import numpy as np
 
 from friction_audit.columns_on_demand import is_on_demand
 from friction_audit.errors import InputError
-from friction_audit.io.checks.batches import spread_batches
-from friction_audit.io.checks.clock import order_clock
-from friction_audit.io.checks.missing import leave_out_missing
+from friction_audit.io.checks.clock import check_sampling, order_clock, spread_batches
 from friction_audit.io.checks.motion import LARGEST_Q_RAD, check_motion, mend_units, refuse_dead_velocity
-from friction_audit.io.checks.sampling import check_sampling
-from friction_audit.io.checks.stale import drop_stale_samples
-from friction_audit.io.checks.torque import check_torque
-from friction_audit.io.checks.wild import leave_out_wild
+from friction_audit.io.checks.torque import check_torque, drop_stale_samples
+from friction_audit.io.checks.values import leave_out_missing, leave_out_wild
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import MINIMUM_SAMPLES
 from friction_audit.parallel import one_joint_at_a_time, per_joint, release_memory

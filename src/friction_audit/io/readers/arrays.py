@@ -11,6 +11,7 @@ from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
 from friction_audit.io.readers.table import ColumnTable, Part
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
+from friction_audit.joint_log import Finding
 
 _NANOSECONDS = 1_000_000_000
 _INDEX = "__index_level_0__"  # what Arrow calls an index without a name
@@ -19,7 +20,8 @@ _INDEX = "__index_level_0__"  # what Arrow calls an index without a name
 class ArrayTable(ColumnTable):
     """Arrays by name, of shape (n,) or (n, k): numbers, dates, or the joints of a long table as text."""
 
-    def __init__(self, path: Path, arrays: Mapping[str, NDArray[Any]]) -> None:
+    def __init__(self, path: Path, arrays: Mapping[str, NDArray[Any]], findings: tuple[Finding, ...] = ()) -> None:
+        self._findings = findings
         self._cells: list[NDArray[Any]] = []
         names: list[str] = []
         for name, array in arrays.items():
@@ -30,6 +32,10 @@ class ArrayTable(ColumnTable):
             names += [name] if one else [f"{name}[{column}]" for column in range(rows.shape[1])]
             self._cells += list(rows.T)
         super().__init__(path, names)
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return what was noticed when the arrays were read."""
+        return self._findings
 
     def size(self, columns: ColumnMap) -> tuple[int, int]:
         """Return the number of samples, and the bytes of these columns."""

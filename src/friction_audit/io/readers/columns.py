@@ -6,25 +6,28 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.channel_names import ALIASES, ForeignName, parse_name
-from friction_audit.io.readers.joint_names import UNNAMED_ARM, arms_in, choose_arm, robot_of, several_arms
-from friction_audit.io.readers.stated_columns import (
+from friction_audit.io.readers.channel_names import (
+    ALIASES,
+    ForeignName,
     Group,
     JointKey,
+    parse_name,
     refuse_absent,
     shorten,
     stated_group,
     stated_time,
 )
+from friction_audit.io.readers.joint_names import UNNAMED_ARM, arms_in, choose_arm, robot_of, several_arms
 from friction_audit.io.readers.time_column import TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
-_REQUIRED = ("q", "dq")
+REQUIRED = ("q", "dq")
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
 _MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
+_SEVERAL = re.compile(r"\{i\}|,|-")  # in a --map entry that names a column per joint
 _AMBIGUOUS = ("torque", "tau", "effort")
 
 
@@ -52,6 +55,7 @@ def map_columns(
     labels: Mapping[int, str] | None = None,
     constant: Collection[int] = (),
     arm: str = "",
+    needed: Sequence[str] = REQUIRED,
 ) -> ColumnMap:
     """Find time, joints and channels among the columns of a table with one row per time.
 
@@ -62,6 +66,7 @@ def map_columns(
         labels: Position of a column -> its joint, where the table holds joint names next to the numbers.
         constant: Positions of columns seen not to change.
         arm: The arm to read, where the table holds several.
+        needed: Channels without which it is no log, and with them a torque; none where other files have them.
 
     Raises:
         InputError: If a column that is needed is missing; all of them are named at once.
@@ -80,20 +85,24 @@ def map_columns(
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
-    if time is None or not groups.keys() >= {*_REQUIRED} or not groups.keys() & {*TORQUE_CHANNELS}:
+    lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
+    if time is None or lacks:
         _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
-    columns = replace(_align(groups, time, bare, path), stated=frozenset(stated))
+    columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
     first = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
     doubts = doubt_torque(columns, first, joints=len(columns.joint_names))
     return replace(columns, findings=(*columns.findings, *doubts))
 
 
-def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, str]) -> ColumnMap | None:
+def map_long_columns(
+    names: Sequence[str], *, path: str, mapping: Mapping[str, str], needed: Sequence[str] = REQUIRED
+) -> ColumnMap | None:
     """Find the columns of a table with one row per joint and time; None if it has a column per joint."""
     bare = [name.strip() for name in names]
     joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
-    if joint is None or any(_is_several(value, bare) for channel, value in mapping.items() if channel != "t"):
+    listed = [one for channel, one in mapping.items() if channel != "t" and one not in bare]
+    if joint is None or any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed):
         return None
     refuse_absent(mapping, bare, path)
     stated = {channel: stated_group(value, bare) for channel, value in mapping.items() if channel != "t"}
@@ -104,10 +113,10 @@ def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, s
     degrees = {name.channel for cell, name in parsed if name.degrees and best.get(name.channel) == cell}
     degrees |= {channel for channel, group in stated.items() if group.degrees}
     degrees -= {channel for channel, group in stated.items() if group.template.endswith(":rad")}
-    if not {*_REQUIRED} <= best.keys():
+    if not {*needed} <= best.keys() or not best:
         return None
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
-    if time is None or not set(TORQUE_CHANNELS) & best.keys():
+    if time is None or (needed and not set(TORQUE_CHANNELS) & best.keys()):
         raise InputError(
             f"{path}: a table with a column {bare[joint]!r} needs columns for time, q, dq and a torque "
             f"({', '.join(TORQUE_CHANNELS)}); found {', '.join(bare)}"
@@ -136,11 +145,6 @@ def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -
         f"without gravity, use --map tau_interaction={first['tau_J']}"
     )
     return (Finding(code="torque_ambiguous", message=message),)
-
-
-def _is_several(value: str, names: Sequence[str]) -> bool:
-    """Return True if a --map entry names a column per joint."""
-    return value not in names and (re.search(r"\{i\}|,|-", value) is not None or f"{value}[0]" in names)
 
 
 def _outside_the_arm(names: Sequence[str], labels: Mapping[int, str], arm: str, path: str) -> frozenset[int]:
@@ -208,7 +212,7 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
     wanted = [] if found_time else ["t"]
-    wanted += [channel for channel in _REQUIRED if channel not in groups]
+    wanted += [channel for channel in REQUIRED if channel not in groups]
     torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
     listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
     near = [hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)]
@@ -234,26 +238,31 @@ def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
     return [f"{stems[stem]} ({channel})" for stem in stems if stem in close and stem not in taken and len(stem) > 1]
 
 
-def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str) -> ColumnMap:
+def _align(
+    groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str, needed: Sequence[str]
+) -> ColumnMap:
     """Bring all channels to the same joints, in the same order."""
-    reference = next((groups[c] for c in _REQUIRED if not groups[c].in_order), groups["q"])
+    there = [c for c in REQUIRED if c in groups] or list(groups)
+    reference = next((groups[c] for c in there if not groups[c].in_order), groups[there[0]])
     joints = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
     keys = _in_order_of_names(_sorted_keys(reference.cells), joints)
     channels, findings, short = {}, [], []
     torques = [c for c in TORQUE_CHANNELS if c in groups]
     for channel in (c for c in JOINT_CHANNELS if c in groups):
         group = groups[channel]
-        cells = _cells_in_order(group, keys)
+        fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
+        own = list(group.cells.values()) if fits else [group.cells[key] for key in keys if key in group.cells]
+        cells = tuple(own) if len(own) == len(keys) else None
         if cells is not None:
             channels[channel] = cells
-        elif channel in _REQUIRED or torques == [channel]:
+        elif channel in REQUIRED or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
             text = (
                 f"{channel} has columns for {len(group.cells)} of {len(keys)} joints ({group.template}); it is left out"
             )
             findings.append(Finding(code="incomplete_channel", message=text, amount=float(len(group.cells))))
-    if short or not any(c in channels for c in TORQUE_CHANNELS):
+    if short or (needed and not any(c in channels for c in TORQUE_CHANNELS)):
         raise InputError(
             f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "
             f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {shorten(names)}; "
@@ -282,13 +291,6 @@ def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> l
     arms = arms_in(list(key_of))
     ordered = [key_of[name] for joints in arms.values() for name in joints]
     return ordered if len(arms) == 1 and len(ordered) == len(keys) else keys
-
-
-def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] | None:
-    """Return the channel's columns for these joints, or None if it does not have them all."""
-    if len(group.cells) == len(keys) and (group.in_order or len(keys) == 1):
-        return tuple(group.cells.values())
-    return tuple(group.cells[key] for key in keys) if all(key in group.cells for key in keys) else None
 
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:

@@ -13,9 +13,20 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.csv_dialect import PEEK_BYTES, Dialect, is_number, separator_of, sniff_csv, split_line
-from friction_audit.io.readers.csv_lines import blocks_of_lines, check_widths, count_lines, fits, without_cut_line
-from friction_audit.io.readers.packed import open_table
+from friction_audit.io.readers.csv_lines import (
+    PEEK_BYTES,
+    Dialect,
+    blocks_of_lines,
+    check_widths,
+    count_lines,
+    fits,
+    is_number,
+    open_table,
+    separator_of,
+    sniff_csv,
+    split_line,
+    without_cut_line,
+)
 from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock

@@ -5,18 +5,14 @@ from collections.abc import Iterable, Sequence
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.reader import SeveralLogsError
+from friction_audit.presets import PRESETS, candidates
 
 UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
 # panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
 _ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 _FINGER = re.compile(r"finger|gripper", re.IGNORECASE)
 _LAST_NUMBER = re.compile(r"(.*?)(\d+)")
-# The prefix of the joints says the robot: panda1, left_panda, fer, fr3v2.
-_ROBOTS = (
-    ("panda", re.compile(r"(?:^|[\W_])(?:panda|fer)(?:[\W_]|\d|$)", re.IGNORECASE)),
-    ("fr3", re.compile(r"(?:^|[\W_])fr3(?:[\W_]|v\d|\d|$)", re.IGNORECASE)),
-)
-_MAKE = re.compile(r"panda|fer|fr3(?:v\d(?:_\d)?)?|franka", re.IGNORECASE)
+_MAKE = re.compile("|".join(("franka", "lbr", r"fr3v\d_\d", *(one.pattern for one in PRESETS.values()))), re.IGNORECASE)
 _FEWEST_OF_A_SECOND_ARM = 2  # a single numbered joint next to an arm (a lift, a gripper) is not a second arm
 
 
@@ -85,10 +81,9 @@ def arm_name(prefix: str) -> str:
 
 
 def robot_of(names: Iterable[str]) -> str:
-    """Return ``"panda"``, ``"fr3"`` or ``"unknown"`` from the prefix of the joint names."""
-    prefixes = {match["arm"] or "" for name in names if (match := _ARM_JOINT.match(name))}
-    robots = {robot for robot, pattern in _ROBOTS for prefix in prefixes if pattern.search(prefix)}
-    return robots.pop() if len(robots) == 1 else "unknown"
+    """Return the name of the preset that the joints' names say, ``"unknown"`` where they say none or several."""
+    robots = candidates(tuple(names))
+    return robots[0] if len(robots) == 1 else "unknown"
 
 
 def numbered_joints(count: int) -> tuple[str, ...]:

@@ -18,9 +18,12 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.channel_names import parse_name
 from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import read_table
+from friction_audit.io.readers.time_column import find_time
 from friction_audit.io.recording import Recording
+from friction_audit.joint_log import Finding
 
 _HDF5 = b"MATLAB 7.3"
 _FEWEST_SAMPLES = 2
@@ -40,19 +43,20 @@ def recognises(path: Path) -> bool:
 
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read the variables of a MATLAB file."""
-    return read_table(ArrayTable(path, _arrays(path)), options)
+    arrays, others = _arrays(path)
+    return read_table(ArrayTable(path, arrays, others), options)
 
 
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the arrays of a MATLAB file."""
     return tuple(
         Topic(name=name, type=f"array {array.shape} {array.dtype}", messages=len(array), readable=True)
-        for name, array in _arrays(path).items()
+        for name, array in _arrays(path)[0].items()
     )
 
 
-def _arrays(path: Path) -> dict[str, NDArray[Any]]:
-    """Return the arrays of numbers by name, one row per sample."""
+def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], tuple[Finding, ...]]:
+    """Return the arrays of numbers by name, one row per sample, and what is said of channels of another shape."""
     try:
         whole = dict(_from_hdf5(path) if starts_with(path, _HDF5) else _from_version_5(path))
     except _DAMAGED as error:
@@ -64,20 +68,23 @@ def _arrays(path: Path) -> dict[str, NDArray[Any]]:
     turned = {name: array.T if array.shape[-1] == samples else array for name, array in plain.items()}
     found = {name: array for name, array in turned.items() if array.ndim <= 2 and len(array) == samples}  # noqa: PLR2004
     if samples < _FEWEST_SAMPLES or not found:
-        held = ", ".join(f"{name} {'x'.join(map(str, array.shape))}" for name, array in whole.items())
+        held = ", ".join(f"{name} {_size(array)}" for name, array in whole.items())
         raise InputError(
             f"{path}: no array of numbers with several samples; found {held or 'none'}; expected time, q, dq and a "
             "torque as arrays or fields of a structure (MATLAB objects such as timeseries and table cannot be read: "
             "save their Time and Data); save them with save('log.mat', 't', 'q', 'dq', 'tau_J')"
         )
-    return _without_common_structure(found)
+    others = [name for name in plain.keys() - found.keys() if parse_name(f"{name}[0]") or find_time([name])]
+    text = ", ".join(f"{name} of {_size(whole[name])}" for name in sorted(others))
+    message = f"left out: {text}; expected {samples} samples in every array, one row or column per joint"
+    findings = (Finding(code="wrong_shape", message=message, amount=float(len(others))),) if others else ()
+    heads = {name.rpartition(".")[0] for name in found}
+    head = f"{heads.pop()}." if len(heads) == 1 else ""  # a structure that holds all arrays: log.q is q
+    return {name.removeprefix(head): array for name, array in found.items()}, findings
 
 
-def _without_common_structure(arrays: dict[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Leave out the structure that holds all arrays: ``log.q`` is ``q``."""
-    heads = {name.rpartition(".")[0] for name in arrays}
-    head = f"{heads.pop()}." if len(heads) == 1 else ""
-    return {name.removeprefix(head): array for name, array in arrays.items()}
+def _size(array: NDArray[Any]) -> str:
+    return "x".join(map(str, array.shape))
 
 
 def _from_version_5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:

@@ -15,16 +15,18 @@ import numpy as np
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.channel_names import serial_in
-from friction_audit.io.readers.decompress import LARGEST_CHUNK, UnpackError, unpack
 from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
 from friction_audit.io.readers.message_stream import (
+    LARGEST_CHUNK,
     Block,
     BlockCollector,
     Connection,
     Damage,
+    UnpackError,
     Window,
     block_of_payloads,
     open_log,
+    unpack,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.reader import ReadOptions, Topic

@@ -4,15 +4,16 @@ The definition of a ROS message is from the file, from the standard set, or one 
 """
 
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from friction_audit.io.readers.message_kinds import UndecodableError
 from friction_audit.io.readers.message_layout import Layout, LayoutError, find_layout
 from friction_audit.io.readers.message_stream import Connection
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.interfaces.typing import Typesdict
     from rosbags.typesys.store import Typestore
 
 # Files in franka_msgs/, in the order in which they are tried.
@@ -27,7 +28,7 @@ class DefinitionError(Exception):
     """The definition that a file carries cannot be used."""
 
 
-class MessageDecoder(Protocol):
+class MessageDecoder(ABC):
     """Decodes payloads of one connection.
 
     Attributes:
@@ -37,11 +38,13 @@ class MessageDecoder(Protocol):
 
     paths: tuple[str, ...]
 
+    @abstractmethod
     def decode(self, payload: bytes) -> object:
         """Decode one message; raises UndecodableError."""
 
-    def layout(self, payload: bytes) -> Layout | None:
-        """Find where the numbers lie in this payload, or None if messages have no constant layout."""
+    def layout(self, payload: bytes) -> Layout | None:  # noqa: ARG002
+        """Find where the numbers lie in this payload, or None: texts and protobuf have no constant layout."""
+        return None
 
 
 def decoder_for(connection: Connection, payload: bytes | None = None) -> MessageDecoder | None:
@@ -65,7 +68,7 @@ def needs_message(connection: Connection) -> bool:
     return connection.encoding == "json" or bool(connection.definition) or connection.type in _FRANKA_TYPES
 
 
-class RosDecoder:
+class RosDecoder(MessageDecoder):
     """ROS 1 and ROS 2 (CDR) messages, through rosbags."""
 
     def __init__(self, connection: Connection, types: "Typesdict") -> None:
@@ -102,7 +105,7 @@ class RosDecoder:
             return None
 
 
-class JsonDecoder:
+class JsonDecoder(MessageDecoder):
     """JSON messages; the fields are those of the first message."""
 
     def __init__(self, payload: bytes) -> None:
@@ -119,11 +122,8 @@ class JsonDecoder:
             raise UndecodableError(str(error)) from error
         return message
 
-    def layout(self, payload: bytes) -> None:
-        """Return None: the layout of a text is not constant."""
 
-
-class ProtobufDecoder:
+class ProtobufDecoder(MessageDecoder):
     """Protobuf messages, through mcap-protobuf-support."""
 
     def __init__(self, connection: Connection) -> None:
@@ -151,9 +151,6 @@ class ProtobufDecoder:
         except self._decode_error as error:
             raise UndecodableError(str(error)) from error
         return message
-
-    def layout(self, payload: bytes) -> None:
-        """Return None: protobuf leaves out fields that are zero."""
 
 
 def _find_definition(connection: Connection, payload: bytes | None) -> "Typesdict | None":
@@ -252,15 +249,11 @@ def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[
         elif kind == 2 and not prefix:  # noqa: PLR2004
             yield from _ros_paths(str(detail), types, f"{path}.")
         elif kind > 2:  # noqa: PLR2004
-            yield from _ros_list_paths(description, path, types)
-
-
-def _ros_list_paths(description: "FieldDesc", path: str, types: "Typesdict") -> Iterator[str]:
-    match description:
-        case (_, ((1, _), _)):
-            yield path
-        case (_, ((2, str(inner)), _)) if "." not in path:
-            yield from _ros_paths(inner, types, f"{path}[].")
+            match detail:
+                case ((1, _), _):
+                    yield path
+                case ((2, str(inner)), _) if "." not in path:
+                    yield from _ros_paths(inner, types, f"{path}[].")
 
 
 def _json_paths(message: object, prefix: str = "") -> Iterator[str]:

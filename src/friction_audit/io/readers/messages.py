@@ -1,7 +1,8 @@
 """A stream of messages -> Recording: what all message containers have in common."""
 
+import re
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import islice
@@ -13,12 +14,17 @@ from friction_audit.errors import InputError
 from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import robot_of
-from friction_audit.io.readers.joint_samples import LARGEST_EXPECTATION, JointSamples
-from friction_audit.io.readers.message_clock import choose_clock
 from friction_audit.io.readers.message_decoder import DefinitionError, MessageDecoder, decoder_for, needs_message
 from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, match_kind, row_of
-from friction_audit.io.readers.message_layout import BlockDecoder
-from friction_audit.io.readers.message_stream import Block, Connection, MessageStream, Window, block_of_payloads
+from friction_audit.io.readers.message_layout import LARGEST_EXPECTATION, BlockDecoder, JointSamples
+from friction_audit.io.readers.message_stream import (
+    Block,
+    Connection,
+    MessageStream,
+    Window,
+    block_of_payloads,
+    choose_clock,
+)
 from friction_audit.io.readers.reader import MARGIN_S, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.topics import Candidate, Choice, choose_topic
 from friction_audit.io.recording import Recording
@@ -28,6 +34,7 @@ _SAMPLED_MESSAGES = 16  # first messages of a topic, from which its joints and c
 _CLOCK_DRIFT = 0.01  # most drift of the time of recording against the source's clock; beyond, the whole log is read
 _MOST_TIMES_SMALLER = 100  # a count in the file is believed up to a file of a hundredth of the size of its samples
 _NANOSECONDS = 1e9
+_UNIT = re.compile(r":m?A$")  # of a motor current, after the name of a field in --map
 _CLOCKS = 3  # arrays of times that are kept with the channels
 
 
@@ -70,9 +77,12 @@ def read_messages(
         joint_names=choice.joints,
         clock=clock.name,
         start_s=clock.start_s,
+        origin_s=clock.origin_s,
         robot=_robot(choice, candidates),
         topic=candidate.topic,
-        mapping={name: shown % kind.fields[name] for name in samples.channels},
+        mapping={
+            name: shown % kind.fields[name] + _unit_of(options.mapping.get(name, "")) for name in samples.channels
+        },
         findings=(
             *choice.findings,
             *_left_out(choice),
@@ -81,6 +91,10 @@ def read_messages(
             *clock.findings,
         ),
     )
+
+
+def _unit_of(stated: str) -> str:
+    return found[0] if (found := _UNIT.search(stated)) else ""
 
 
 def topics_of(path: Path, stream: MessageStream) -> tuple[Topic, ...]:
@@ -166,15 +180,12 @@ def _decoder(path: Path, connection: Connection, payload: bytes | None, wanted: 
 def _first_blocks(stream: MessageStream, connections: Sequence[Connection]) -> dict[int, Block]:
     """Return the first messages of each connection, which may lie in several blocks."""
     # One connection at a time: a container may hand over all messages of one before it comes to the next.
-    found = {
-        c.key: list(islice(_messages_of(stream, c.key), min(_SAMPLED_MESSAGES, c.messages or 1))) for c in connections
-    }
+    found = {}
+    for c in connections:
+        blocks = stream.blocks([c.key])
+        timed = ((int(one.log_time[index]), one.payload(index)) for one in blocks for index in range(len(one)))
+        found[c.key] = list(islice(timed, min(_SAMPLED_MESSAGES, c.messages or 1)))
     return {key: block_of_payloads(key, *zip(*timed, strict=True)) for key, timed in found.items() if timed}
-
-
-def _messages_of(stream: MessageStream, key: int) -> Iterator[tuple[int, bytes]]:
-    for block in stream.blocks([key]):
-        yield from ((int(block.log_time[index]), block.payload(index)) for index in range(len(block)))
 
 
 def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> list[Row]:
@@ -200,7 +211,9 @@ def _kinds(
     kinds: dict[int, MessageKind] = {}
     refusals: list[InputError] = []
     # actual.velocities[{i}] names the array actual.velocities
-    stated = {channel: text.replace("[{i}]", "").replace(".{i}", "") for channel, text in mapping.items()}
+    stated = {
+        channel: _UNIT.sub("", text).replace("[{i}]", "").replace(".{i}", "") for channel, text in mapping.items()
+    }
     for connection in connections:
         paths = decoders[connection.key].paths
         named = stated if wanted in (None, connection.topic.strip("/")) else {}

@@ -10,6 +10,7 @@ from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 from friction_audit.joint_numbers import require_joints, write_joint_numbers
+from friction_audit.presets import CURRENT, ESTIMATE, PRESETS, candidates
 
 _PARTS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 
@@ -46,3 +47,23 @@ def convert_torque(recording: Recording, options: ReadOptions, path: str) -> Rec
         message += "; a torque from a motor current: its friction is that of motor, gear and joint"
     recording = recording.with_findings(Finding(code="torque_converted", message=message))
     return replace(recording, torque_unit="N m" if is_current else unit)
+
+
+def doubt_current(recording: Recording) -> Recording:
+    """Note where the arm by its name has no torque sensor: its effort is a current, or a torque made from one."""
+    names = (recording.robot,) if recording.robot in PRESETS else candidates(recording.joint_names)
+    kinds = {PRESETS[name].torque for name in names}
+    name = recording.mapping.get("tau_J", "")
+    if "tau_J" not in recording.channels or (recording.torque_unit or torque_unit(name)) != "N m":
+        return recording
+    arm = PRESETS[names[0]].label if len(names) == 1 else "these arms"
+    if kinds == {CURRENT} and "effort" in name.lower() and not recording.torque_unit:
+        message = (
+            f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques; if "
+            "these are amperes, put :A after the names in --map tau_J"
+        )
+        return recording.with_findings(Finding(code="effort_is_current", message=message))
+    if kinds == {ESTIMATE}:
+        message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
+        return recording.with_findings(Finding(code="torque_from_current", message=message))
+    return recording

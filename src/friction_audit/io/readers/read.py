@@ -16,12 +16,21 @@ from friction_audit.io.checks import WholeLogError, examine
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
+from friction_audit.io.readers.join import join_recordings
 from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.motor_current import convert_torque
-from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
+from friction_audit.io.readers.motor_current import convert_torque, doubt_current
+from friction_audit.io.readers.reader import (
+    TAKE_A_PART,
+    OneOfSeveral,
+    Reader,
+    ReadOptions,
+    TooLargeError,
+    Topic,
+    refuse_lfs_pointer,
+)
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source, find_window
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
@@ -57,36 +66,53 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
 
 
 def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
-    file = Path(path)
-    before = _stamp(file)
-    reader = choose_reader(file)
+    files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
+    at, damage, mismatches = files[0], list[Finding](), list[Finding]()
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
         # hashlib gives the lock away: this costs no time on a second core.
-        digest = pool.submit(sha256_of, file) if options.hashed else None
-        damage: tuple[Finding, ...] = ()
+        digests = [pool.submit(sha256_of, file) for file, *_ in files] if options.hashed else []
         try:
-            recording = reader.read(file, options)
-            damage = recording.findings
-            recording = recording.with_findings(*_suffix_mismatch(file, reader))
+            parts = []
+            for at in files:
+                part = at[2].read(at[0], _own_options(options, first=at is files[0]))
+                damage += part.findings
+                mismatches += _suffix_mismatch(at[0], at[2])
+                parts.append((at[0], part))
+            at = files[0]
+            recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
             recording = convert_torque(recording, options, str(path))
             recording = examine(recording, path=str(path), robot=options.robot, time_scale=options.time_scale)
-            content = digest.result() if digest else ""
+            contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
-            raise _unreadable(file, error) from error
+            raise _unreadable(at[0], error) from error
         except MemoryError as error:
             raise TooLargeError(
-                f"{path}: not enough memory to read a file of {before.size} bytes; {TAKE_A_PART}"
+                f"{at[0]}: not enough memory to read a file of {at[1].size} bytes; {TAKE_A_PART}"
             ) from error
         except InputError as error:
-            notes = [finding.message for finding in _suffix_mismatch(file, reader)]
+            notes = [finding.message for finding in _suffix_mismatch(at[0], at[2])]
             notes += [finding.message for finding in damage if finding.damaged and finding.message not in str(error)]
-            if _stamp(file) != before:
+            if _stamp(at[0]) != at[1]:
                 notes.append("the file changed while it was read: read it again when it is finished")
             if not notes:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
-    recording = recording.with_findings(*_growth(before, _stamp(file)))
-    return _log_of_part(recording, options, path=str(path), sha256=content, format=reader.name)
+    recording = recording.with_findings(*(one for file, before, _ in files for one in _growth(before, _stamp(file))))
+    log = _log_of_part(recording, options, path=str(path), sha256=contents[0], format=files[0][2].name)
+    if not options.join:
+        return log
+    others = zip(files[1:], contents[1:], strict=True)
+    joined = tuple(Joined(path=str(file), sha256=sha, format=reader.name) for (file, _, reader), sha in others)
+    return replace(log, source=replace(log.source, joined=joined))
+
+
+def _own_options(options: ReadOptions, *, first: bool) -> ReadOptions:
+    """Return how one of several files is read: the parts and the topic are those of the first one."""
+    if not options.join:
+        return options
+    arm = (options.topic or "").partition("#")[2]
+    own = {} if first else {"topic": f"#{arm}" if arm else None, "t_start_s": None, "t_end_s": None}
+    return OneOfSeveral.of(options, **own)
 
 
 def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "frame") -> JointLog:  # noqa: ANN401
@@ -111,6 +137,7 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
 
 
 def _log_of_part(recording: Recording, options: ReadOptions, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
+    recording = doubt_current(recording)
     if not options.has_window:
         return to_joint_log(recording, path=path, sha256=sha256, format=format)
     recording = _part(recording, options, path)

@@ -118,6 +118,7 @@ class ReadOptions:
         gear_ratio: Turns of the motor per turn of the joint, likewise.
         torque_scale: Factor on the measured torque, likewise.
         flip: Numbers (1..n) of joints whose measured torque has the other sign.
+        join: Further files of the same log, whose channels are interpolated at the stamps of the first.
     """
 
     topic: str | None = None
@@ -131,7 +132,9 @@ class ReadOptions:
     gear_ratio: tuple[float, ...] = ()
     torque_scale: tuple[float, ...] = ()
     flip: tuple[int, ...] = ()
+    join: tuple[str, ...] = ()
 
+    partial: ClassVar[bool] = False
     hashed: ClassVar[bool] = True
     joint_by_joint: ClassVar[bool] = False
 
@@ -142,6 +145,8 @@ class ReadOptions:
 
     def __post_init__(self) -> None:
         """Raise UsageError if the factor is not above zero, a channel does not exist, or the part holds no time."""
+        join = (self.join,) if isinstance(self.join, str | Path) else self.join
+        object.__setattr__(self, "join", tuple(map(str, join)))
         wrong = []
         for channel in (one for one in self.mapping if one not in _MAPPABLE):
             near = get_close_matches(channel, _MAPPABLE, n=2)
@@ -188,6 +193,12 @@ class FirstLook(ReadOptions):
         return self.has_window
 
 
+class OneOfSeveral(ReadOptions):
+    """Options with which a file may lack channels, since other files of the same log have them."""
+
+    partial = True
+
+
 class JointByJoint(ReadOptions):
     """Options with which the columns of a large table are read when they are needed, instead of all at once."""
 
@@ -217,18 +228,18 @@ class Reader:
 
     def recognises(self, path: Path) -> bool:
         """Return True if this file (or directory) is of this format, from its content; never raises."""
-        found: bool = self._module().recognises(path)
-        return found
+        return bool(self._module.recognises(path))
 
     def read(self, path: Path, options: ReadOptions) -> Recording:
         """Read it."""
-        recording: Recording = self._module().read(path, options)
+        recording: Recording = self._module.read(path, options)
         return recording
 
     def topics(self, path: Path) -> tuple[Topic, ...]:
         """List what is in it."""
-        found: tuple[Topic, ...] = self._module().topics(path)
+        found: tuple[Topic, ...] = self._module.topics(path)
         return found
 
+    @property
     def _module(self) -> ModuleType:
         return import_module(f"{__package__}.{self.name}")

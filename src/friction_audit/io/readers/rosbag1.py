@@ -12,8 +12,17 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
-from friction_audit.io.readers.decompress import UnpackError, bound_of, unpack
-from friction_audit.io.readers.message_stream import Block, BlockCollector, Connection, Damage, Window, open_log
+from friction_audit.io.readers.message_stream import (
+    Block,
+    BlockCollector,
+    Connection,
+    Damage,
+    UnpackError,
+    Window,
+    bound_of,
+    open_log,
+    unpack,
+)
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.recording import Recording

@@ -10,13 +10,11 @@ from tempfile import TemporaryDirectory
 from friction_audit.errors import InputError
 from friction_audit.io.files import METADATA, STORAGES, starts_with
 from friction_audit.io.readers.channel_names import serial_in
-from friction_audit.io.readers.decompress import MOST_TIMES_PACKED, bound_of
 from friction_audit.io.readers.mcap import MAGIC, McapStream
-from friction_audit.io.readers.message_stream import Block, Damage, MessageStream, Window
+from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
-from friction_audit.io.readers.sqlite_recovery import SQLITE_MAGIC, copy_of_cut
+from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream, copy_of_cut
 from friction_audit.io.recording import Recording
 
 _COMPRESSED_SUFFIXES = (".zstd", ".zst")
@@ -119,15 +117,12 @@ def _open(path: Path, stack: ExitStack) -> MessageStream:
     compressed = [file for file in files if file.suffix in _COMPRESSED_SUFFIXES]
     folder = Path(stack.enter_context(TemporaryDirectory())) if compressed else None
     whole = (_decompress_file(file, folder) if folder and file in compressed else file for file in files)
-    streams = [_open_file(file, stack) for file in whole]
+    streams: list[MessageStream] = []
+    for file in whole:  # by what it holds; by its name if it holds neither
+        is_sqlite = starts_with(file, SQLITE_MAGIC)
+        is_mcap = starts_with(file, MAGIC) or (file.suffix == ".mcap" and not is_sqlite)
+        streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file, copy_of_cut(file, stack)))
     return streams[0] if len(streams) == 1 else SeveralFiles(streams)
-
-
-def _open_file(path: Path, stack: ExitStack) -> MessageStream:
-    """Open a storage file by what it holds; by its name if it holds neither."""
-    is_sqlite = starts_with(path, SQLITE_MAGIC)
-    is_mcap = starts_with(path, MAGIC) or (path.suffix == ".mcap" and not is_sqlite)
-    return McapStream(path) if is_mcap else Sqlite3Stream(path, copy_of_cut(path, stack))
 
 
 def _decompress_file(path: Path, folder: Path) -> Path:

@@ -12,7 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap, doubt_torque, map_columns, map_long_columns
+from friction_audit.io.readers.channel_names import absent
+from friction_audit.io.readers.columns import (
+    MOST_JOINTS,
+    REQUIRED,
+    ColumnMap,
+    doubt_torque,
+    map_columns,
+    map_long_columns,
+)
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
 from friction_audit.io.readers.reader import ON_DEMAND_BYTES, ReadOptions, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part
@@ -123,12 +131,16 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
     stated, _, arm = (topic or "").partition("#")
     if stated or (topic is not None and not arm):
         raise InputError(f"{path}: a table has no topics, and --topic asks for {topic}; leave --topic out")
-    columns = map_long_columns(table.names, path=path, mapping=options.mapping) if table.may_be_long else None
+    mapping = options.mapping
+    if options.partial:  # what another file of the log has is looked for there
+        mapping = {channel: name for channel, name in mapping.items() if not absent({channel: name}, table.names)}
+    needed = () if options.partial else REQUIRED
+    columns = map_long_columns(table.names, path=path, mapping=mapping, needed=needed) if table.may_be_long else None
     if columns is None:
         labels, constant = table.labels, table.constant
         try:
             columns = map_columns(
-                table.names, path=path, mapping=options.mapping, labels=labels, constant=constant, arm=arm
+                table.names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed
             )
         except InputError as error:
             damage = (finding.message for finding in table.findings())
@@ -148,6 +160,8 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         joint_names=columns.joint_names,
         clock=columns.time.clock,
         start_s=part.clock.start_s,
+        origin_s=part.clock.origin_s,
+        guessed_unit=part.clock.unit if columns.time.unit is None and part.clock.start_s is None else "",
         first_s=part.first_s,
         robot=columns.robot,
         serial=table.serial,
@@ -196,7 +210,7 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     if lost:
         message = f"{lost} rows belong to times at which other joints have no row; they are left out"
         findings += (Finding(code="incomplete_rows", message=message, amount=float(lost), damaged=True),)
-    part = replace(part, clock=Clock(clock.t[rows[0]], clock.start_s, clock.unit), channels=channels)
+    part = replace(part, clock=replace(clock, t=clock.t[rows[0]]), channels=channels)
     return replace(columns, findings=findings), part
 
 

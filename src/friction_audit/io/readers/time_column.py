@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -49,6 +49,7 @@ class Clock:
     t: Float  # time since the first sample, shape (n,) [s]
     start_s: float | None  # unix time of the first sample, or None [s]
     unit: str  # the unit found
+    origin_s: float = 0.0  # reading of the clock at t = 0 [s]
 
 
 def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, NDArray[np.bool_], float]:
@@ -64,7 +65,7 @@ def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, 
     if not rows.any():
         scale = options.time_scale
         find_window(np.sort(since_first[np.isfinite(since_first)]) * scale, options.t_start_s, options.t_end_s, path)
-    return Clock(clock.t[rows], clock.start_s, clock.unit), rows, first_s
+    return replace(clock, t=clock.t[rows]), rows, first_s
 
 
 def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:
@@ -112,7 +113,7 @@ def to_clock(
             "one recording; remove the row, or name another clock with --map t=<column>"
         )
     start_s = float(begin) / UNITS[found]
-    return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found)
+    return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found, start_s)
 
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:

@@ -40,11 +40,6 @@ class Candidate:
         """Channels that have content in the first messages, in the order of the kind's table."""
         return tuple(name for name in self.kind.fields if any(name in row.channels for row in self.rows))
 
-    @property
-    def has_torque(self) -> bool:
-        """True if there is a torque to judge friction by."""
-        return any(name in self.channels for name in TORQUE_CHANNELS)
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Choice:
@@ -81,7 +76,8 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
 def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:
     """Torque before none, libfranka's own messages before others, first hand before republished, then the rate."""
     first_hand = bool(_DRIVER_NODES & set(candidate.topic.split("/")))
-    return not candidate.has_torque, candidate.kind.rank, not first_hand, -(candidate.messages or 0)
+    torque = any(name in candidate.channels for name in TORQUE_CHANNELS)
+    return not torque, candidate.kind.rank, not first_hand, -(candidate.messages or 0)
 
 
 def namespace(topic: str) -> str:

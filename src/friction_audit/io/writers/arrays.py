@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from friction_audit.io.writers.tables import tidy_columns
-from friction_audit.io.writers.writer import Writer
+from friction_audit.io.writers.tables import Writer, tidy_columns
 from friction_audit.joint_log import JointLog
 
 if TYPE_CHECKING:

@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, joint_columns, stamps_ns, tidy_columns
-from friction_audit.io.writers.writer import Writer
+from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, Writer, joint_columns, stamps_ns, tidy_columns
 from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog
 
 _STRUCTURE = re.compile('[,"]')  # a name with these needs quotes

@@ -17,8 +17,7 @@ from friction_audit.io.writers.ros_messages import (
     encode,
     load_types,
 )
-from friction_audit.io.writers.tables import NANOSECONDS, stamps_ns
-from friction_audit.io.writers.writer import Writer
+from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
 from friction_audit.joint_log import JointLog
 
 if TYPE_CHECKING:

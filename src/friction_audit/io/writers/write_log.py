@@ -11,8 +11,8 @@ from friction_audit.io.files import whole_file
 from friction_audit.io.writers.arrays import NPZ, PARQUET, PARQUET_LISTS
 from friction_audit.io.writers.csv import CSV_DIALECTS
 from friction_audit.io.writers.mcap import MCAP_DIALECTS
-from friction_audit.io.writers.rosbag import BAGS
-from friction_audit.io.writers.writer import Writer
+from friction_audit.io.writers.ros_messages import BAGS
+from friction_audit.io.writers.tables import Writer
 from friction_audit.joint_log import JointLog
 
 WRITERS: tuple[Writer, ...] = (PARQUET, PARQUET_LISTS, *CSV_DIALECTS, NPZ, *BAGS, *MCAP_DIALECTS)

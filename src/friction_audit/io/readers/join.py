@@ -1,0 +1,150 @@
+"""Several files of one log -> one Recording: channels of the others, interpolated at the stamps of the first file."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+
+import numpy as np
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.time_column import UNITS
+from friction_audit.io.recording import Recording
+from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding, Float
+
+LONGEST_GAP = 3.5  # median steps of a file; in a longer gap of it nothing is interpolated
+
+
+def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[str, str]) -> Recording:
+    """Return the first recording with the channels that the others have and it lacks, in the span that all cover.
+
+    Linear interpolation (``numpy.interp``) at the stamps of the first file, without extrapolation.
+
+    Raises:
+        InputError: If clocks, joints or channels do not fit together, or channels are missing in all files.
+    """
+    (first_path, joined), *others = parts
+    _refuse_unused(parts, mapping)
+    low, high = -inf, inf
+    for path, other in others:
+        stamps = _on_clock_of(first_path, joined, path, other)
+        start, stop = np.nanmin(stamps, initial=inf), np.nanmax(stamps, initial=-inf)
+        low, high = max(low, start), min(high, stop)
+        if not ((joined.t >= low) & (joined.t <= high)).any():
+            raise InputError(
+                f"{path}: its clock runs from {start:.6g} to {stop:.6g} s, that of {first_path} from "
+                f"{np.nanmin(joined.t):.6g} to {np.nanmax(joined.t):.6g} s (from the first sample of "
+                f"{first_path.name}); expected clocks that overlap; name the common clock with --map t=NAME, or join "
+                "files of one recording"
+            )
+        joined = _with_channels(first_path, joined, path, other, stamps)
+    _refuse_lacks(parts, joined)
+    rows = (joined.t >= low) & (joined.t <= high)
+    for channel in {"q", "dq", *TORQUE_CHANNELS} & joined.channels.keys() - parts[0][1].channels.keys():
+        there = np.isfinite(joined.channels[channel]).all(axis=1)
+        rows &= there | ~there.any()  # a channel without any number is refused with the other faults
+    outside = len(rows) - int(np.count_nonzero(rows))
+    names = ", ".join(f"{', '.join(c for c in JOINT_CHANNELS if c in part.channels)} of {p.name}" for p, part in others)
+    cut = f"; {outside} samples outside of the common span or in gaps are left out" if outside else ""
+    message = f"joined on the clock of {first_path.name}, by linear interpolation: {names}{cut}"
+    found = Finding(code="joined", message=message, amount=float(outside))
+    if outside:  # the parts of a log that --t-start and --t-end name count from its first sample all the same
+        first_s = float(np.nanmin(joined.t)) if joined.first_s is None else joined.first_s
+        joined = replace(joined.take_rows(rows), first_s=first_s)
+    return joined.with_findings(found)
+
+
+def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) -> None:
+    """Refuse files that are no log together."""
+    lost = [c for c in ("q", "dq") if c not in joined.channels]
+    lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
+    if lost:
+        names = ", ".join(path.name for path, _ in parts)
+        held = "; ".join(f"{path.name} has {', '.join(part.channels) or 'none'}" for path, part in parts)
+        raise InputError(
+            f"{parts[0][0]}: no {' and no '.join(lost)} in {names}; {held}; join the file that has it with --join, or "
+            "name its columns with --map"
+        )
+
+
+def _refuse_unused(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[str, str]) -> None:
+    """Refuse what ``--map`` names and no file has."""
+    used = [part.mapping for _, part in parts]
+    unused = [
+        f"--map {channel}={name}"
+        for channel, name in mapping.items()
+        if not any(one.get(channel, "").startswith(name.rpartition(":")[0] or name) for one in used)
+    ]
+    if unused:
+        names = ", ".join(str(path) for path, _ in parts)
+        raise InputError(
+            f"{names}: no column for {' and no column for '.join(unused)} in any of these files; correct it"
+        )
+
+
+def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recording) -> Float:
+    """Return the stamps of another file on the clock of the first."""
+    if (first.start_s is None) != (other.start_s is None):
+        dated, plain = (first_path, path) if first.start_s is not None else (path, first_path)
+        raise InputError(
+            f"{path}: cannot be joined: the clock of {dated} says the date, that of {plain} does not; expected one "
+            "clock in both files; name it with --map t=NAME, or bring the stamps of one file to the clock of the other"
+        )
+    # A unit is guessed from the step, for logs of 5 Hz and more: that of a slow one, such as a temperature, is wrong.
+    scale = UNITS[other.guessed_unit] / UNITS[first.guessed_unit] if other.guessed_unit and first.guessed_unit else 1.0
+    return scale * other.t + (scale * other.origin_s - first.origin_s)
+
+
+def _with_channels(first_path: Path, first: Recording, path: Path, other: Recording, stamps: Float) -> Recording:
+    new = [channel for channel in other.channels if channel not in first.channels]
+    if not new:
+        raise InputError(
+            f"{path}: has {', '.join(other.channels)}, which {first_path} has too; expected channels that it lacks; "
+            f"name other columns with --map, or leave out --join {path}"
+        )
+    order = _joints_in_order(first_path, first, path, other)
+    rows = np.argsort(stamps, kind="stable")
+    rows = rows[np.isfinite(stamps[rows])]
+    rows = rows[np.append(True, np.diff(stamps[rows]) > 0.0)]
+    longest = LONGEST_GAP * float(np.median(np.diff(stamps[rows]))) if len(rows) > 1 else 0.0
+    channels = dict(first.channels)
+    for channel in new:
+        values = other.channels[channel][rows]
+        columns = [_interpolated(first.t, stamps[rows], values[:, joint], longest) for joint in order]
+        channels[channel] = np.asfortranarray(np.column_stack(columns))
+    findings = [replace(one, message=f"{path.name}: {one.message}") for one in other.findings]
+    both = [channel for channel in other.channels if channel in first.channels]
+    if both:
+        message = f"{', '.join(both)} of {path.name} are left out: {first_path.name} has them"
+        findings.append(Finding(code="not_joined", message=message))
+    names = {channel: other.mapping[channel] for channel in new if channel in other.mapping}
+    robot, unit = (first.robot, first.torque_unit) if first.robot != "unknown" else (other.robot, first.torque_unit)
+    serial = first.serial or other.serial
+    found = replace(first, channels=channels, mapping={**first.mapping, **names}, robot=robot, serial=serial)
+    return replace(found, torque_unit=unit or other.torque_unit).with_findings(*findings)
+
+
+def _joints_in_order(first_path: Path, first: Recording, path: Path, other: Recording) -> list[int]:
+    """Return the joints of another file in the order of the first: by name where both have the same names."""
+    if set(first.joint_names) == set(other.joint_names):
+        return [other.joint_names.index(name) for name in first.joint_names]
+    if len(first.joint_names) != len(other.joint_names):
+        raise InputError(
+            f"{path}: has {len(other.joint_names)} joints ({', '.join(other.joint_names)}), {first_path} has "
+            f"{len(first.joint_names)} ({', '.join(first.joint_names)}); expected the same joints; name their columns "
+            "with --map"
+        )
+    return list(range(len(other.joint_names)))
+
+
+def _interpolated(t: Float, stamps: Float, values: Float, longest: float) -> Float:
+    """Return values at other stamps; missing in gaps and outside of the stamps."""
+    there = np.isfinite(values)
+    stamps, values = stamps[there], values[there]
+    if len(stamps) < 2:  # noqa: PLR2004 - no interval
+        return np.full(len(t), np.nan)
+    found: Float = np.interp(t, stamps, values, left=np.nan, right=np.nan)
+    after = np.clip(np.searchsorted(stamps, t, side="right"), 1, len(stamps) - 1)
+    met = stamps[np.clip(np.searchsorted(stamps, t), 0, len(stamps) - 1)] == t  # a sample, whatever follows it
+    found[(stamps[after] - stamps[after - 1] > longest) & ~met] = np.nan
+    return found

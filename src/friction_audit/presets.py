@@ -1,0 +1,167 @@
+"""Arms that are known by name: joints, limits, and what their torque signal is; one entry per arm.
+
+Figures are those of the sources only; what has no source is left out. Angles in degrees where the source has degrees.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, radians
+
+BUILT_IN = "panda"  # the arm whose rigid-body model comes with this package
+SENSOR, CURRENT, ESTIMATE = "sensor", "current", "estimate"
+TORQUES = {
+    SENSOR: "joint torque sensors",
+    CURRENT: "motor current, or made from it",
+    ESTIMATE: "estimated from the motor current",
+}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Preset:
+    """An arm of a make.
+
+    Attributes:
+        label: Make and model.
+        pattern: Regular expression of what precedes the joints in their names and says this arm.
+        joints: Names of the joints, base to tip.
+        low_rad, high_rad: Ends of the range of each joint, infinite where it turns without end. [rad]
+        speed_rad_s: Highest speed of each. [rad/s]
+        torque_nm: Highest torque of each. [N m]
+        torque: What its torque signal is, a key of TORQUES.
+        source: Where the figures were published.
+        shared: Regular expression of joint names that this arm has in common with other models of the make.
+        acceleration_rad_s2: Highest acceleration of each; empty where it is not published. [rad/s^2]
+        torque_rate_nm_s: Fastest change of a commanded torque. [N m/s]
+    """
+
+    label: str
+    pattern: str
+    joints: tuple[str, ...]
+    low_rad: tuple[float, ...]
+    high_rad: tuple[float, ...]
+    speed_rad_s: tuple[float, ...]
+    torque_nm: tuple[float, ...]
+    torque: str
+    source: str
+    shared: str = ""
+    acceleration_rad_s2: tuple[float, ...] = ()
+    torque_rate_nm_s: float = inf
+
+    def says(self, prefix: str) -> bool:
+        """Return True if the prefix of a joint's name, such as ``left_ur10e_``, says this arm."""
+        return re.search(rf"(?:^|[\W_])(?:{self.pattern})(?:[\W_]|\d|$)", prefix, re.IGNORECASE) is not None
+
+
+def _radians(*degrees: float) -> tuple[float, ...]:
+    return tuple(map(radians, degrees))
+
+
+def _universal_robots(name: str, speeds: Sequence[float], torques: Sequence[float]) -> Preset:
+    """Return an e-Series or later arm: shoulder, elbow and wrist have figures of their own."""
+    return Preset(
+        label=f"Universal Robots {name.upper().replace('E', 'e')}",
+        pattern=name,
+        joints=tuple(
+            f"{one}_joint" for one in ("shoulder_pan", "shoulder_lift", "elbow", "wrist_1", "wrist_2", "wrist_3")
+        ),
+        low_rad=_radians(-360, -360, -180, -360, -360, -360),
+        high_rad=_radians(360, 360, 180, 360, 360, 360),
+        speed_rad_s=_radians(*speeds),
+        torque_nm=tuple(torques),
+        torque=CURRENT,
+        source="Universal_Robots_ROS2_Description, config/*/joint_limits.yaml; effort: ur_robot_driver",
+        shared=r"(?:shoulder_(?:pan|lift)|elbow|wrist_[123])_joint",
+    )
+
+
+def _iiwa(name: str, model: str, speeds: Sequence[float], torques: Sequence[float]) -> Preset:
+    return Preset(
+        label=f"KUKA LBR iiwa {model}",
+        pattern=name.replace("iiwa", "iiwa_?"),
+        joints=tuple(f"lbr_A{number}" for number in range(1, 8)),
+        low_rad=_radians(-170, -120, -170, -120, -170, -120, -175),
+        high_rad=_radians(170, 120, 170, 120, 170, 120, 175),
+        speed_rad_s=_radians(*speeds),
+        torque_nm=tuple(torques),
+        torque=SENSOR,
+        source="KUKA brochure Sensitive robotics LBR iiwa; names: lbr_fri_ros2_stack",
+        shared=r"(?:lbr_|iiwa_|lbr_iiwa_)(?:joint_?|a)[1-7]",
+    )
+
+
+PRESETS: dict[str, Preset] = {
+    "panda": Preset(
+        label="Franka Emika Panda (FER)",
+        pattern="panda|fer",
+        joints=tuple(f"panda_joint{number}" for number in range(1, 8)),
+        low_rad=(-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973),
+        high_rad=(2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973),
+        speed_rad_s=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
+        torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
+        torque=SENSOR,
+        source="Franka Control Interface documentation; libfranka 0.9",
+        acceleration_rad_s2=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
+        torque_rate_nm_s=1000.0,
+    ),
+    "fr3": Preset(
+        label="Franka Research 3",
+        pattern=r"fr3(?:v\d)?",
+        joints=tuple(f"fr3_joint{number}" for number in range(1, 8)),
+        low_rad=(-2.7437, -1.7837, -2.9007, -3.0421, -2.8065, 0.5445, -3.0159),
+        high_rad=(2.7437, 1.7837, 2.9007, -0.1518, 2.8065, 4.5169, 3.0159),
+        speed_rad_s=(2.62, 2.62, 2.62, 2.62, 5.26, 4.18, 5.26),
+        torque_nm=(87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0),
+        torque=SENSOR,
+        source="franka_description/robots/fr3; libfranka 0.13",
+        acceleration_rad_s2=(10.0,) * 7,
+        torque_rate_nm_s=1000.0,
+    ),
+    "ur3e": _universal_robots("ur3e", (180, 180, 180, 360, 360, 360), (56, 56, 28, 12, 12, 12)),
+    "ur5e": _universal_robots("ur5e", (180,) * 6, (150, 150, 150, 28, 28, 28)),
+    "ur10e": _universal_robots("ur10e", (120, 120, 180, 180, 180, 180), (330, 330, 150, 56, 56, 56)),
+    "ur16e": _universal_robots("ur16e", (120, 120, 180, 180, 180, 180), (330, 330, 150, 54, 54, 54)),
+    "ur20": _universal_robots("ur20", (120, 120, 150, 210, 210, 210), (738, 738, 433, 107, 107, 107)),
+    "ur30": _universal_robots("ur30", (120, 120, 150, 210, 210, 210), (730, 730, 430, 100, 100, 100)),
+    "iiwa7": _iiwa("iiwa7", "7 R800", (98, 98, 100, 130, 140, 180, 180), (176, 176, 110, 110, 110, 40, 40)),
+    "iiwa14": _iiwa("iiwa14", "14 R820", (85, 85, 100, 75, 130, 135, 135), (320, 320, 176, 176, 110, 40, 40)),
+    "gen3": Preset(
+        label="Kinova Gen3, 7 joints",
+        pattern="gen3(?!_lite)",
+        joints=tuple(f"joint_{number}" for number in range(1, 8)),
+        low_rad=(-inf, -2.41, -inf, -2.66, -inf, -2.23, -inf),
+        high_rad=(inf, 2.41, inf, 2.66, inf, 2.23, inf),
+        speed_rad_s=(1.3963, 1.3963, 1.3963, 1.3963, 1.2218, 1.2218, 1.2218),
+        torque_nm=(39.0, 39.0, 39.0, 39.0, 9.0, 9.0, 9.0),
+        torque=SENSOR,
+        source="kortex_description/arms/gen3/7dof; torque: Kortex API, ActuatorCyclic",
+    ),
+    "xarm7": Preset(
+        label="UFACTORY xArm 7",
+        pattern="xarm7",
+        joints=tuple(f"joint{number}" for number in range(1, 8)),
+        low_rad=(*_radians(-360), -2.059, *_radians(-360), -0.19198, *_radians(-360), -1.69297, *_radians(-360)),
+        high_rad=(*_radians(360), 2.0944, *_radians(360), 3.927, *_radians(360, 180, 360)),
+        speed_rad_s=(3.14,) * 7,
+        torque_nm=(50.0, 50.0, 30.0, 30.0, 30.0, 20.0, 20.0),
+        torque=ESTIMATE,
+        source="xarm_description/urdf/xarm7; no torque sensors: xarm_ros2 issue 98",
+    ),
+}
+_ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?\d+$", re.IGNORECASE)
+
+
+def candidates(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the arms that joints of these names may belong to; none where the names are those of any arm."""
+    found = [name for name, preset in PRESETS.items() if _is_named(names, preset)]
+    if found:
+        return tuple(found)
+    alike = (name for name, preset in PRESETS.items() if preset.shared and len(names) == len(preset.joints))
+    return tuple(n for n in alike if all(re.search(rf"{PRESETS[n].shared}$", one, re.IGNORECASE) for one in names))
+
+
+def _is_named(names: Sequence[str], preset: Preset) -> bool:
+    """Return True if the prefix of a joint says this arm; of an arm without such names all joints have to be there."""
+    prefixes = {(match["arm"] or "") if (match := _ARM_JOINT.match(name)) else name for name in names}
+    whole = preset.label.startswith("Franka") or len(names) == len(preset.joints)
+    return whole and any(map(preset.says, prefixes))

@@ -1,0 +1,204 @@
+"""Several files of one log, joined on their clocks."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers import ReadOptions, read_log
+from friction_audit.io.writers.write_log import write_log
+from friction_audit.joint_log import JointLog, Source
+from tests.cli.conftest import Run
+
+EPOCH = 1.7e9
+
+
+def q_of(t: np.ndarray) -> np.ndarray:
+    return 1.0 - np.cos(0.6 * t)
+
+
+def motion(rate: float = 200.0, seconds: float = 60.0, start: float = 0.0) -> dict[str, np.ndarray]:
+    t = np.arange(0.0, seconds, 1.0 / rate)
+    return {"time": t + start, "q_1": q_of(t), "dq_1": 0.6 * np.sin(0.6 * t)}
+
+
+def torque(rate: float = 200.0, seconds: float = 60.0, start: float = 0.0, shift: float = 0.0) -> dict[str, np.ndarray]:
+    t = np.arange(shift, seconds, 1.0 / rate)
+    speed = 0.6 * np.sin(0.6 * t)
+    return {"time": t + start, "tau_interaction_1": 0.5 * np.sign(speed) + 0.2 * speed}
+
+
+def saved(path: Path, columns: Mapping[str, np.ndarray]) -> Path:
+    frame = pd.DataFrame(dict(columns))
+    match path.suffix:
+        case ".parquet":
+            frame.to_parquet(path)
+        case ".npz":
+            np.savez(path, **columns)  # type: ignore[arg-type]
+        case _:
+            frame.to_csv(path, index=False, float_format="%.17g")
+    return path
+
+
+def joined(first: Path, *others: Path, **more: object) -> JointLog:
+    return read_log(first, ReadOptions(join=tuple(map(str, others)), **more))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("endings", [(".csv", ".parquet", ".npz"), (".npz", ".csv", ".csv.gz"), (".parquet",) * 3])
+@pytest.mark.parametrize("start", [0.0, 123.4, EPOCH])
+def test_three_files_are_one_log(tmp_path: Path, endings: tuple[str, ...], start: float) -> None:
+    t = np.arange(-1.0, 62.0, 1.0)
+    files = [
+        saved(tmp_path / f"{name}{ending}", columns)
+        for name, ending, columns in zip(
+            ("motion", "torque", "temperature"),
+            endings,
+            (
+                motion(start=start),
+                torque(start=start, rate=100.0),
+                {"time": t + start, "temperature_1": 30.0 + 0.1 * t},
+            ),
+            strict=True,
+        )
+    ]
+    log = joined(*files)
+    assert len(log.t) == 12000 - 1  # the last stamp of the torque is 10 ms before the end
+    assert log.temperature is not None
+    assert log.temperature[:, 0] == pytest.approx(30.0 + 0.1 * log.t, abs=1e-6)
+    assert log.q[:, 0] == pytest.approx(q_of(log.t), abs=1e-6)
+    assert (log.source.start_s is not None) == (start == EPOCH)
+    digests = [hashlib.sha256(file.read_bytes()).hexdigest() for file in files]
+    assert [log.source.sha256, *(one.sha256 for one in log.source.joined)] == digests
+    assert [one.format for one in log.source.joined] == [name.lstrip(".").removesuffix(".gz") for name in endings[1:]]
+
+
+def test_between_samples_the_joined_channel_is_linear(tmp_path: Path) -> None:
+    log = joined(saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", torque(rate=50.0, shift=0.0037)))
+    assert log.tau_interaction is not None
+    knots = torque(rate=50.0, shift=0.0037)
+    first = float(motion()["time"][1])  # the first stamp after the torque's first
+    expected = np.interp(log.t + first, knots["time"], knots["tau_interaction_1"])
+    assert log.tau_interaction[:, 0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_nothing_is_invented_in_a_gap(tmp_path: Path) -> None:
+    columns = torque()
+    kept = (columns["time"] < 20.0) | (columns["time"] > 25.0)
+    log = joined(
+        saved(tmp_path / "a.csv", motion()),
+        saved(tmp_path / "b.csv", {key: value[kept] for key, value in columns.items()}),
+    )
+    assert not ((log.t > 20.0) & (log.t < 25.0)).any()
+    (found,) = [one for one in log.source.findings if one.code == "joined"]
+    assert found.amount == 1001.0  # the stamps from 20.0 to 25.0 s
+    assert not any(one.damaged for one in log.source.findings)
+
+
+def test_one_missing_number_is_bridged(tmp_path: Path) -> None:
+    columns = torque()
+    columns["tau_interaction_1"][100] = np.nan
+    first = saved(tmp_path / "a.csv", motion())
+    log = read_log(first, ReadOptions(join=saved(tmp_path / "b.csv", columns)))  # type: ignore[arg-type]
+    assert (len(log.t), [one.damaged for one in log.source.findings]) == (12000, [False])
+
+
+def test_order_of_the_stamps_and_repeats_do_not_matter(tmp_path: Path) -> None:
+    columns = torque()
+    mixed = np.random.default_rng(1).permutation(np.repeat(np.arange(len(columns["time"])), 2))
+    plain = joined(saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", columns))
+    shuffled = {key: value[mixed] for key, value in columns.items()}
+    again = joined(tmp_path / "a.csv", saved(tmp_path / "c.csv", shuffled))
+    assert plain.tau_interaction is not None
+    assert again.tau_interaction is not None
+    assert again.tau_interaction == pytest.approx(plain.tau_interaction, abs=1e-12)
+
+
+def test_joints_are_joined_by_name(tmp_path: Path) -> None:
+    t = motion()["time"]
+    names = ("elbow_joint", "wrist_joint")
+    first = {"time": t}
+    for place, name in enumerate(names):
+        first |= {f"{name}.position": (1 + place) * q_of(t), f"{name}.velocity": (1 + place) * 0.6 * np.sin(0.6 * t)}
+    second = {"time": t} | {f"{name}.effort": np.sin(t) + place for place, name in reversed(list(enumerate(names)))}
+    log = joined(saved(tmp_path / "a.csv", first), saved(tmp_path / "b.csv", second))
+    assert log.tau_J is not None
+    assert (log.tau_J[:, 1] - log.tau_J[:, 0]) == pytest.approx(1.0)
+
+
+def test_a_bag_and_a_table(tmp_path: Path) -> None:
+    t = np.arange(0.0, 30.0, 0.01)
+    q, dq = q_of(t)[:, None], 0.6 * np.sin(0.6 * t)[:, None]
+    source = Source(path="x", sha256="", format="made", start_s=EPOCH)
+    log = JointLog(t=t, q=q, dq=dq, tau_J=np.cos(t)[:, None], joint_names=("joint1",), source=source)
+    write_log(log, tmp_path / "bag.mcap")
+    heat = saved(tmp_path / "heat.csv", {"time": EPOCH + t[::100], "temperature_1": 20.0 + t[::100]})
+    found = joined(tmp_path / "bag.mcap", heat)
+    assert found.temperature is not None
+    assert found.temperature[:, 0] == pytest.approx(20.0 + found.t, abs=1e-5)
+
+
+def test_parts_of_a_joined_log_count_from_its_first_sample(tmp_path: Path) -> None:
+    first, second = saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", torque(shift=10.0))
+    log = joined(first, second, t_start_s=12.0, t_end_s=40.0)
+    assert (log.source.skipped_s, log.duration_s) == pytest.approx((12.0, 28.0), abs=0.006)
+
+
+@pytest.mark.parametrize(
+    ("other", "message"),
+    [
+        (torque(start=100.0), r"b.csv: its clock runs from 100 to 159.995 s, that of .*a.csv from 0 to 59.995 s"),
+        (torque(start=EPOCH), "says the date"),
+        (motion(), "has q, dq, which .*a.csv has too"),
+        ({"time": motion()["time"], "speed": motion()["time"]}, "b.csv: no column for a torque|no column for"),
+        ({"tau_J_1": motion()["time"]}, "b.csv: no column for t"),
+        (torque() | {"tau_interaction_2": torque()["time"]}, "has 2 joints .* has 1"),
+    ],
+)
+def test_what_cannot_be_joined_is_refused(tmp_path: Path, other: dict[str, np.ndarray], message: str) -> None:
+    first = saved(tmp_path / "a.csv", motion())
+    with pytest.raises(InputError, match=message):
+        joined(first, saved(tmp_path / "b.csv", other))
+
+
+def test_a_log_that_lacks_a_channel_in_all_files_says_which(tmp_path: Path) -> None:
+    first = saved(tmp_path / "a.csv", {k: v for k, v in motion().items() if k != "dq_1"})
+    with pytest.raises(InputError, match=r"no dq in a\.csv, b\.csv; a\.csv has q; b\.csv has tau_interaction"):
+        joined(first, saved(tmp_path / "b.csv", torque()))
+    with pytest.raises(InputError, match="no column for --map tau_J=moment"):
+        joined(saved(tmp_path / "c.csv", motion()), tmp_path / "b.csv", mapping={"tau_J": "moment"})
+    with pytest.raises(InputError, match=r"nowhere\.csv: no such file"):
+        joined(tmp_path / "c.csv", tmp_path / "nowhere.csv")
+
+
+def test_map_names_columns_of_either_file(tmp_path: Path) -> None:
+    t = motion()["time"]
+    first = saved(tmp_path / "a.csv", {"clock": t, "winkel": q_of(t), "tempo": 0.6 * np.sin(0.6 * t)})
+    second = saved(tmp_path / "b.csv", {"clock": t, "strom": np.sin(t)})
+    log = joined(first, second, mapping={"q": "winkel", "dq": "tempo", "tau_J": "strom:A"}, torque_constant=(0.5,))
+    assert log.tau_J is not None
+    assert log.tau_J[:, 0] == pytest.approx(0.5 * np.sin(t))
+
+
+def test_commands_read_joined_files(run: Run, tmp_path: Path) -> None:
+    first, second = saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", torque())
+    document = run("estimate", first, "--join", second, "--json").document()
+    assert document["joints"][0]["coulomb_nm"]["value"] == pytest.approx(0.5, abs=0.01)
+    assert document["source"]["joined"] == [
+        {"path": str(second), "sha256": hashlib.sha256(second.read_bytes()).hexdigest(), "format": "csv"}
+    ]
+    assert document["settings"]["reading"]["join"] == [str(second)]
+    info = run("info", first, "--join", second)
+    assert info.code == 0
+    assert "joined on the clock of a.csv" in info.out + info.err
+    out = run("convert", first, "whole.parquet", "--join", second)
+    assert out.code == 0, out.err
+    assert run("estimate", "whole.parquet").code == 0
+    assert run("convert", first, second, "--join", second, "--overwrite").code == 2
+    for words in (("info", first, first), ("diff", first, first), ("batch-report", first, "-o", "drift")):
+        refused = run(*words, "--join", second)
+        assert refused.code == 2, words
+        assert "convert LOG OUT --join FILE" in refused.err

@@ -1,0 +1,169 @@
+"""Arms known by name: limits, names of joints, kinds of torque, and what is said where a model is missing."""
+
+import json
+import runpy
+from math import inf, pi
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation.settings import limits_of as compensator_limits
+from friction_audit.io.readers.joint_names import arm_name, robot_of
+from friction_audit.planning.motion import limits_of
+from friction_audit.planning.task import Joint
+from friction_audit.presets import BUILT_IN, PRESETS, TORQUES, candidates
+from friction_audit.robot.arm import read_urdf
+from friction_audit.robot.urdf import limits_in
+from tests.cli.conftest import Run
+
+URS = ("ur3e", "ur5e", "ur10e", "ur16e", "ur20", "ur30")
+UR_NAMES = PRESETS["ur5e"].joints
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_is_whole(name: str) -> None:
+    preset = PRESETS[name]
+    joints = len(preset.joints)
+    assert len(set(preset.joints)) == joints
+    for values in (preset.low_rad, preset.high_rad, preset.speed_rad_s, preset.torque_nm):
+        assert len(values) == joints
+    assert all(low < high for low, high in zip(preset.low_rad, preset.high_rad, strict=True))
+    assert all(0.0 < one < inf for one in (*preset.speed_rad_s, *preset.torque_nm, *preset.acceleration_rad_s2))
+    assert len(preset.acceleration_rad_s2) in (0, joints)
+    assert preset.torque in TORQUES
+    assert preset.source
+
+
+def test_the_preset_of_the_panda_is_its_built_in_urdf() -> None:
+    preset = PRESETS[BUILT_IN]
+    for name, *figures in zip(preset.joints, preset.low_rad, preset.high_rad, preset.speed_rad_s, strict=True):
+        assert tuple(figures) == limits_in(read_urdf(None), "urdf", name)
+
+
+def test_published_figures_that_are_known() -> None:
+    assert PRESETS["ur10e"].torque_nm == (330, 330, 150, 56, 56, 56)
+    assert PRESETS["ur3e"].speed_rad_s[3] == pytest.approx(2 * pi)
+    assert PRESETS["iiwa14"].speed_rad_s[0] == pytest.approx(np.radians(85))
+    assert PRESETS["gen3"].high_rad[0] == inf
+    assert (PRESETS["fr3"].low_rad[5], PRESETS["fr3"].speed_rad_s[6]) == (0.5445, 5.26)
+    assert (PRESETS["xarm7"].high_rad[1], PRESETS["xarm7"].torque) == (2.0944, "estimate")
+
+
+@pytest.mark.parametrize(
+    ("names", "arms"),
+    [
+        (UR_NAMES, URS),
+        ([f"left_{name}" for name in UR_NAMES], URS),
+        ([f"ur10e_{name}" for name in UR_NAMES], ("ur10e",)),
+        (UR_NAMES[:5], ()),
+        ([f"lbr_A{k}" for k in range(1, 8)], ("iiwa7", "iiwa14")),
+        ([f"iiwa_joint_{k}" for k in range(1, 8)], ("iiwa7", "iiwa14")),
+        ([f"iiwa7_joint_{k}" for k in range(1, 8)], ("iiwa7",)),
+        ([f"arm/gen3_joint_{k}" for k in range(1, 8)], ("gen3",)),
+        ([f"gen3_lite_joint_{k}" for k in range(1, 8)], ()),
+        ([f"gen3_joint_{k}" for k in range(1, 7)], ()),
+        ([f"xarm7_joint{k}" for k in range(1, 8)], ("xarm7",)),
+        ([f"joint{k}" for k in range(1, 8)], ()),
+        (["panda_joint4"], ("panda",)),
+    ],
+)
+def test_arms_by_the_names_of_their_joints(names: list[str], arms: tuple[str, ...]) -> None:
+    assert candidates(tuple(names)) == arms
+    assert robot_of(names) == (arms[0] if len(arms) == 1 else "unknown")
+
+
+def test_a_make_is_no_name_of_an_arm() -> None:
+    assert [arm_name(prefix) for prefix in ("ur10e", "iiwa_14", "gen3", "left_ur5e", "fr3v2_1")] == [
+        "",
+        "",
+        "",
+        "left_ur5e",
+        "",
+    ]
+
+
+def test_limits_of_a_plan_are_those_of_the_preset() -> None:
+    joint = Joint(number=4, name="elbow", hand=False, reach_rad=(-9.0, 9.0))
+    fr3, ur5e = (limits_of(joint, -1.0, urdf=None, robot=name) for name in ("fr3", "ur5e"))
+    assert (fr3.low_rad, fr3.high_rad) == pytest.approx((-3.0421 + 0.05, -0.1518 - 0.05))
+    assert (fr3.speed_rad_s, fr3.acceleration_rad_s2) == (2.62, 2.5)
+    assert (ur5e.high_rad, ur5e.speed_rad_s) == pytest.approx((2 * pi - 0.05, pi))
+    assert ur5e.acceleration_rad_s2 == 2.5  # not published: usual of arms
+    assert ur5e.source.endswith("usual of arms")
+
+
+def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
+    assert (compensator_limits("iiwa14", 5).torque_nm, compensator_limits("panda", 5).torque_nm) == (110.0, 12.0)
+    assert compensator_limits("iiwa14", 8).torque_nm == inf
+
+
+def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path) -> None:
+    done = run(
+        "plan", "--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "90", "-o", tmp_path
+    )
+    assert done.code == 0, done.err
+    header = (tmp_path / "trajectory_estimate.csv").read_text().splitlines()[0]
+    assert "q_elbow_joint" in header
+    assert "Universal_Robots_ROS2_Description" in (tmp_path / "plan.json").read_text()
+
+
+def table(path: Path, names: tuple[str, ...], torque: str) -> Path:
+    t = np.arange(0.0, 20.0, 0.01)
+    speed = 0.8 * np.sin(0.6 * t)
+    columns = {"time": t}
+    for name in names:
+        columns |= {
+            f"{name}.position": 0.8 / 0.6 * (1.0 - np.cos(0.6 * t)),
+            f"{name}.velocity": speed,
+            f"{name}.{torque}": 0.5 * np.tanh(speed / 0.01) + 0.1 * speed + 1e-3 * np.sin(77.0 * t),
+        }
+    body = np.column_stack(list(columns.values()))
+    np.savetxt(path, body, delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
+    return path
+
+
+def test_info_names_the_arms_that_share_the_names_and_doubts_the_unit(run: Run, tmp_path: Path) -> None:
+    log = table(tmp_path / "ur.csv", UR_NAMES, "effort")
+    done = run("info", log)
+    assert "robot unknown (joints of ur3e, ur5e, ur10e, ur16e, ur20, ur30: name it with --robot)" in done.out
+    assert "motor current [A]" in done.err
+    named = run("info", log, "--robot", "ur10e", "--json")
+    entry = json.loads(named.out)["logs"][0]
+    assert entry["robot"] == "ur10e"
+    assert "effort_is_current" in [one["code"] for one in entry["warnings"]]
+    in_ampere = run("info", log, "--map", "tau_J=" + ",".join(f"{n}.effort" for n in UR_NAMES) + ":A", "--json")
+    entry = json.loads(in_ampere.out)["logs"][0]
+    assert entry["torque_unit"] == "A"
+    assert "effort_is_current" not in [one["code"] for one in entry["warnings"]]
+    scaled = run("info", log, "--torque-scale", "10", "--json")
+    assert "effort_is_current" not in scaled.out
+
+
+def test_a_torque_estimated_from_the_current_is_said(run: Run, tmp_path: Path) -> None:
+    log = table(tmp_path / "xarm.csv", tuple(f"xarm7_joint{k}" for k in range(1, 8)), "effort")
+    done = run("info", log, "--json")
+    entry = json.loads(done.out)["logs"][0]
+    assert entry["robot"] == "xarm7"
+    assert "torque_from_current" in [one["code"] for one in entry["warnings"]]
+
+
+def test_a_model_of_a_preset_without_one_is_refused_with_what_to_do(run: Run, tmp_path: Path) -> None:
+    log = table(tmp_path / "ur.csv", UR_NAMES, "torque")
+    done = run("estimate", log, "--robot", "ur5e", "--gravity", "model")
+    assert done.code == 2
+    assert "Universal Robots UR5e: names and limits are known, no rigid-body model" in done.err
+    assert "--urdf FILE" in done.err
+
+
+def test_an_unknown_preset_lists_the_names(run: Run, tmp_path: Path) -> None:
+    done = run("info", tmp_path, "--robot", "ur6e")
+    assert done.code == 2
+    for name in PRESETS:
+        assert name in done.err
+
+
+def test_the_table_of_arms_is_that_of_the_source() -> None:
+    docs = Path(__file__).parents[2] / "docs"
+    text = (docs / "formats.md").read_text()
+    assert runpy.run_path(str(docs / "make_preset_table.py"))["page_of"](text) == text, "run docs/make_preset_table.py"
