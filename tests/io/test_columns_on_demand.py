@@ -10,7 +10,7 @@ import pytest
 
 from friction_audit.columns_on_demand import ColumnsOnDemand, is_on_demand
 from friction_audit.io.readers import ReadOptions, read_log
-from friction_audit.io.readers.reader import JointByJoint
+from friction_audit.io.readers.reader import InBlocks
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
@@ -23,7 +23,7 @@ CHANNELS = ("q", "dq", "tau_J", "gravity", "tau_interaction", "tau_compensation"
 
 @pytest.fixture(autouse=True)
 def _small_logs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("friction_audit.io.readers.table.ON_DEMAND_BYTES", 0)
+    monkeypatch.setattr("friction_audit.io.readers.table.IN_BLOCKS_BYTES", 0)
 
 
 @pytest.fixture(scope="module")
@@ -73,9 +73,9 @@ def test_the_estimate_is_the_same(
         cycles=CycleSettings(thresholds="auto"),
     )
     found = []
-    for options in (ReadOptions(), JointByJoint()):
+    for options in (ReadOptions(), InBlocks()):
         log = read_log(path, options)
-        assert is_on_demand(log.q) is isinstance(options, JointByJoint)
+        assert is_on_demand(log.q) is isinstance(options, InBlocks)
         found.append(json.dumps(estimate_document(estimate_log(log, settings)), sort_keys=True))
     assert found[0] == found[1]
 
@@ -101,7 +101,7 @@ def test_a_log_with_a_fault_is_read_at_once(frame: pd.DataFrame, tmp_path: Path,
         moving = frame.index[np.flatnonzero(np.abs(frame["dq_1"]) > 0.1)[100]]
         frame.loc[moving + 1, names] = frame.loc[moving, names]
     path = written(frame, tmp_path, "q", "dq", "tau_interaction")
-    usual, log = read_log(path), read_log(path, JointByJoint())
+    usual, log = read_log(path), read_log(path, InBlocks())
     assert not is_on_demand(log.q)
     assert log.source == usual.source
     np.testing.assert_array_equal(log.dq, usual.dq)

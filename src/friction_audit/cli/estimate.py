@@ -37,10 +37,10 @@ def command(
     out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
-            from friction_audit.io.readers.reader import JointByJoint
+            from friction_audit.io.readers.reader import InBlocks
 
             # Figures and exports take all joints at once.
-            recorded = chain.read(log, JointByJoint.of(options) if folder is None else options, stages)
+            recorded = chain.read(log, InBlocks.of(options) if folder is None else options, stages)
         result = chain.estimate(recorded, settings, stages)
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.estimate import estimate_document, estimate_lines, estimate_tables, history_table

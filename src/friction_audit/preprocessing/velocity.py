@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import Float, JointLog, LogInBlocks
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog
 
@@ -55,6 +55,15 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
         signal[length:] = signal[length - 1]
         _low_pass(ordered, *coefficients)
     return signal[PADDING : length - PADDING]
+
+
+def settling_samples(rate_hz: float, cutoff_hz: float) -> int:
+    """Return after how many samples the filtered velocity has forgotten what came before: 1e-18 of it is left."""
+    if cutoff_hz >= HIGHEST_SHARE_OF_RATE * rate_hz:
+        return MINIMUM_LENGTH
+    k = math.tan(math.pi * cutoff_hz / rate_hz)
+    decay = (1.0 - math.sqrt(2.0) * k + k * k) / (1.0 + math.sqrt(2.0) * k + k * k)  # of the state, squared, per step
+    return PADDING + MINIMUM_LENGTH + math.ceil(1.5 * math.log(SETTLED) / math.log(decay))
 
 
 def _low_pass(blocks: Float, gain: float, a1: float, a2: float) -> None:
@@ -147,7 +156,7 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
 
     A velocity that comes later than any filter's is left as it is: which clock the torque is on is not known.
     """
-    step_s = median_step(log.t)
+    step_s = 1.0 / log.rate_hz
     lag = find_lag(coarse, step_s)
     for joint in map(int, np.flatnonzero(lag)):
         lag[joint] *= np.ptp(log.q[:, joint]) > MOVED_RAD
@@ -163,7 +172,9 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
             "dq and torque in one message, or shift the dq columns earlier"
         )
         cautions.append(Caution(code="dq_other_clock", message=message))
-    return (read_on_time(log, late) if late.any() else log), tuple(cautions)
+    if not late.any():
+        return log, tuple(cautions)
+    return read_on_time(log.read_whole() if isinstance(log, LogInBlocks) else log, late), tuple(cautions)
 
 
 def _lags(lag: Float) -> str:

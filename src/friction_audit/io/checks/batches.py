@@ -7,21 +7,26 @@ import numpy as np
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 
-_SHORT = 0.5  # steps below so much of a period lie within a batch
-_LEAST_SHARE = 0.25  # of short steps, from which on stamps are those of batches: half in pairs, more in longer ones
+SHORT = 0.5  # steps below so much of a period lie within a batch
+LEAST_SHARE = 0.25  # of short steps, from which on stamps are those of batches: half in pairs, more in longer ones
 _LONGEST_BATCH = 64  # samples over which the rate is even again; longer batches are not seen
 _MOST_PLACES = 1 << 16
+
+
+def places_of_batches(samples: int) -> tuple[int, int]:
+    """Return over how many samples the rough period is taken, and of how many places one is."""
+    return min(_LONGEST_BATCH, samples - 1), max(samples // _MOST_PLACES, 1)
 
 
 def spread_batches(recording: Recording) -> Recording:
     """Return the recording with the samples of each batch a period apart, the last one where it is."""
     t = recording.t
     # The rough period is the median of mean steps over more than a batch: holes do not count.
-    reach, every = min(_LONGEST_BATCH, len(t) - 1), max(len(t) // _MOST_PLACES, 1)
+    reach, every = places_of_batches(len(t))
     rough = float(np.median(t[reach::every] - t[:-reach:every])) / reach
     # Every step counts: of every second one, a log that comes in pairs would show only short ones or only long ones.
-    short = np.diff(t) < _SHORT * rough
-    if np.mean(short) < _LEAST_SHARE:
+    short = np.diff(t) < SHORT * rough
+    if np.mean(short) < LEAST_SHARE:
         return recording
     ends = np.append(np.flatnonzero(~short), len(t) - 1)
     # Mean steps over whole batches: a part of one would make the period too short or too long.

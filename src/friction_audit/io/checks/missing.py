@@ -31,7 +31,7 @@ def leave_out_missing(recording: Recording, path: str) -> Recording:
     whole = np.isfinite(recording.t)
     for array in recording.channels.values():
         for column in array.T:
-            if not _is_whole(column):
+            if not is_whole(column):
                 whole &= np.abs(column) < _ABSURD
     lost = len(whole) - int(np.count_nonzero(whole))
     if lost == 0:
@@ -41,7 +41,8 @@ def leave_out_missing(recording: Recording, path: str) -> Recording:
     return recording.take_rows(whole).with_findings(finding)
 
 
-def _is_whole(column: Float) -> bool:
+def is_whole(column: Float) -> bool:
+    """Return True if a column holds numbers alone, none of them absurd."""
     # NaN goes through min and max: two fast passes and no temporary array.
     return bool(column.min() > -_ABSURD and column.max() < _ABSURD)
 
@@ -49,7 +50,7 @@ def _is_whole(column: Float) -> bool:
 def _missing_per_joint(array: Float) -> NDArray[np.int64]:
     def missing(joint: int) -> int:
         column = array[:, joint]
-        return 0 if _is_whole(column) else int(np.count_nonzero(~(np.abs(column) < _ABSURD)))
+        return 0 if is_whole(column) else int(np.count_nonzero(~(np.abs(column) < _ABSURD)))
 
     return np.array(per_joint(missing, array.shape[1]), dtype=np.int64)
 

@@ -1,9 +1,11 @@
 """Sampling: dropped samples, gaps, jitter and a low rate are noticed, and nothing is changed."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding
+from friction_audit.joint_log import Finding, Float, median_step
 
 GAP_S = 0.05
 DROPPED_STEPS = 1.5
@@ -17,36 +19,56 @@ def gap_threshold_s(median_step_s: float) -> float:
     return max(_GAP_STEPS * median_step_s, GAP_S)
 
 
+class StepSums:
+    """Sums over the steps of a clock, of which a long log gives one block after the other."""
+
+    def __init__(self, median: float) -> None:
+        """Take the median step. [s]"""
+        self.median, self.threshold_s = median, gap_threshold_s(median)
+        self.count, self.long, self.dropped, self.gaps, self.longest = 0, 0, 0.0, 0, 0.0
+        self.off, self.square = 0.0, 0.0  # of the steps that are not long, less the median
+
+    def take(self, steps: Float) -> None:
+        """Add the steps of a block. [s]"""
+        long = steps[steps > DROPPED_STEPS * self.median]
+        gaps = long[long > self.threshold_s]
+        # By sums around the median instead of a masked copy of the steps.
+        off, off_long = steps - self.median, long - self.median
+        self.count, self.long, self.gaps = self.count + len(steps), self.long + len(long), self.gaps + len(gaps)
+        self.dropped += float(np.maximum(np.round(long / self.median) - 1.0, 1.0).sum())
+        self.longest = max(self.longest, float(gaps.max(initial=0.0)))
+        self.off += float(off.sum() - off_long.sum())
+        self.square += float(np.dot(off, off) - np.dot(off_long, off_long))
+
+    def findings(self) -> Iterator[Finding]:
+        """Yield what is to be noticed."""
+        median = self.median
+        if self.long:
+            places = f"{self.long} places (median step {median * 1e3:.3g} ms)"
+            text = f"{self.dropped:.0f} samples dropped at {places}"
+            yield Finding(code="dropped_samples", message=text, amount=self.dropped)
+        if self.gaps:
+            text = f"{self.gaps} gaps longer than {self.threshold_s:.3g} s, the longest {self.longest:.3g} s"
+            yield Finding(code="gap", message=text, amount=float(self.gaps))
+        even = self.count - self.long
+        deviation = float(np.sqrt(max(self.square / even - (self.off / even) ** 2, 0.0)))
+        if deviation > _JITTER_SHARE * median:
+            text = (
+                f"time step: standard deviation {deviation * 1e3:.3g} ms, median {median * 1e3:.3g} ms (without gaps); "
+                "integrals use the logged time stamps"
+            )
+            yield Finding(code="jitter", message=text, amount=deviation)
+        rate = 1.0 / median
+        if rate < _LOW_RATE_HZ:
+            text = (
+                f"{rate:.3g} Hz is a low sampling rate: reversals and inertial torques are poorly resolved; record at "
+                f"{_LOW_RATE_HZ:.0f} Hz or more"
+            )
+            yield Finding(code="low_rate", message=text, amount=rate)
+
+
 def check_sampling(recording: Recording) -> Recording:
     """Notice dropped samples, gaps, jitter and a low rate."""
-    steps = np.diff(recording.t)
-    median = float(np.median(steps))
-    long = steps[steps > DROPPED_STEPS * median]
-    findings = []
-    if len(long):
-        dropped = float(np.maximum(np.round(long / median) - 1.0, 1.0).sum())
-        text = f"{dropped:.0f} samples dropped at {len(long)} places (median step {median * 1e3:.3g} ms)"
-        findings.append(Finding(code="dropped_samples", message=text, amount=dropped))
-    threshold_s = gap_threshold_s(median)
-    gaps = long[long > threshold_s]
-    if len(gaps):
-        text = f"{len(gaps)} gaps longer than {threshold_s:.3g} s, the longest {gaps.max():.3g} s"
-        findings.append(Finding(code="gap", message=text, amount=float(len(gaps))))
-    # The spread of the steps that are no gaps, by sums around the median instead of a masked copy of the steps.
-    off, off_long, count = steps - median, long - median, len(steps) - len(long)
-    mean = (off.sum() - off_long.sum()) / count
-    deviation = float(np.sqrt(max((np.dot(off, off) - np.dot(off_long, off_long)) / count - mean**2, 0.0)))
-    if deviation > _JITTER_SHARE * median:
-        text = (
-            f"time step: standard deviation {deviation * 1e3:.3g} ms, median {median * 1e3:.3g} ms (without gaps); "
-            "integrals use the logged time stamps"
-        )
-        findings.append(Finding(code="jitter", message=text, amount=deviation))
-    rate = 1.0 / median
-    if rate < _LOW_RATE_HZ:
-        text = (
-            f"{rate:.3g} Hz is a low sampling rate: reversals and inertial torques are poorly resolved; record at "
-            f"{_LOW_RATE_HZ:.0f} Hz or more"
-        )
-        findings.append(Finding(code="low_rate", message=text, amount=rate))
-    return recording.with_findings(*findings)
+    sums = StepSums(median_step(recording.t))
+    sums.take(np.diff(recording.t))
+    return recording.with_findings(*sums.findings())

@@ -16,7 +16,7 @@ from friction_audit.parallel import per_joint
 
 _LONGEST_RUN = 8  # rows over which a filter of the driver spreads one wild value
 _REACH = _LONGEST_RUN + 4  # rows on both sides that make the median: a run is a minority there
-_LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
+LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
 _UNUSUAL, _UNUSUAL_ROWS = 0.005, 16  # largest changes and values left out of the scale: share, or rows of a short log
 _TIMES_STEP = 10.0  # of 204 sound logs, measured and simulated, the closest torque reaches 0.76 of the scale
 _TIMES_STILL = 10.0  # a channel that stands still has no usual step: the least deviation is larger by so much
@@ -25,7 +25,7 @@ _TIMES_RANGE_OF_TORQUE = 2.0  # dry friction turns by its whole range in one row
 _LEAST = {"q": 0.05, "dq": 0.5, "temperature": 20.0}  # smaller ones do no harm [rad, rad/s, degC, N m]
 _LEAST_TORQUE = 0.5
 _CALM = 3.0  # a velocity that changes by more than so many usual steps may be the effect of the torque
-_MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
+MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
 _MOST_JUMPS = 0.01  # where more rows jump, the jumps are the channel's nature
 _SHOWN = 3
 _BLOCK = 1 << 15  # samples whose steps are compared at a time
@@ -84,19 +84,25 @@ def _deviations(channel: str, column: Float) -> list[_Run]:
 
 
 def _scale(channel: str, column: Float) -> float:
-    """Deviation beyond anything that the channel does, in its own unit."""
-    every = max(len(column) // _MOST_SAMPLES, 1)
-    sample = column[::every]
+    every = max(len(column) // MOST_SAMPLES, 1)
+    return scale_of(channel, column[::every], _usual_step(column))
+
+
+def scale_of(channel: str, sample: Float, step: float) -> float:
+    """Deviation beyond anything that a channel does, in its own unit, from some of its values and its usual step."""
     low, high = np.quantile(sample, (_unusual(sample), 1.0 - _unusual(sample)))
-    step = _usual_step(column)
     least = _LEAST.get(channel, _LEAST_TORQUE) * (1.0 if step > 0.0 else _TIMES_STILL)
     return max(_TIMES_STEP * step, _TIMES_RANGE.get(channel, _TIMES_RANGE_OF_TORQUE) * float(high - low), least)
 
 
 def _usual_step(column: Float) -> float:
-    every = max(len(column) // _MOST_SAMPLES, 1)
-    changes = np.abs(column[_LAG:][::every] - column[:-_LAG][::every])
-    return float(np.quantile(changes, 1.0 - _unusual(changes))) if len(changes) else 0.0
+    every = max(len(column) // MOST_SAMPLES, 1)
+    return usual_change(column[LAG:][::every] - column[:-LAG][::every])
+
+
+def usual_change(changes: Float) -> float:
+    """Return the largest of changes but for the few unusual ones."""
+    return float(np.quantile(np.abs(changes), 1.0 - _unusual(changes))) if len(changes) else 0.0
 
 
 def _unusual(sample: Float) -> float:

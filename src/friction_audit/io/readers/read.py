@@ -3,10 +3,11 @@
 A format is added by writing one file with ``recognises``, ``read`` and ``topics``, and its line in READERS.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -20,8 +21,9 @@ from friction_audit.io.readers.joint_names import arm_name, arms_in
 from friction_audit.io.readers.motor_current import convert_torque
 from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
-from friction_audit.io.recording import Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
+from friction_audit.io.recording import Blocks, Recording
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, LogInBlocks, LogPart, Source, find_window
+from friction_audit.parallel import ahead
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
@@ -49,7 +51,7 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
     Raises:
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
-    if options.joint_by_joint:
+    if options.in_blocks:
         with suppress(WholeLogError):
             return _read_log(path, options)
         options = ReadOptions.of(options)
@@ -86,6 +88,8 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
     recording = recording.with_findings(*_growth(before, _stamp(file)))
+    if recording.blocks is not None:
+        return _log_in_blocks(recording, recording.blocks, options, path=str(path), sha256=content, format=reader.name)
     return _log_of_part(recording, options, path=str(path), sha256=content, format=reader.name)
 
 
@@ -122,8 +126,46 @@ def _log_of_part(recording: Recording, options: ReadOptions, *, path: str, sha25
 def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
     """Make an examined recording a JointLog whose clock starts at 0."""
     first = float(recording.t[0])
+    source = _source(recording, first, path=path, sha256=sha256, format=format)
+    t = recording.t if first == 0.0 else recording.t - first
+    return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
+
+
+def _log_in_blocks(
+    recording: Recording,
+    blocks: Blocks,
+    options: ReadOptions,
+    *,
+    path: str,
+    sha256: str,
+    format: str,  # noqa: A002
+) -> LogInBlocks:
+    source, names = _source(recording, 0.0, path=path, sha256=sha256, format=format), recording.joint_names
+
+    def read() -> Iterator[LogPart]:
+        row = 0
+        for t, channels in ahead(blocks.read(channels=True)):
+            yield LogPart(t=t, **channels, joint_names=names, source=source, first=row)
+            row += len(t)
+
+    return LogInBlocks(
+        t=recording.t,
+        **recording.channels,
+        joint_names=names,
+        source=source,
+        first=0,
+        mean_of=blocks.mean_of,
+        numbers=blocks.numbers,
+        clock=blocks.clock,
+        gaps=blocks.gaps,
+        read=read,
+        read_whole=partial(_read_log, path, ReadOptions.of(options)),
+    )
+
+
+def _source(recording: Recording, first: float, *, path: str, sha256: str, format: str) -> Source:  # noqa: A002
     torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
-    source = Source(
+    return Source(
         path=path,
         sha256=sha256,
         format=format,
@@ -137,8 +179,6 @@ def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -
         clock_windows=recording.clock_windows,
         findings=recording.findings,
     )
-    t = recording.t if first == 0.0 else recording.t - first
-    return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
 
 
 def _part(recording: Recording, options: ReadOptions, path: str) -> Recording:
