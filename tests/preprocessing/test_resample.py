@@ -58,7 +58,8 @@ def test_inverse_dynamics_from_the_grid_is_within_a_hundredth_of_the_inertial_to
     exact = arm.inverse_dynamics(log.q, log.dq, ddq)
     torque = np.zeros(log.q.shape)
     modelled = torque_on_grids(
-        grids_of(log, RATE_HZ), lambda grid: arm.inverse_dynamics(position_on((grid,), log)[0], *velocity_on((grid,), log)[0])
+        grids_of(log, RATE_HZ),
+        lambda grid: arm.inverse_dynamics(position_on((grid,), log)[0], *velocity_on((grid,), log)[0]),
     )
     modelled.subtract_from(torque, log.t, list(range(7)))
     inside = (log.t > 0.5) & (log.t < log.t[-1] - 0.5)

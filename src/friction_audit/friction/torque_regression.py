@@ -158,6 +158,14 @@ class RegressionRows:
         self.around = self._block + self._block // 2 + 1
         spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s)), samples // MOST_ROWS, 1)
         self._index = np.arange(self.around, samples - self.around, spacing)
+        self._smooth = partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
+        # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
+        # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.
+        impulse = np.zeros(2 * self.around + SETTLED)
+        middle = len(impulse) // 2
+        impulse[middle] = 1.0
+        kernel = self._smooth(impulse)[middle - self.around + 1 : middle + self.around]
+        self._weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
         self._found: list[dict[str, Float]] = []
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
@@ -171,19 +179,11 @@ class RegressionRows:
         """
         t, column, around = part.t, self._column, self.around
         index = self._index[slice(*np.searchsorted(self._index, (start, stop)))] - part.first
-        smooth = partial(filter_velocity, rate_hz=1.0 / self._step_s, cutoff_hz=CUTOFF_HZ)
         load = part.torque[:, column]
         if part.compensation is not None:
             load = load + part.compensation[:, column]
-        # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
-        # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.
-        impulse = np.zeros(2 * around + SETTLED)
-        middle = len(impulse) // 2
-        impulse[middle] = 1.0
-        kernel = smooth(impulse)[middle - around + 1 : middle + around]
-        weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
         near = velocity[index[:, None] + NEIGHBOURS]
-        steps = t[index[:, None] + np.arange(-around, around + 1)] @ weights
+        steps = t[index[:, None] + np.arange(-around, around + 1)] @ self._weights
         by_position = differences(t, part.q[:, column], index, self._block)
         self._found.append(
             {
@@ -195,7 +195,7 @@ class RegressionRows:
                 "inertia": 0.5 * (near[:, 2] - near[:, 0]) / steps,
                 **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
                 **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
-                "torque": smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
+                "torque": self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
             }
         )
 

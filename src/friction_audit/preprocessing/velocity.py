@@ -5,6 +5,7 @@ The filtered velocity never enters an energy sum as the factor of a torque.
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,22 +72,28 @@ def _low_pass(blocks: Float, gain: float, a1: float, a2: float) -> None:
 
     Blocks of the state-space form: products of matrices, as fast as a compiled loop, without the compiler's 140 MB.
     """
-    step, entry = np.array([[-a1, 1.0], [-a2, 0.0]]), gain * np.array([2.0 - a1, 1.0 - a2])
-    powers = np.stack([np.linalg.matrix_power(step, i) for i in range(FILTER_BLOCK + 1)])
-    free = powers[:-1, 0]  # the output that follows from the state, without input
-    response, order = np.append(gain, free[:-1] @ entry), np.arange(FILTER_BLOCK)
-    forced = np.where(order >= order[:, None], response[order - order[:, None]], 0.0)
+    free, forced, inputs, power = _block_form(gain, a1, a2)
     pieces = [slice(first, first + ROWS_AT_ONCE) for first in range(0, len(blocks), ROWS_AT_ONCE)]
-    inputs = powers[-2::-1] @ entry
     last = np.concatenate([np.ascontiguousarray(blocks[rows]) @ inputs for rows in pieces])
     state = np.concatenate([blocks[:1, 0] * np.array([[1.0 - gain, gain - a2]]), last[:-1]])
     # Each state holds the inputs of the block before; of the blocks before that by doubling, until those have died out.
-    reach, power = 1, powers[-1]
+    reach = 1
     while reach < len(blocks) and np.abs(power).max() > SETTLED:
         state[reach:] += state[:-reach] @ power.T
         reach, power = 2 * reach, power @ power
     for rows in pieces:
         blocks[rows] = np.ascontiguousarray(blocks[rows]) @ forced + state[rows] @ free.T
+
+
+@lru_cache(maxsize=16)
+def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float, Float]:
+    """Return what state and samples of a block add to its output, what the samples leave, and the step of a block."""
+    step, entry = np.array([[-a1, 1.0], [-a2, 0.0]]), gain * np.array([2.0 - a1, 1.0 - a2])
+    powers = np.stack([np.linalg.matrix_power(step, i) for i in range(FILTER_BLOCK + 1)])
+    free = powers[:-1, 0]  # the output that follows from the state, without input
+    response, order = np.append(gain, free[:-1] @ entry), np.arange(FILTER_BLOCK)
+    forced = np.where(order >= order[:, None], response[order - order[:, None]], 0.0)
+    return free, forced, powers[-2::-1] @ entry, powers[-1]
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:

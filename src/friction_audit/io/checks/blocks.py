@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.batches import LEAST_SHARE, SHORT, places_of_batches
-from friction_audit.io.checks.missing import is_whole
+from friction_audit.io.checks.missing import ABSURD
 from friction_audit.io.checks.motion import LARGEST_Q_RAD, check_motion, mend_units
 from friction_audit.io.checks.motion_ratio import TRAVELLED
 from friction_audit.io.checks.sampling import GAP_S, StepSums
@@ -98,7 +98,9 @@ class _Survey:
         self._recording, self._rough, self._row = recording, rough, 0
         self._all = rows // self.mean_of
         self._every = -(-self._all // MOST_MEANS)  # of so many stretches one is kept
-        self._means: dict[str, list[Float]] = {name: [] for name in ("t", *names)}
+        kept = len(self.numbers())
+        self._means = {"t": np.empty((kept, 1))} | {name: np.empty((kept, joints), order="F") for name in names}
+        self._kept = 0
         self._rest: dict[str, Float] = {}
         self._old = 0  # rows at the beginning of the rest that are in a mean
 
@@ -116,13 +118,12 @@ class _Survey:
         self._take_clock(arrays["t"][start:])
         self.sample_t.take(self._row, t)
         for name, new in channels.items():
-            for joint in range(new.shape[1]):
-                column = arrays[name][start:, joint]
-                if not is_whole(column):
+            for joint, column in enumerate(arrays[name][start:].T):
+                low, high, steps = column.min(), column.max(), np.diff(column)
+                if not (low > -ABSURD and high < ABSURD):  # nor is NaN
                     raise WholeLogError
-                self.lowest[name][joint] = min(self.lowest[name][joint], column.min())
-                self.highest[name][joint] = max(self.highest[name][joint], column.max())
-                steps = np.diff(column)
+                self.lowest[name][joint] = min(self.lowest[name][joint], low)
+                self.highest[name][joint] = max(self.highest[name][joint], high)
                 self.jump[name][joint] = max(self.jump[name][joint], steps.max(initial=0.0), -steps.min(initial=0.0))
             for picked in (self.sample[name], *self.change[name]):
                 picked.take(self._row, new)
@@ -147,12 +148,12 @@ class _Survey:
         used = old + count * self.mean_of
         self._old = min(used, 1)
         kept = (np.arange(done, done + count) // STRETCH) % self._every == 0
+        places = slice(self._kept, self._kept + int(np.count_nonzero(kept)))
+        self._kept = places.stop
         for name, array in arrays.items():
             rows = array[old:used]
-            if kept.any():
-                columns = rows[:, None] if rows.ndim == 1 else rows
-                own = [block_means(column, self.mean_of)[kept] for column in columns.T]
-                self._means[name].append(np.array(own).T)
+            for joint, column in enumerate(rows[None] if rows.ndim == 1 else rows.T):
+                self._means[name][places, joint] = block_means(column, self.mean_of)[kept]
             self._rest[name] = array[used - self._old :].copy(order="F")
 
     def numbers(self) -> NDArray[np.int64]:
@@ -162,8 +163,8 @@ class _Survey:
 
     def means(self, recording: Recording) -> Recording:
         """Return the recording of the means."""
-        joined = {name: np.asfortranarray(np.concatenate(self._means.pop(name))) for name in [*self._means]}
-        return replace(recording, t=joined.pop("t")[:, 0], channels=joined)
+        channels = {**self._means}
+        return replace(recording, t=channels.pop("t")[:, 0], channels=channels)
 
 
 def _judge(survey: _Survey, means: Recording, path: str) -> Recording:

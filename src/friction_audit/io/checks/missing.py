@@ -11,7 +11,7 @@ from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 from friction_audit.parallel import per_joint
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
-_ABSURD = 1e9  # no position, velocity, torque or temperature is as large, in any unit: a damaged number
+ABSURD = 1e9  # no position, velocity, torque or temperature is as large, in any unit: a damaged number
 _SPARSE = 0.1  # share of missing values from which a channel that is not essential is left out, rather than the rows
 
 Counts = Mapping[str, NDArray[np.int64]]  # channel -> missing values of each joint
@@ -31,26 +31,25 @@ def leave_out_missing(recording: Recording, path: str) -> Recording:
     whole = np.isfinite(recording.t)
     for array in recording.channels.values():
         for column in array.T:
-            if not is_whole(column):
-                whole &= np.abs(column) < _ABSURD
+            if not _is_whole(column):
+                whole &= np.abs(column) < ABSURD
     lost = len(whole) - int(np.count_nonzero(whole))
     if lost == 0:
         return recording
-    message = f"{lost} of {len(whole)} rows hold NaN, infinity or numbers beyond {_ABSURD:g}; they are left out"
+    message = f"{lost} of {len(whole)} rows hold NaN, infinity or numbers beyond {ABSURD:g}; they are left out"
     finding = Finding(code="non_finite", message=message, amount=float(lost), damaged=True)
     return recording.take_rows(whole).with_findings(finding)
 
 
-def is_whole(column: Float) -> bool:
-    """Return True if a column holds numbers alone, none of them absurd."""
+def _is_whole(column: Float) -> bool:
     # NaN goes through min and max: two fast passes and no temporary array.
-    return bool(column.min() > -_ABSURD and column.max() < _ABSURD)
+    return bool(column.min() > -ABSURD and column.max() < ABSURD)
 
 
 def _missing_per_joint(array: Float) -> NDArray[np.int64]:
     def missing(joint: int) -> int:
         column = array[:, joint]
-        return 0 if is_whole(column) else int(np.count_nonzero(~(np.abs(column) < _ABSURD)))
+        return 0 if _is_whole(column) else int(np.count_nonzero(~(np.abs(column) < ABSURD)))
 
     return np.array(per_joint(missing, array.shape[1]), dtype=np.int64)
 
@@ -66,7 +65,7 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
     if lost:
         raise InputError(
             f"{path}: {', '.join(names[channel] for channel in lost)}: none of the {samples} rows holds a number (all "
-            f"NaN, infinite or beyond {_ABSURD:g}); expected q, dq and one torque of {', '.join(TORQUE_CHANNELS)}; "
+            f"NaN, infinite or beyond {ABSURD:g}); expected q, dq and one torque of {', '.join(TORQUE_CHANNELS)}; "
             "record a topic that carries them, such as the robot's own state"
         )
     findings = []

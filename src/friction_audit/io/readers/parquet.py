@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from pyarrow.parquet import FileMetaData, ParquetFile
 
 _BATCH_ROWS = 1 << 16
-_BUFFER_BYTES = 1 << 20
+_BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 _NANOSECONDS = 1_000_000_000
 
@@ -56,7 +56,8 @@ def _open(path: Path, metadata: "FileMetaData | None" = None) -> "ParquetFile":
     import pyarrow.parquet as pq
 
     # A buffer for a page or two: without it, a column of a whole row group is in memory as it lies in the file.
-    return pq.ParquetFile(path, metadata=metadata, page_checksum_verification=True, buffer_size=_BUFFER_BYTES)
+    options = {"page_checksum_verification": True, "buffer_size": _BUFFER_BYTES, "pre_buffer": False}
+    return pq.ParquetFile(path, metadata=metadata, **options)
 
 
 class ParquetTable(ColumnTable):
