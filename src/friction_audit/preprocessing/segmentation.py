@@ -160,7 +160,7 @@ class CycleSearch:
 
         Gravity at a joint depends on all joints beyond it, so all of them must return.
         """
-        kept = [0] if self._begun is None else [0, 1]
+        kept = [0] if self._begun is None else [0, 1][: len(place)]
         while (s := kept[-1]) < len(place) - 1:
             run = slice(s + 1, s + 1 + LONGEST_RUN)
             closed = np.abs(place[run] - place[s]).max(axis=1) <= self._settings.closure_rad
@@ -180,7 +180,7 @@ class CycleSearch:
         sums, start, stop = parts.total(), borders[:-1] + self.first, borders[1:] + self.first
         start_s, place = t[borders[:-1]], (part.q if inside else part.q[:, self._column, None])[borders + shift]
         begun = self._begun
-        if begun is not None:
+        if begun is not None and len(start):
             start[0], start_s[0], place[0] = begun.start, begun.start_s, begun.place
             peak[0], longest_step[0] = max(peak[0], begun.peak), max(longest_step[0], begun.step_s)
             for one in fields(sums):

@@ -10,7 +10,7 @@ from friction_audit.io.checks.batches import LEAST_SHARE, SHORT, places_of_batch
 from friction_audit.io.checks.missing import ABSURD
 from friction_audit.io.checks.motion import LARGEST_Q_RAD, check_motion, mend_units
 from friction_audit.io.checks.motion_ratio import TRAVELLED
-from friction_audit.io.checks.sampling import GAP_S, StepSums
+from friction_audit.io.checks.sampling import DROPPED_STEPS, GAP_S, StepSums
 from friction_audit.io.checks.stale import drop_stale_samples
 from friction_audit.io.checks.torque import check_torque
 from friction_audit.io.checks.wild import LAG, MOST_SAMPLES, scale_of, usual_change
@@ -115,13 +115,14 @@ class _Survey:
         arrays = {name: np.concatenate([self._rest[name], new]) if fresh else new
                   for name, new in {"t": t, **channels}.items()}  # fmt: skip
         start = max(fresh - 1, 0)
-        self._take_clock(arrays["t"][start:])
+        lost = self._take_clock(arrays["t"][start:])
         self.sample_t.take(self._row, t)
         for name, new in channels.items():
             for joint, column in enumerate(arrays[name][start:].T):
                 low, high, steps = column.min(), column.max(), np.diff(column)
                 if not (low > -ABSURD and high < ABSURD):  # nor is NaN
                     raise WholeLogError
+                steps[lost] = 0.0
                 self.lowest[name][joint] = min(self.lowest[name][joint], low)
                 self.highest[name][joint] = max(self.highest[name][joint], high)
                 self.jump[name][joint] = max(self.jump[name][joint], steps.max(initial=0.0), -steps.min(initial=0.0))
@@ -133,13 +134,15 @@ class _Survey:
         self._row += len(t)
         self._add_means(arrays)
 
-    def _take_clock(self, t: Float) -> None:
+    def _take_clock(self, t: Float) -> NDArray[np.int64]:
+        """Return the steps in which samples were lost: after them a joint is elsewhere."""
         steps = np.diff(t)
         self.steps.take(steps)
         self.short += int(np.count_nonzero(steps < SHORT * self._rough))
         wide = np.flatnonzero(steps > max(_GAP_STEPS * self.steps.median, GAP_S))
         first = self._row - (len(t) - len(steps)) if self._row else 0
         self.gaps += [(first + row, t[row], t[row + 1]) for row in wide.tolist()]
+        return np.flatnonzero(steps > DROPPED_STEPS * self.steps.median)
 
     def _add_means(self, arrays: dict[str, Float]) -> None:
         old = self._old
