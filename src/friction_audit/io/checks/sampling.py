@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding, Float, median_step
+from friction_audit.joint_log import Finding, Float
 
 GAP_S = 0.05
 DROPPED_STEPS = 1.5
@@ -70,6 +70,7 @@ class StepSums:
 
 def check_sampling(recording: Recording) -> Recording:
     """Notice dropped samples, gaps, jitter and a low rate."""
-    sums = StepSums(median_step(recording.t))
-    sums.take(np.diff(recording.t))
+    steps = np.diff(recording.t)
+    sums = StepSums(float(np.median(steps)))
+    sums.take(steps)
     return recording.with_findings(*sums.findings())
