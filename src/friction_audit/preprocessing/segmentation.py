@@ -1,7 +1,7 @@
 """Energy cycles of every joint: where they begin and end, their energies, and which of them count."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 
@@ -83,18 +83,6 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
     return replace(cycles, reason=np.where((cycles.reason == KEPT) & small, SMALL, cycles.reason))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class _Begun:
-    """A cycle that has lasted too long already: its samples up to now are added up and forgotten."""
-
-    start: int
-    start_s: float
-    place: Float
-    peak: float
-    step_s: float
-    sums: EnergySums
-
-
 class CycleSearch:
     """Finds the energy cycles of one joint in parts of a log that follow each other; a log in memory is one part."""
 
@@ -108,7 +96,8 @@ class CycleSearch:
         self._filtered = self._signal = np.empty(0)
         self._moving: bool | None = None  # at the first sample needed; None where its own speed decides
         self._at_border: bool | None = None
-        self._begun: _Begun | None = None
+        # A cycle that has lasted too long already: its samples up to now are added up and forgotten; where it began.
+        self._begun: tuple[EnergyCycles, Float] | None = None
         self._found: list[EnergyCycles] = []
         self._above, self._fastest, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0
 
@@ -179,10 +168,10 @@ class CycleSearch:
         parts = self._sums(part, edges)
         sums, start, stop = parts.total(), borders[:-1] + self.first, borders[1:] + self.first
         start_s, place = t[borders[:-1]], (part.q if inside else part.q[:, self._column, None])[borders + shift]
-        begun = self._begun
-        if begun is not None and len(start):
-            start[0], start_s[0], place[0] = begun.start, begun.start_s, begun.place
-            peak[0], longest_step[0] = max(peak[0], begun.peak), max(longest_step[0], begun.step_s)
+        if self._begun is not None and len(start):
+            begun, place[0] = self._begun
+            start[0], start_s[0], peak[0] = begun.start[0], begun.start_s[0], max(peak[0], begun.peak_speed_rad_s[0])
+            longest_step[0] = np.inf if begun.reason[0] == GAP else longest_step[0]
             for one in fields(sums):
                 getattr(sums, one.name)[0] += getattr(begun.sums, one.name)[0]
         is_open = np.abs(np.diff(place, axis=0)).max(axis=1) > settings.closure_rad
@@ -227,22 +216,13 @@ class CycleSearch:
 
     def _shorten(self, part: Interaction) -> None:
         """Add up the beginning of a cycle that lasts too long, and forget its samples."""
-        thresholds, shift, begun = self._hand or self.own, self.first - part.first, self._begun
+        thresholds, shift = self._hand or self.own, self.first - part.first
         moving = bool(abs(self._signal[0]) > thresholds[1]) if self._moving is None else self._moving
-        at_border = not moving if self._at_border is None else self._at_border
-        if at_border:
+        self._at_border = not moving if self._at_border is None else self._at_border
+        if self._at_border:
+            place = part.q[shift] if part.choice.gravity_in_torque else part.q[shift, self._column, None]
             now = self._cycles_between(part, np.array([0, self._longest]))
-            step_s = float(np.diff(part.t[shift : shift + self._longest + 1]).max())
-            inside = part.choice.gravity_in_torque
-            self._begun = _Begun(
-                start=int(now.start[0]),
-                start_s=float(now.start_s[0]),
-                place=begun.place if begun else part.q[shift] if inside else part.q[shift, self._column, None],
-                peak=float(now.peak_speed_rad_s[0]),
-                step_s=max(step_s, begun.step_s) if begun else step_s,
-                sums=now.sums,
-            )
-        self._at_border = at_border
+            self._begun = now, place if self._begun is None else self._begun[1]
         moving = cycle_sums.moves_at_last(self._signal[: self._longest + 1], *thresholds, moving=moving)
         self._go_on(self._longest, moving=moving)
 
