@@ -102,7 +102,7 @@ class _Survey:
         self._means = {"t": np.empty((kept, 1))} | {name: np.empty((kept, joints), order="F") for name in names}
         self._kept = 0
         self._rest: dict[str, Float] = {}
-        self._old = 0  # rows at the beginning of the rest that are in a mean
+        self._last: dict[str, Float] = {}  # the row before the block
 
     def take(self, t: Float, channels: dict[str, Float]) -> None:
         """Look at a block.
@@ -110,54 +110,54 @@ class _Survey:
         Raises:
             WholeLogError: If it has a fault that shows in the rows themselves.
         """
-        # The last row before comes along, and the rows that have no mean yet.
-        fresh = len(self._rest["t"]) if self._rest else 0
-        arrays = {name: np.concatenate([self._rest[name], new]) if fresh else new
-                  for name, new in {"t": t, **channels}.items()}  # fmt: skip
-        start = max(fresh - 1, 0)
-        lost = self._take_clock(arrays["t"][start:])
+        old = self._last or {name: new[:1] for name, new in {"t": t, **channels}.items()}
+        lost = self._take_clock(t, old["t"])
         self.sample_t.take(self._row, t)
         for name, new in channels.items():
-            for joint, column in enumerate(arrays[name][start:].T):
-                low, high, steps = column.min(), column.max(), np.diff(column)
+            for joint, column in enumerate(new.T):
+                low, high, steps = column.min(), column.max(), np.diff(column, prepend=old[name][:, joint])
                 if not (low > -ABSURD and high < ABSURD):  # nor is NaN
                     raise WholeLogError
                 steps[lost] = 0.0
                 self.lowest[name][joint] = min(self.lowest[name][joint], low)
                 self.highest[name][joint] = max(self.highest[name][joint], high)
-                self.jump[name][joint] = max(self.jump[name][joint], steps.max(initial=0.0), -steps.min(initial=0.0))
+                self.jump[name][joint] = max(self.jump[name][joint], steps.max(), -steps.min())
             for picked in (self.sample[name], *self.change[name]):
                 picked.take(self._row, new)
-        near = {name: array[start:] for name, array in arrays.items()}
-        if drop_stale_samples(replace(self._recording, t=near.pop("t"), channels=near)).findings:
-            raise WholeLogError
+        border = {name: np.concatenate([old[name], new[:1]]) for name, new in channels.items()} if self._last else {}
+        for near in filter(None, (channels, border)):
+            if drop_stale_samples(replace(self._recording, t=t[: len(near["q"])], channels=near)).findings:
+                raise WholeLogError
+        self._last = {"t": t[-1:], **{name: new[-1:].copy() for name, new in channels.items()}}
+        self._add_means({"t": t[:, None], **channels})
         self._row += len(t)
-        self._add_means(arrays)
 
-    def _take_clock(self, t: Float) -> NDArray[np.int64]:
-        """Return the steps in which samples were lost: after them a joint is elsewhere."""
-        steps = np.diff(t)
-        self.steps.take(steps)
-        self.short += int(np.count_nonzero(steps < SHORT * self._rough))
-        wide = np.flatnonzero(steps > max(_GAP_STEPS * self.steps.median, GAP_S))
-        first = self._row - (len(t) - len(steps)) if self._row else 0
-        self.gaps += [(first + row, t[row], t[row + 1]) for row in wide.tolist()]
+    def _take_clock(self, t: Float, before: Float) -> NDArray[np.int64]:
+        """Return the rows before which samples were lost: a joint is elsewhere after them."""
+        steps = np.diff(t, prepend=before)
+        self.steps.take(steps if self._row else steps[1:])
+        self.short += int(np.count_nonzero(steps[0 if self._row else 1 :] < SHORT * self._rough))
+        for row in np.flatnonzero(steps > max(_GAP_STEPS * self.steps.median, GAP_S)).tolist():
+            self.gaps.append((self._row + row - 1, before[0] if row == 0 else t[row - 1], t[row]))
         return np.flatnonzero(steps > DROPPED_STEPS * self.steps.median)
 
     def _add_means(self, arrays: dict[str, Float]) -> None:
-        old = self._old
-        done = (self._row - (len(arrays["t"]) - old)) // self.mean_of
-        count = self._row // self.mean_of - done
-        used = old + count * self.mean_of
-        self._old = min(used, 1)
+        waiting, size = self._row % self.mean_of, self.mean_of
+        done, count = self._row // size, (waiting + len(arrays["t"])) // size
         kept = (np.arange(done, done + count) // STRETCH) % self._every == 0
         places = slice(self._kept, self._kept + int(np.count_nonzero(kept)))
         self._kept = places.stop
+        head = size - waiting if waiting else 0  # rows that complete a mean
         for name, array in arrays.items():
-            rows = array[old:used]
-            for joint, column in enumerate(rows[None] if rows.ndim == 1 else rows.T):
-                self._means[name][places, joint] = block_means(column, self.mean_of)[kept]
-            self._rest[name] = array[used - self._old :].copy(order="F")
+            rest = self._rest.get(name, array[:0])
+            if not count:
+                self._rest[name] = np.concatenate([rest, array])
+                continue
+            first = np.concatenate([rest, array[:head]])
+            for joint in range(array.shape[1]):
+                means = block_means(first[:, joint], size), block_means(array[head:, joint], size)
+                self._means[name][places, joint] = np.concatenate(means)[kept]
+            self._rest[name] = array[len(array) - (waiting + len(array)) % size :].copy()
 
     def numbers(self) -> NDArray[np.int64]:
         """Return the number of each mean that was kept among all."""
