@@ -114,8 +114,11 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     assert part is not None
     found = [one.search.cycles() for one in joints]
     friction = friction_of(part, [one.gathered for one in joints], found, settings.friction, dead_torque)
-    interaction = part if not isinstance(port.log, LogInBlocks) else part.rows(part.first, part.first)
-    return Estimate(log=log, interaction=interaction, cycles=join_cycles(found), friction=friction, settings=settings)
+    if isinstance(port.log, LogInBlocks):  # of a day, parts of cycles would take most of the memory
+        part = part.rows(part.first, part.first)
+        found = [replace(one, parts=one.parts.rows(np.zeros(0, np.int64))) for one in found]
+    cycles = join_cycles(found)
+    return Estimate(log=log, interaction=part, cycles=cycles, friction=friction, settings=settings)
 
 
 def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]":
@@ -126,19 +129,25 @@ def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]"
     fixed = cycles.initiation_rad_s, cycles.termination_rad_s
     if cycles.thresholds != "auto":
         return [fixed] * len(port.columns)
-    every, margin = max(port.log.samples // MOST_SAMPLES, 1), settling_samples(rate_hz, cycles.cutoff_hz)
-    samples: list[list[tuple[Float, Float]]] = [[] for _ in port.columns]
-    before, done = np.empty((0, len(port.columns))), 0
+    samples, margin = port.log.samples, settling_samples(rate_hz, cycles.cutoff_hz)
+    every, done = max(samples // MOST_SAMPLES, 1), 0
+    before = [np.empty(0) for _ in port.columns]
+    found: list[list[tuple[Float, Float]]] = [[] for _ in port.columns]
     for block in port.log.blocks():
-        dq = np.concatenate([before, block.dq[:, port.columns]])
-        first, end = block.first - len(before), block.first + len(block.t)
-        stop = end if end == port.log.samples else max(end - margin, done)
+        first, end = block.first - len(before[0]), block.first + len(block.t)
+        stop = end if end == samples else max(end - margin, done)
         thin = slice(done - first + -done % every, stop - first, every)
-        for own, column in zip(samples, dq.T, strict=True):
-            filtered = filter_velocity(column, rate_hz=rate_hz, cutoff_hz=cycles.cutoff_hz)
-            own.append((column[thin].copy(), filtered[thin].copy()))
-        before, done = dq[max(stop - margin - first, 0) :], stop
-    joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in samples)
+
+        def work(k: int, dq: Float = block.dq, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
+            measured = dq[:, port.columns[k]]
+            measured = np.concatenate([before[k], measured]) if len(before[k]) else measured
+            filtered = filter_velocity(measured, rate_hz=rate_hz, cutoff_hz=cycles.cutoff_hz)
+            found[k].append((measured[thin].copy(), filtered[thin].copy()))
+            before[k] = measured[kept:].copy()
+
+        per_joint(work, len(port.columns))
+        done = stop
+    joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in found)
     return [thresholds_of(cycles, rate_hz, fixed, *own) for own in joined]
 
 

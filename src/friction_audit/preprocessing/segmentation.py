@@ -232,8 +232,8 @@ class CycleSearch:
         self._signal = self._filtered if self._hand is None else self._signal[row:].copy()
 
     def cycles(self) -> EnergyCycles:
-        """Return the cycles, after the last part."""
-        found = join_cycles(self._found)
+        """Return the cycles, once, after the last part."""
+        found, self._found = join_cycles(self._found), []
         samples = self.first + len(self._signal)
         # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
         one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
