@@ -1,5 +1,6 @@
 """A log that is read block by block gives what it gives in memory."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -118,3 +119,23 @@ def test_a_log_with_a_fault_is_read_at_once(frame: pd.DataFrame, tmp_path: Path,
     assert not isinstance(log, LogInBlocks)
     assert log.source == usual.source
     np.testing.assert_array_equal(log.dq, usual.dq)
+
+
+@pytest.mark.parametrize("clock", ["seconds", "nanoseconds", "timestamps"])
+def test_lists_and_exact_clocks_are_read_in_blocks(frame: pd.DataFrame, tmp_path: Path, clock: str) -> None:
+    stamps = np.round(frame["time"].to_numpy() * 1e9).astype(np.int64) + 1_700_000_000_000_000_000
+    t = {"seconds": frame["time"], "nanoseconds": stamps, "timestamps": pd.to_datetime(stamps)}[clock]
+    lists = {
+        channel: frame[[f"{channel}_{j}" for j in range(1, 8)]].to_numpy().tolist()
+        for channel in ("q", "dq", "tau_interaction")
+    }
+    path = tmp_path / "lists.parquet"
+    pd.DataFrame({"time": np.asarray(t), **lists}).to_parquet(path, index=False, row_group_size=7001)
+    usual, log = read_log(path), read_log(path, InBlocks())
+    assert isinstance(log, LogInBlocks)
+    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
+    assert abs(log.source.clock_windows - usual.source.clock_windows) <= 7
+    assert replace(log.source, clock_windows=0) == replace(usual.source, clock_windows=0)
+    parts = list(log.blocks())
+    np.testing.assert_array_equal(np.concatenate([part.t for part in parts]), usual.t)
+    np.testing.assert_array_equal(np.concatenate([part.dq for part in parts]), usual.dq)
