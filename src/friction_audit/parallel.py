@@ -63,6 +63,15 @@ def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
         return list(pool.map(work, range(joints)))
 
 
+def ahead(items: Iterator[Result]) -> Iterator[Result]:
+    """Yield items of which the next one is made in a thread while one is worked on."""
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="ahead") as pool:
+        coming = pool.submit(next, items, None)
+        while (item := coming.result()) is not None:
+            coming = pool.submit(next, items, None)
+            yield item
+
+
 def workers_for(pieces: int, working_bytes: int = 0) -> int:
     """Return how many processes are to share pieces of work: 1 where this process is not to be forked.
 

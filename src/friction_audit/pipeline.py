@@ -2,20 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
-from friction_audit.columns_on_demand import is_on_demand
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.joint_log import JointLog, Recording
-from friction_audit.parallel import per_joint, release_memory
+from friction_audit.joint_log import Float, JointLog, LogInBlocks, Recording
+from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.interaction_torque import PortTorque, choose_torque, extract_interaction
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
+from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.diagnose_joint import Subject
     from friction_audit.diagnosis.result import Discrepancy
     from friction_audit.diagnosis.settings import DiagnosisSettings
+    from friction_audit.preprocessing.segmentation import Thresholds
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -91,35 +93,99 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         UsageError: If the settings contradict the log.
         InputError: If the log lacks a channel that the settings ask for.
     """
-    from friction_audit.friction.estimate import Found, estimate_friction, estimate_joint, join_joints
-    from friction_audit.friction.torque_regression import CUTOFF_HZ
-    from friction_audit.preprocessing import segmentation
+    from friction_audit.friction.estimate import estimate_friction, friction_of
+    from friction_audit.preprocessing.segmentation import join_cycles, segment_cycles
 
     log = log.take_window(settings.t_start_s, settings.t_stop_s)
-    hand = settings.cycles.cycles_from == "hand"
-    interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
     dead_torque = log.source.dead_torque
-    if hand:
-        cycles = segmentation.segment_cycles(interaction, settings.cycles)
+    if settings.cycles.cycles_from == "hand":
+        log = log.read_whole() if isinstance(log, LogInBlocks) else log
+        interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=True)
+        cycles = segment_cycles(interaction, settings.cycles)
         friction = estimate_friction(interaction, cycles, settings.friction, dead_torque)
         return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+    port = choose_torque(log, settings.torque, joints=settings.joints)
+    joints = [_JointPass(port.log, settings, column, own) for column, own in enumerate(_thresholds(port, settings))]
+    part = None
+    for block in port.log.blocks():
+        new = port.interaction(block)
+        part = new if part is None else part.followed_by(new, min(one.needed for one in joints))
+        per_joint(lambda column, part=part: joints[column].take(part), len(joints))  # type: ignore[misc]
+    assert part is not None
+    found = [one.search.cycles() for one in joints]
+    friction = friction_of(part, [one.gathered for one in joints], found, settings.friction, dead_torque)
+    if isinstance(port.log, LogInBlocks):  # of a day, parts of cycles would take most of the memory
+        part = part.rows(part.first, part.first)
+        found = [replace(one, parts=one.parts.rows(np.zeros(0, np.int64))) for one in found]
+    cycles = join_cycles(found)
+    return Estimate(log=log, interaction=part, cycles=cycles, friction=friction, settings=settings)
 
-    give_back: Callable[[], None] = release_memory if is_on_demand(log.q) else lambda: None
-    give_back()
 
-    def work(column: int) -> "tuple[EnergyCycles, Found]":
-        """Find the cycles and the friction of a joint while its signals are in memory."""
-        one = interaction.holding(column)
-        velocity = segmentation.smooth_velocity(one, settings.cycles, column)
-        own = segmentation.segment_joint(one, settings.cycles, column, velocity)
-        same = velocity if settings.cycles.cutoff_hz == CUTOFF_HZ else None
-        friction = estimate_joint(one, own, settings.friction, dead_torque, column, same)
-        give_back()
-        return own, friction
+def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]":
+    """Return the thresholds of every joint; automatic ones take a pass over the velocities."""
+    from friction_audit.preprocessing.segmentation import MOST_SAMPLES, thresholds_of
 
-    every, found = zip(*per_joint(work, len(interaction.joint_numbers)), strict=True)
-    cycles, friction = segmentation.join_cycles(every), join_joints(found, settings.friction)
-    return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+    cycles, rate_hz = settings.cycles, port.log.rate_hz
+    fixed = cycles.initiation_rad_s, cycles.termination_rad_s
+    if cycles.thresholds != "auto":
+        return [fixed] * len(port.columns)
+    samples, margin = port.log.samples, settling_samples(rate_hz, cycles.cutoff_hz)
+    every, done = max(samples // MOST_SAMPLES, 1), 0
+    before = [np.empty(0) for _ in port.columns]
+    found: list[list[tuple[Float, Float]]] = [[] for _ in port.columns]
+    for block in port.log.blocks():
+        first, end = block.first - len(before[0]), block.first + len(block.t)
+        stop = end if end == samples else max(end - margin, done)
+        thin = slice(done - first + -done % every, stop - first, every)
+
+        def work(k: int, dq: Float = block.dq, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
+            measured = dq[:, port.columns[k]]
+            measured = np.concatenate([before[k], measured]) if len(before[k]) else measured
+            filtered = filter_velocity(measured, rate_hz=rate_hz, cutoff_hz=cycles.cutoff_hz)
+            found[k].append((measured[thin].copy(), filtered[thin].copy()))
+            before[k] = measured[kept:].copy()
+
+        per_joint(work, len(port.columns))
+        done = stop
+    joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in found)
+    return [thresholds_of(cycles, rate_hz, fixed, *own) for own in joined]
+
+
+class _JointPass:
+    """One joint of a log on its way through the blocks."""
+
+    def __init__(self, log: JointLog, settings: AuditSettings, column: int, own: "Thresholds") -> None:
+        from friction_audit.friction.estimate import Gathered
+        from friction_audit.friction.torque_regression import CUTOFF_HZ
+        from friction_audit.preprocessing.segmentation import CycleSearch
+
+        rate_hz = log.rate_hz
+        self.search = CycleSearch(settings.cycles, column, rate_hz, own)
+        self.gathered = Gathered(column, log.samples, rate_hz)
+        self.needed = self._done = 0
+        self._column, self._samples = column, log.samples
+        self._filters = [
+            partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=hz) for hz in (settings.cycles.cutoff_hz, CUTOFF_HZ)
+        ]
+        reach = [settling_samples(rate_hz, hz) for hz in (settings.cycles.cutoff_hz, CUTOFF_HZ)]
+        # Beyond what a filter remembers, and the samples between which gravity's direction is interpolated.
+        self._margin = max(*reach, self.gathered.rows.around, 2 * round(rate_hz / settings.torque.model_rate_hz))
+
+    def take(self, part: Interaction) -> None:
+        """Take the samples that are new in a part, but for those at its end whose filtered values may still change."""
+        end = part.first + len(part.t)
+        more = end < self._samples
+        start, stop = self._done, end - self._margin if more else end
+        if stop <= start:
+            return
+        window = part.rows(max(start - self._margin, part.first), end)
+        dq = window.dq[:, self._column]
+        velocity = self._filters[0](dq)
+        self.search.take(part, velocity[start - window.first : stop - window.first], more=more)
+        same = self._filters[0].keywords == self._filters[1].keywords
+        self.gathered.take(window, velocity if same else self._filters[1](dq), start, stop)
+        self._done = stop
+        self.needed = max(min(self.search.first, stop) - self._margin, 0)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

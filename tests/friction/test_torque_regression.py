@@ -5,9 +5,18 @@ import pytest
 from statsmodels.robust.robust_linear_model import RLM
 
 from friction_audit.friction.history import TorqueRegression
-from friction_audit.friction.torque_regression import block_length, differences, huber_weights, regress_torque
-from friction_audit.joint_log import Float
+from friction_audit.friction.torque_regression import (
+    CUTOFF_HZ,
+    RegressionRows,
+    block_length,
+    differences,
+    huber_weights,
+    regress_torque,
+)
+from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.velocity import filter_velocity
 from friction_audit.simulation import BenchSettings, simulate
 from tests.synthetic_interaction import RATE_HZ, interaction, strokes
 
@@ -16,6 +25,14 @@ ROUNDS_WITH_THE_START = 10
 
 COULOMB, VISCOUS, INERTIA = 0.3, 0.1, 0.3
 DEAD_BAND = 0.02
+
+
+def regressed(seen: Interaction) -> TorqueRegression | None:
+    """Regress the torque of a single joint."""
+    rate_hz = 1.0 / median_step(seen.t)
+    rows = RegressionRows(0, len(seen.t), rate_hz)
+    rows.take(seen, filter_velocity(seen.dq[:, 0], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ), 0, len(seen.t))
+    return regress_torque(rows, DEAD_BAND)
 
 
 def rows(samples: int = 2000) -> tuple[Float, Float]:
@@ -76,7 +93,7 @@ def regress(
     q = np.rint(q / resolution) * resolution if resolution else q
     dq = dq + velocity_noise * rng.normal(size=len(t))
     torque = torque + torque_noise * rng.normal(size=len(t))
-    found = regress_torque(interaction(*(x[::every] for x in (t, dq, torque)), q=q[::every]), 0, DEAD_BAND)
+    found = regressed(interaction(*(x[::every] for x in (t, dq, torque)), q=q[::every]))
     assert found is not None
     return found
 
@@ -106,7 +123,7 @@ def test_a_jittering_clock_takes_nothing_from_the_inertia() -> None:
     t, dq, ddq = strokes([0.6, -0.6] * 15, [0.7, 0.9] * 15)
     q = np.cumsum(dq) / RATE_HZ
     stamps = t + np.clip(3e-4 * np.random.default_rng(2).normal(size=len(t)), -4.5e-4, 4.5e-4)
-    found = regress_torque(interaction(stamps, dq, 0.2 * np.sign(dq) + 0.3 * ddq, q=q), 0, DEAD_BAND)
+    found = regressed(interaction(stamps, dq, 0.2 * np.sign(dq) + 0.3 * ddq, q=q))
     assert found is not None
     assert found.inertia.value == pytest.approx(0.3, rel=2e-3)
 
@@ -115,9 +132,7 @@ def test_lost_samples_take_nothing_from_the_inertia() -> None:
     t, dq, ddq = strokes([0.6, -0.6] * 15, [0.7, 0.9] * 15)
     q = np.cumsum(dq) / RATE_HZ
     kept = np.random.default_rng(4).random(len(t)) > 0.1
-    found = regress_torque(
-        interaction(t[kept], dq[kept], (0.2 * np.sign(dq) + 0.3 * ddq)[kept], q=q[kept]), 0, DEAD_BAND
-    )
+    found = regressed(interaction(t[kept], dq[kept], (0.2 * np.sign(dq) + 0.3 * ddq)[kept], q=q[kept]))
     assert found is not None
     assert found.inertia.value == pytest.approx(0.3, rel=1e-3)
     # With the steps between neighbours 0.27 kg m^2 and 0.1 N m.
@@ -137,14 +152,14 @@ def test_rows_beside_a_hole_are_left_out() -> None:
     for start in range(600, len(t), 2300):
         kept[start : start + 500] = False
     q = np.cumsum(dq) / RATE_HZ
-    found = regress_torque(interaction(t[kept], dq[kept], torque[kept], q=q[kept]), 0, DEAD_BAND)
+    found = regressed(interaction(t[kept], dq[kept], torque[kept], q=q[kept]))
     assert found is not None
     assert found.inertia.value == pytest.approx(0.3, rel=0.02)
 
 
 def test_a_log_shorter_than_a_row_is_not_regressed() -> None:
     t = np.arange(20) / RATE_HZ
-    assert regress_torque(interaction(t, np.ones(20), np.ones(20)), 0, DEAD_BAND) is None
+    assert regressed(interaction(t, np.ones(20), np.ones(20))) is None
 
 
 @pytest.mark.parametrize("rate_hz", [1000.0, 100.0, 30.0])

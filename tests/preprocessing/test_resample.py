@@ -47,7 +47,7 @@ def test_gravity_from_the_grid_is_gravity_at_every_sample(rate_hz: float) -> Non
     log, _ = moving_arm(jittered(rate_hz, 5.0))
     arm = load_arm()
     torque = np.zeros(log.q.shape)
-    modelled = torque_on_grids(grids_of(log, RATE_HZ), lambda grid: arm.gravity(position_on(grid, log)))
+    modelled = torque_on_grids(grids_of(log, RATE_HZ), lambda grid: arm.gravity(position_on((grid,), log)[0]))
     modelled.subtract_from(torque, log.t, list(range(7)))
     assert np.abs(torque + arm.gravity(log.q)).max() < 0.01
 
@@ -58,7 +58,8 @@ def test_inverse_dynamics_from_the_grid_is_within_a_hundredth_of_the_inertial_to
     exact = arm.inverse_dynamics(log.q, log.dq, ddq)
     torque = np.zeros(log.q.shape)
     modelled = torque_on_grids(
-        grids_of(log, RATE_HZ), lambda grid: arm.inverse_dynamics(position_on(grid, log), *velocity_on(grid, log))
+        grids_of(log, RATE_HZ),
+        lambda grid: arm.inverse_dynamics(position_on((grid,), log)[0], *velocity_on((grid,), log)[0]),
     )
     modelled.subtract_from(torque, log.t, list(range(7)))
     inside = (log.t > 0.5) & (log.t < log.t[-1] - 0.5)
@@ -71,7 +72,7 @@ def test_velocity_has_no_delay_and_loses_noise() -> None:
     log, ddq = moving_arm(t)
     noisy = np.asfortranarray(log.dq + np.random.default_rng(5).normal(0, 0.003, log.dq.shape))
     (grid,) = grids_of(log, RATE_HZ)
-    smooth, slope = velocity_on(grid, replace(log, dq=noisy))
+    smooth, slope = velocity_on((grid,), replace(log, dq=noisy))[0]
     inside = slice(50, -50)
     for joint in range(7):
         exact = np.interp(grid.t, t, log.dq[:, joint])
@@ -83,7 +84,7 @@ def test_velocity_has_no_delay_and_loses_noise() -> None:
 def test_a_log_slower_than_the_filter_is_still_followed(rate_hz: float) -> None:
     log, _ = moving_arm(np.arange(0.0, 8.0, 1 / rate_hz))
     (grid,) = grids_of(log, RATE_HZ)
-    velocity, acceleration = velocity_on(grid, log)
+    velocity, acceleration = velocity_on((grid,), log)[0]
     assert len(grid.t) <= len(log.t) + 1
     assert np.abs(velocity).max() < 1.2 * np.abs(log.dq).max()
     assert np.isfinite(acceleration).all()
@@ -96,7 +97,7 @@ def test_nothing_crosses_a_hole_in_the_log() -> None:
     assert sum(len(grid.t) for grid in grids) < 410
     arm = load_arm()
     torque = np.zeros((len(log.t), 2))
-    modelled = torque_on_grids(grids, lambda grid: arm.gravity(position_on(grid, log)))
+    modelled = torque_on_grids(grids, lambda grid: arm.gravity(position_on((grid,), log)[0]))
     modelled.subtract_from(torque, log.t, [1, 3])
     assert np.abs(torque + arm.gravity(log.q)[:, [1, 3]]).max() < 0.01
 
@@ -105,8 +106,8 @@ def test_nothing_crosses_a_hole_in_the_log() -> None:
 def test_very_short_logs_and_lone_samples(samples: int) -> None:
     log, _ = moving_arm(np.concatenate([np.arange(samples) * 0.001, [60.0]]))
     grids = grids_of(log, RATE_HZ)
-    velocity = [velocity_on(grid, log) for grid in grids]
+    velocity = [velocity_on((grid,), log)[0] for grid in grids]
     torque = np.zeros(log.q.shape)
-    torque_on_grids(grids, lambda grid: position_on(grid, log)).subtract_from(torque, log.t, list(range(7)))
+    torque_on_grids(grids, lambda grid: position_on((grid,), log)[0]).subtract_from(torque, log.t, list(range(7)))
     assert all(np.isfinite(array).all() for pair in velocity for array in pair)
     np.testing.assert_allclose(torque, -log.q, atol=1e-3)

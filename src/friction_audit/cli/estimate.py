@@ -40,10 +40,10 @@ def command(
     out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
-            from friction_audit.io.readers.reader import JointByJoint
+            from friction_audit.io.readers.reader import InBlocks
 
             # Figures and exports take all joints at once.
-            recorded = chain.read(log, JointByJoint.of(options) if folder is None else options, stages)
+            recorded = chain.read(log, InBlocks.of(options) if folder is None else options, stages)
         result = chain.estimate(recorded, settings, stages)
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.estimate import estimate_document, estimate_lines, estimate_tables, history_table
@@ -53,7 +53,9 @@ def command(
         if not json:
             chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
         chain.require_an_estimate(result)
-        text = write_document(estimate_document(result, chain.reading_settings(options)))
+        # The history of a day has 200 000 cycles: their text is not made where nobody asks for it.
+        asked = json or folder is not None
+        text = write_document(estimate_document(result, chain.reading_settings(options))) if asked else ""
         out.write_text(DOCUMENT, text)
         out.write_csv(HISTORY, history_table(result))
         out.write_figures({"estimate": result}, [joint.joint for joint in joints], recorded, stages)

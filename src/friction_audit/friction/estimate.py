@@ -16,16 +16,16 @@ from friction_audit.friction.history import (
     JointFriction,
     TorqueRegression,
 )
-from friction_audit.friction.reasons import cautions_of, dead_channel, missing_motion, one_speed
+from friction_audit.friction.reasons import Extremes, cautions_of, dead_channel, missing_motion, one_speed
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.friction.torque_regression import HIGHEST_CONDITION, regress_torque
+from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
 from friction_audit.friction.weighted import FRICTION, Equations, fit_windows, set_up
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
+from friction_audit.preprocessing.velocity import filter_velocity
 
-ENOUGH = 1 << 16  # samples of a root mean square: it is right to a percent, enough for a bound
 # An interval of more than so many times the torque in motion on either side (the viscous one: per rms speed) does not
 # exclude any friction that the joint could have.
 MOST_UNCERTAIN = 2.0
@@ -35,13 +35,26 @@ Columns = dict[str, tuple[Float, Float, Float]]
 Found = tuple[JointFriction, tuple[Caution, ...]]
 
 
+class Gathered:
+    """What the friction of a joint is estimated from, apart from its cycles, from one part of a log after the other."""
+
+    def __init__(self, column: int, samples: int, rate_hz: float) -> None:
+        """Take the joint (0-based), the number of samples of the log and their rate."""
+        self.seen, self.rows = Extremes(column, samples), RegressionRows(column, samples, rate_hz)
+
+    def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
+        """Take samples, by their numbers in the log; the part and the velocity reach further where the log does."""
+        self.seen.take(part.rows(start, stop))
+        self.rows.take(part, velocity, start, stop)
+
+
 def estimate_friction(
     interaction: Interaction,
     cycles: EnergyCycles,
     settings: FrictionSettings,
     dead_torque: frozenset[int] = frozenset(),
 ) -> FrictionHistory:
-    """Estimate the friction of every joint.
+    """Estimate the friction of every joint of a log in memory.
 
     Args:
         interaction: Motion and torque at the friction port.
@@ -52,15 +65,31 @@ def estimate_friction(
     Returns:
         Coefficients with intervals and history; a joint that cannot be estimated carries the reason.
     """
+    rate_hz, samples = 1.0 / median_step(interaction.t), len(interaction.t)
+
+    def gathered(column: int) -> Gathered:
+        found = Gathered(column, samples, rate_hz)
+        velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
+        found.take(interaction, velocity, 0, samples)
+        return found
+
+    every = per_joint(gathered, len(interaction.joint_numbers))
+    return friction_of(interaction, every, [cycles.alone(k) for k in range(len(every))], settings, dead_torque)
+
+
+def friction_of(
+    port: Interaction,
+    every: Sequence[Gathered],
+    cycles: Sequence[EnergyCycles],
+    settings: FrictionSettings,
+    dead_torque: frozenset[int],
+) -> FrictionHistory:
+    """Estimate the friction of every joint from what was gathered of it and its own cycles."""
 
     def work(column: int) -> Found:
-        return estimate_joint(interaction.holding(column), cycles.alone(column), settings, dead_torque, column)
+        return _estimate_joint(port, column, every, cycles[column], settings, dead_torque)
 
-    return join_joints(per_joint(work, len(interaction.joint_numbers)), settings)
-
-
-def join_joints(found: Sequence[Found], settings: FrictionSettings) -> FrictionHistory:
-    """Return the friction of all joints, each given in order with its cautions."""
+    found = per_joint(work, len(every))
     return FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),
@@ -68,39 +97,40 @@ def join_joints(found: Sequence[Found], settings: FrictionSettings) -> FrictionH
     )
 
 
-def estimate_joint(
-    interaction: Interaction,
+def _estimate_joint(
+    port: Interaction,
+    column: int,
+    every: Sequence[Gathered],
     own: EnergyCycles,
     settings: FrictionSettings,
     dead_torque: frozenset[int],
-    column: int,
-    velocity: Float | None = None,
 ) -> Found:
-    """Estimate the friction of one joint (0-based) from its own cycles; its velocity may have been filtered before."""
-    number = interaction.joint_numbers[column]
+    number, seen, rows = port.joint_numbers[column], every[column].seen, [one.rows for one in every]
     kept = own.rows(own.reason == KEPT)
-    dead = dead_channel(interaction, column, dead_torque=number in dead_torque)
-    reason = dead or missing_motion(own, settings, float(interaction.t[-1] - interaction.t[0]))
+    dead = dead_channel(seen, dead_torque=number in dead_torque)
+    reason = dead or missing_motion(own, settings, seen.duration_s)
     alone = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
     if not reason and settings.model == "combined":
         reason = one_speed(kept)
-    standstill = float(own.standstill_rad_s[0])
-    compare = settings.compare and (alone or not reason)
+    standstill, regression = float(own.standstill_rad_s[0]), None
+    if settings.compare and (alone or not reason):
+        others = {other: rows[k] for k, other in enumerate(port.joint_numbers) if k != column}
+        regression = regress_torque(rows[column], standstill, others if alone else None)
     joint = JointFriction(
         joint=number,
-        name=interaction.joint_names[column],
+        name=port.joint_names[column],
         model=settings.model,
         window=settings.window_of(len(kept.joint)),
         cycles=len(kept.joint),
         rejected_cycles=len(own.joint) - len(kept.joint),
         moving_s=float(own.moving_s[0]),
-        regression=regress_torque(interaction, column, standstill, velocity, alone=alone) if compare else None,
+        regression=regression,
         reason=reason,
     )
     if not reason:
         solve = _solve_weighted if settings.estimator == "weighted" else _solve_paper
         joint = replace(joint, **solve(own, kept, settings))
-    return _conclude(joint, interaction, kept, column, standstill)
+    return _conclude(joint, seen, kept, standstill)
 
 
 def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettings) -> dict[str, Any]:
@@ -177,7 +207,7 @@ def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHist
 
 
 def _conclude(
-    joint: JointFriction, interaction: Interaction, kept: EnergyCycles, column: int, standstill_rad_s: float
+    joint: JointFriction, seen: Extremes, kept: EnergyCycles, standstill_rad_s: float
 ) -> tuple[JointFriction, tuple[Caution, ...]]:
     """Choose the method of a joint, let its intervals cover both methods, and drop what is not determined."""
     found = joint.regression
@@ -185,7 +215,10 @@ def _conclude(
         joint = _by_regression(joint, found)
     if joint.reason:
         return joint, tuple(cautions_of(joint))
-    determined = _determined(joint, _largest(interaction, column, standstill_rad_s))
+    torque, speed = seen.in_motion(standstill_rad_s)
+    # The half width beyond which an interval says nothing, by coefficient.
+    largest = {"coulomb": MOST_UNCERTAIN * torque, "viscous": MOST_UNCERTAIN * torque / speed}
+    determined = _determined(joint, largest)
     if determined.reason:
         return determined, tuple(cautions_of(determined))
     lost = tuple(_lost(joint, determined))
@@ -212,17 +245,6 @@ def _by_regression(joint: JointFriction, found: TorqueRegression) -> JointFricti
         return replace(joint, regression=None, reason=f"{joint.reason}. No torque regression either: {found.doubt}")
     same = ("coulomb", "viscous", "offset_nm", "condition_number", "correlation")
     return replace(joint, method="regression", reason="", **{name: getattr(found, name) for name in same})
-
-
-def _largest(interaction: Interaction, column: int, standstill_rad_s: float) -> dict[str, float]:
-    """Return the half width beyond which an interval says nothing, by coefficient."""
-    thin = slice(None, None, max(len(interaction.t) // ENOUGH, 1))
-    speed, torque = interaction.dq[thin, column], interaction.torque[thin, column]
-    if interaction.compensation is not None:
-        torque = torque + interaction.compensation[thin, column]
-    moving = np.abs(speed) > standstill_rad_s
-    most = MOST_UNCERTAIN * float(np.sqrt(np.mean(torque[moving] ** 2)))
-    return {"coulomb": most, "viscous": most / float(np.sqrt(np.mean(speed[moving] ** 2)))}
 
 
 def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFriction:

@@ -7,7 +7,7 @@ import numpy as np
 from friction_audit.friction.history import UNITS, Coefficient, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles
+from friction_audit.preprocessing.energy_cycles import GAP, KEPT, LONG, ONE_WAY, OPEN, SMALL, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 
 HIGHEST_CORRELATION = 0.97
@@ -18,6 +18,7 @@ LEAST_SHARE = 0.1
 SMALLEST_SPREAD = 0.1  # coefficient of variation of the speed over the path below which a log has one speed only
 LEAST_TRAVEL_RAD = 0.01  # a position that changes by less may only be noisy
 SHORT_S = 5.0  # a shorter log holds no four strokes back and forth at usual speeds
+ENOUGH = 1 << 16  # samples of a root mean square: it is right to a percent, enough for a bound
 STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands still
 
 MEANING = {
@@ -88,27 +89,57 @@ ADVICE = {
     OPEN: "gravity is in the torque and they do not return to their start; remove gravity (--robot, --urdf, "
     "--gravity removed), or move back and forth between the same postures",
     SMALL: "a selected joint moved too little; move all joints, select fewer (--joints), or lower --min-path",
+    LONG: "each lasts longer than 5 min; come to rest more often",
     ONE_WAY: "all motion has one direction, so friction cannot be separated from gravity or a torque offset; "
     "move back and forth, several times and at different speeds",
 }
 
 
-def dead_channel(interaction: Interaction, column: int, *, dead_torque: bool) -> str:
+class Extremes:
+    """Extremes and some samples of one joint's signals, gathered from parts of a log that follow each other."""
+
+    def __init__(self, column: int, samples: int) -> None:
+        """Take the joint (0-based) and the number of samples of the log."""
+        self._column, self._every = column, max(samples // ENOUGH, 1)
+        self.low, self.high = np.full(3, np.inf), np.full(3, -np.inf)  # of torque, q and dq
+        self.first_torque, self._begin_s, self.duration_s = np.nan, np.nan, 0.0
+        self._speed: list[Float] = []
+        self._torque: list[Float] = []
+
+    def take(self, part: Interaction) -> None:
+        """Take the next samples."""
+        torque, q, dq = (channel[:, self._column] for channel in (part.torque, part.q, part.dq))
+        if np.isnan(self._begin_s):
+            self.first_torque, self._begin_s = float(torque[0]), float(part.t[0])
+        self.duration_s = float(part.t[-1]) - self._begin_s
+        self.low = np.minimum(self.low, [one.min() for one in (torque, q, dq)])
+        self.high = np.maximum(self.high, [one.max() for one in (torque, q, dq)])
+        thin = slice(-part.first % self._every, None, self._every)
+        active = 0.0 if part.compensation is None else part.compensation[thin, self._column]
+        self._torque.append(torque[thin] + active)
+        self._speed.append(dq[thin].copy())
+
+    def in_motion(self, standstill_rad_s: float) -> tuple[float, float]:
+        """Return root mean squares of the torque [N m] and the speed [rad/s] of the samples that move."""
+        speed, torque = np.concatenate(self._speed), np.concatenate(self._torque)
+        moving = np.abs(speed) > standstill_rad_s
+        return float(np.sqrt(np.mean(torque[moving] ** 2))), float(np.sqrt(np.mean(speed[moving] ** 2)))
+
+
+def dead_channel(seen: Extremes, *, dead_torque: bool) -> str:
     """Say which channel of a joint records nothing; empty if none.
 
     Args:
-        interaction: Motion and torque.
-        column: Joint, 0-based.
+        seen: Extremes of its signals.
         dead_torque: Whether the reader found its torque dead; what is removed from a dead torque makes it move.
     """
-    torque, q, dq = (channel[:, column] for channel in (interaction.torque, interaction.q, interaction.dq))
-    travel, duration_s = float(np.ptp(q)), float(interaction.t[-1] - interaction.t[0])
-    if dead_torque or (np.ptp(torque) == 0.0 and travel > LEAST_TRAVEL_RAD):
-        level = f"is {torque[0]:.4g} N m in every sample" if np.ptp(torque) == 0.0 else "hardly changes in motion"
+    (changes, travel, _), fastest = seen.high - seen.low, max(seen.high[2], -seen.low[2])
+    if dead_torque or (changes == 0.0 and travel > LEAST_TRAVEL_RAD):
+        level = f"is {seen.first_torque:.4g} N m in every sample" if changes == 0.0 else "hardly changes in motion"
         return f"the torque {level}: a dead channel, or of another joint; check the sensor, or --map its column"
-    if travel > LEAST_TRAVEL_RAD and np.abs(dq).max() * duration_s < 0.5 * travel:
+    if travel > LEAST_TRAVEL_RAD and fastest * seen.duration_s < 0.5 * travel:
         return (
-            f"the velocity is at most {np.abs(dq).max():.2g} rad/s while the position changes by {travel:.3g} rad: dq "
+            f"the velocity is at most {fastest:.2g} rad/s while the position changes by {travel:.3g} rad: dq "
             "is dead, or of another joint; --map its column (--map dq=NAME)"
         )
     return ""

@@ -11,6 +11,7 @@ position are instruments for them.
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -21,7 +22,7 @@ from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Equations, Fit, fit_windows
-from friction_audit.joint_log import Float, median_step
+from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
 
@@ -53,43 +54,40 @@ CUTOFF = 1e-14  # relative size below which a singular value of the normal matri
 
 
 def regress_torque(
-    interaction: Interaction,
-    column: int,
-    dead_band_rad_s: float,
-    velocity: Float | None = None,
-    *,
-    alone: bool = False,
+    rows: "RegressionRows", dead_band_rad_s: float, others: "Mapping[int, RegressionRows] | None" = None
 ) -> TorqueRegression | None:
     """Regress the torque of one joint on its motion, samples slower than the dead band left out.
 
     Args:
-        interaction: Motion and torque.
-        column: Joint, 0-based.
+        rows: What was gathered of the joint.
         dead_band_rad_s: Speed below which the sign of the velocity means nothing. [rad/s]
-        velocity: Its velocity filtered at CUTOFF_HZ, shape (n,), or None to filter it here. [rad/s]
-        alone: Also check whether the regression can stand for the friction of the joint where no energy does.
+        others: The same of the other joints by number; then it is also checked whether the regression can stand for the
+            friction of the joint where no energy does.
 
     Returns:
         The regression, or None with too few moving samples or strokes.
     """
-    rows = _rows(interaction, column, dead_band_rad_s, velocity)
-    strokes = int(rows.stroke[-1]) + 1 if len(rows.stroke) else 0
-    if len(rows.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
+    found = rows.moving(dead_band_rad_s)
+    strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
+    if len(found.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    equations, clipping = _gather(rows)
+    equations, clipping = _gather(found)
     fit = fit_windows(equations, strokes)
     fit = replace(fit, error=clipping * fit.error)
     condition, correlation = equations.conditioning()
+    doubt = ""
+    if others is not None:
+        doubt = _coupling(found, others, dead_band_rad_s) or _doubt(found, fit, condition)
     return TorqueRegression(
         coulomb=fit.coefficient("coulomb"),
         viscous=fit.coefficient("viscous"),
         offset_nm=fit.coefficient("offset").value,
         inertia=fit.coefficient("inertia"),
-        residual_rms_nm=float(np.sqrt(np.mean((rows.torque - rows.columns @ fit.value[0]) ** 2))),
-        samples=len(rows.torque),
+        residual_rms_nm=float(np.sqrt(np.mean((found.torque - found.columns @ fit.value[0]) ** 2))),
+        samples=len(found.torque),
         condition_number=condition,
         correlation=correlation,
-        doubt=_coupling(rows, interaction, column, dead_band_rad_s) or _doubt(rows, fit, condition) if alone else "",
+        doubt=doubt,
     )
 
 
@@ -117,19 +115,18 @@ def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
     return ""
 
 
-def _coupling(rows: "_Rows", interaction: Interaction, column: int, dead_band_rad_s: float) -> str:
+def _coupling(rows: "_Rows", others: "Mapping[int, RegressionRows]", dead_band_rad_s: float) -> str:
     """Say whether the residual follows the velocity of another joint; empty if it does not."""
     left = _left_by(rows.columns, rows.torque)
-    rate_hz = 1.0 / median_step(interaction.t)
-    for other in range(len(interaction.joint_numbers)):
-        velocity = filter_velocity(interaction.dq[:, other], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)[rows.index]
+    for number, other in others.items():
+        velocity = other.velocity()[rows.place]
         direction = np.tanh(velocity / dead_band_rad_s)
         more = np.column_stack([rows.columns, direction, velocity])
         share = 1.0 - _left_by(more, rows.torque) / left
-        if other != column and share > LARGEST_COUPLED_SHARE:
+        if share > LARGEST_COUPLED_SHARE:
             return (
-                f"the residual follows the velocity of joint {interaction.joint_numbers[other]}: the two share a "
-                "transmission, whose friction one joint alone does not have"
+                f"the residual follows the velocity of joint {number}: the two share a transmission, whose friction "
+                "one joint alone does not have"
             )
     return ""
 
@@ -141,68 +138,99 @@ def _left_by(columns: Float, torque: Float) -> float:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class _Rows:
-    """Rows of the regression, m rows and p columns, their instruments, strokes and samples."""
+    """Rows of the regression, m rows and p columns, their instruments, strokes and places among all rows."""
 
     names: tuple[str, ...]
     columns: Float
     instruments: Float
     torque: Float
     stroke: NDArray[np.int64]
-    index: NDArray[np.int64]
+    place: NDArray[np.int64]
 
 
-def _rows(interaction: Interaction, column: int, dead_band_rad_s: float, velocity: Float | None) -> _Rows:
-    """Return the rows at which the joint moves."""
-    t, step_s = interaction.t, median_step(interaction.t)
-    smooth = partial(filter_velocity, rate_hz=1.0 / step_s, cutoff_hz=CUTOFF_HZ)
-    velocity = smooth(interaction.dq[:, column]) if velocity is None else velocity
-    load = interaction.torque[:, column]
-    if interaction.compensation is not None:
-        load = load + interaction.compensation[:, column]
-    block = block_length(step_s)
-    around = block + block // 2 + 1
-    spacing = max(int(1.0 / (ROW_RATE_HZ * step_s)), len(t) // MOST_ROWS, 1)
-    index = np.arange(around, len(t) - around, spacing)
-    index = index[t[index + around] - t[index - around] < LONGEST * 2 * around * step_s]
-    index = index[np.abs(velocity[index]) > dead_band_rad_s]
-    near = velocity[index[:, None] + NEIGHBOURS]
-    direction = np.sign(near[:, 1])
-    # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
-    # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.
-    impulse = np.zeros(2 * around + SETTLED)
-    middle = len(impulse) // 2
-    impulse[middle] = 1.0
-    kernel = smooth(impulse)[middle - around + 1 : middle + around]
-    weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
-    steps = t[index[:, None] + np.arange(-around, around + 1)] @ weights
-    columns = {
-        "coulomb": np.sign(near) @ SIMPSON,
-        "viscous": near @ SIMPSON,
-        "offset": np.ones(len(index)),
-        "inertia": 0.5 * (near[:, 2] - near[:, 0]) / steps,
-        **_gravity(interaction, column, index),
-    }
-    by_position = dict(zip(("viscous", "inertia"), differences(t, interaction.q[:, column], index, block), strict=True))
-    return _Rows(
-        names=tuple(columns),
-        columns=np.stack(list(columns.values()), axis=1),
-        instruments=np.stack(list((columns | by_position).values()), axis=1),
-        torque=smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
-        stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
-        index=index,
-    )
+class RegressionRows:
+    """Gathers the rows of the regression of one joint from parts of a log that follow each other."""
+
+    def __init__(self, column: int, samples: int, rate_hz: float) -> None:
+        """Take the joint (0-based), the number of samples of the log and their rate."""
+        self._column, self._step_s = column, 1.0 / rate_hz
+        self._block = block_length(self._step_s)
+        self.around = self._block + self._block // 2 + 1
+        spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s)), samples // MOST_ROWS, 1)
+        self._index = np.arange(self.around, samples - self.around, spacing)
+        self._smooth = partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
+        # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
+        # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.
+        impulse = np.zeros(2 * self.around + SETTLED)
+        middle = len(impulse) // 2
+        impulse[middle] = 1.0
+        kernel = self._smooth(impulse)[middle - self.around + 1 : middle + self.around]
+        self._weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
+        self._found: list[dict[str, Float]] = []
+
+    def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
+        """Take the rows of some samples.
+
+        Args:
+            part: Motion and torque at these samples and around them.
+            velocity: The joint's, filtered at CUTOFF_HZ, at the samples of the part. [rad/s]
+            start: Number of the first of these samples in the log.
+            stop: Number of the one after the last.
+        """
+        t, column, around = part.t, self._column, self.around
+        index = self._index[slice(*np.searchsorted(self._index, (start, stop)))] - part.first
+        load = part.torque[:, column]
+        if part.compensation is not None:
+            load = load + part.compensation[:, column]
+        near = velocity[index[:, None] + NEIGHBOURS]
+        steps = t[index[:, None] + np.arange(-around, around + 1)] @ self._weights
+        by_position = differences(t, part.q[:, column], index, self._block)
+        self._found.append(
+            {
+                "lasting": t[index + around] - t[index - around],
+                "velocity": velocity[index],
+                "direction": np.sign(near[:, 1]),
+                "coulomb": np.sign(near) @ SIMPSON,
+                "viscous": near @ SIMPSON,
+                "inertia": 0.5 * (near[:, 2] - near[:, 0]) / steps,
+                **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
+                **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
+                "torque": self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
+            }
+        )
+
+    def velocity(self) -> Float:
+        """Return the velocity at all rows, those at which the joint rests among them. [rad/s]"""
+        return np.concatenate([one["velocity"] for one in self._found])
+
+    def moving(self, dead_band_rad_s: float) -> _Rows:
+        """Return the rows at which the joint moves, after the last part."""
+        whole = {name: np.concatenate([one[name] for one in self._found]) for name in self._found[0]}
+        moving = np.abs(whole["velocity"]) > dead_band_rad_s
+        place = np.flatnonzero(moving & (whole["lasting"] < LONGEST * 2 * self.around * self._step_s))
+        own = {name: column[place] for name, column in whole.items()}
+        columns = {name: own[name] for name in ("coulomb", "viscous")}
+        columns |= {"offset": np.ones(len(place)), "inertia": own["inertia"]}
+        columns |= {n: own[n] for n in ("gravity_x", "gravity_y") if len(place) and np.ptp(own[n]) > LEAST_SWING}
+        by_position = {"viscous": own["velocity by position"], "inertia": own["acceleration by position"]}
+        direction = own["direction"]
+        return _Rows(
+            names=tuple(columns),
+            columns=np.stack(list(columns.values()), axis=1),
+            instruments=np.stack(list((columns | by_position).values()), axis=1),
+            torque=own["torque"],
+            stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
+            place=place,
+        )
 
 
-def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> dict[str, Float]:
-    """Return how gravity lies across the axis, where it turns."""
+def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> list[Float]:
+    """Return how gravity lies across the axis."""
     if interaction.gravity_direction is None or interaction.gravity_index is None:
         q = interaction.q[index, column]
-        sides = [np.sin(q), np.cos(q)]
-    else:
-        direction = interaction.gravity_direction[:, column]
-        sides = [np.interp(index, interaction.gravity_index, side) for side in direction.T]
-    named = zip(("gravity_x", "gravity_y"), sides, strict=True)
-    return {name: side for name, side in named if len(side) and np.ptp(side) > LEAST_SWING}
+        return [np.sin(q), np.cos(q)]
+    direction = interaction.gravity_direction[:, column]
+    return [np.interp(index, interaction.gravity_index, side) for side in direction.T]
 
 
 def block_length(step_s: float) -> int:

@@ -1,6 +1,6 @@
 """A recording as a reader returns it, before its faults are looked for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -8,6 +8,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Finding, Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Blocks:
+    """A recording that is read block by block, anew for every pass.
+
+    Attributes:
+        rows: Number of samples.
+        read: Yields clock and channels of each block, or with ``channels=False`` the clock alone.
+        clock, gaps, mean_of, numbers: What the checks found, as in ``LogInBlocks``.
+    """
+
+    rows: int
+    read: Callable[..., Iterator[tuple[Float, dict[str, Float]]]]
+    clock: tuple[int, float, float] = (0, 0.0, 0.0)
+    gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
+    mean_of: int = 1
+    numbers: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
 
 
 @dataclass(eq=False, kw_only=True, slots=True)
@@ -32,6 +50,7 @@ class Recording:
         torque_unit: Unit of the torque where it was converted; empty where its name decides.
         clock_windows: Windows of time on which the clock was checked against the motion.
         findings: What the reader itself noticed (a truncated file, a topic without content).
+        blocks: How it is read block by block; ``t`` and the channels are then empty, or means of the blocks.
     """
 
     t: Float
@@ -49,6 +68,7 @@ class Recording:
     torque_unit: str = ""
     clock_windows: int = 0
     findings: tuple[Finding, ...] = ()
+    blocks: Blocks | None = None
 
     def with_findings(self, *findings: Finding | None) -> "Recording":
         """Return the recording with findings added."""

@@ -1,12 +1,10 @@
 """A row of the balance: which torques are removed from the source, with which sign, and what the energy says of it."""
 
 from dataclasses import dataclass
-from functools import partial
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
-from friction_audit.columns_on_demand import ColumnsOnDemand, is_on_demand
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
@@ -71,29 +69,25 @@ class Balance:
                 torque += coarse.mean(active)
         return torque
 
-    def full(self, t: Float, columns: list[int]) -> Float:
-        """Return F_m of some joints at every sample, shape (n, len(columns)). [N m]
+    def full(self, log: JointLog, columns: list[int]) -> Float:
+        """Return F_m of some joints at every sample of the log or of a part of it, shape (n, len(columns)). [N m]
 
         It is the recorded array itself where nothing is to be done.
         """
-        if self.sign > 0 and self.logged is None and self.modelled is None and len(columns) == self.source.shape[1]:
-            return self.source
-
-        def of_joint(column: int) -> Float:
-            own = np.array(self.source[:, column])
-            if self.logged is not None:
-                own -= self.logged[:, column]
-            if self.modelled is not None:
-                self.modelled.subtract_from(own[:, None], t, [column])
-            return np.negative(own, out=own) if self.sign < 0 else own
-
-        on_demand: Any = ColumnsOnDemand(len(t), [partial(of_joint, column) for column in columns])
-        if is_on_demand(self.source):
-            return cast("Float", on_demand)
-        torque = np.empty((len(t), len(columns)), order="F")
+        source, logged = getattr(log, CHANNELS[self.plan.source]), None if self.logged is None else log.gravity
+        if self.sign > 0 and logged is None and self.modelled is None and len(columns) == source.shape[1]:
+            return cast("Float", source)
+        torque = np.empty((len(log.t), len(columns)), order="F")
 
         def fill(place: int) -> None:
-            torque[:, place] = of_joint(columns[place])
+            own, column = torque[:, place], columns[place]
+            own[:] = source[:, column]
+            if logged is not None:
+                own -= logged[:, column]
+            if self.modelled is not None:
+                self.modelled.subtract_from(own[:, None], log.t, [column])
+            if self.sign < 0:
+                np.negative(own, out=own)
 
         per_joint(fill, len(columns))
         return torque

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.balance import Balance
@@ -118,7 +117,6 @@ def gravity_cautions(
     coarse: CoarseLog,
     balance: Balance,
     columns: list[int],
-    index: NDArray[np.int64] | None,
     direction: Float | None,
 ) -> tuple[Caution, ...]:
     """Say on which joints gravity or an offset is left in the torque, unless gravity is declared to be inside.
@@ -131,15 +129,12 @@ def gravity_cautions(
         coarse: Its means.
         balance: The row of the balance.
         columns: Selected joints, 0-based.
-        index: Samples at which the direction of gravity is known, or None.
-        direction: Direction of gravity across their axes there, shape (g, len(columns), 2), or None.
+        direction: Direction of gravity across their axes at the means, shape (m, len(columns), 2), or None.
     """
     gravity = balance.plan.gravity
     mixed = not balance.proved or balance.inertia_left
     if gravity == "in-torque" or mixed or log.source.torque_unit != "N m":
         return ()
-    if index is not None and direction is not None:
-        direction = direction[np.searchsorted(log.t[index], coarse.t).clip(max=len(index) - 1)]
     torque, found = balance.driving(log, coarse), []
     for place, column in enumerate(columns):
         if column + 1 not in log.source.dead_torque:

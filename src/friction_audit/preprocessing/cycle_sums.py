@@ -1,5 +1,6 @@
 """Borders of energy cycles, and sums over their parts, with memory for a block of samples and not for the log."""
 
+import sys
 from collections.abc import Iterator
 
 import numpy as np
@@ -13,34 +14,63 @@ SUMS = 7
 BLOCK = 1 << 14  # samples worked on at a time: their temporary arrays stay in the processor's cache
 
 
-def find_borders(velocity: Float, initiation: float, termination: float, *, merge: bool) -> Int:
-    """Return the samples that separate energy cycles, shape (m + 1,); empty without a complete cycle.
+def find_borders(
+    velocity: Float,
+    initiation: float,
+    termination: float,
+    *,
+    merge: bool,
+    moving: bool | None = None,
+    at_border: bool | None = None,
+    more: bool = False,
+    longest: int = sys.maxsize,
+) -> Int:
+    """Return the samples that separate energy cycles, shape (m + 1,); empty without a complete cycle at the end.
 
     A cycle begins when the speed exceeds ``initiation`` and is over when it falls below ``termination``. The border
     lies where the joint then comes to rest, the first sample at which the velocity is zero or has changed its sign,
     or else the slowest sample before the next cycle begins: there the kinetic energy is gone and not merely small.
     With ``merge``, two humps between which the velocity never changes its sign are one stroke; a speed, which has no
     sign, is not merged.
+
+    Args:
+        velocity: Filtered, shape (n,).
+        initiation: Threshold of the speed.
+        termination: Threshold of the speed.
+        merge: Whether the sign of the velocity is that of the direction.
+        moving: Whether the joint moves at the first sample; None if its own speed decides.
+        at_border: Whether the first sample is a border; None if it is one at rest.
+        more: True if samples follow: borders that these may move are left out.
+        longest: Samples after the end of a motion among which the slowest one is looked for.
     """
-    stops, starts, turns = _events(velocity, initiation, termination)
-    begins_at_rest = bool(abs(velocity[0]) <= termination)
-    borders = [0] if begins_at_rest else []
-    if begins_at_rest and len(stops) and len(starts):
+    moving = bool(abs(velocity[0]) > termination) if moving is None else moving
+    stops, starts, turns = _events(velocity, initiation, termination, moving=moving)
+    borders = [0] if (not moving if at_border is None else at_border) else []
+    if not moving:
         starts = starts[1:]  # the first rest lasts from the first sample and ends at the first start
-    ends = np.append(starts, len(velocity))
-    turned = np.append(turns, len(velocity))[np.searchsorted(turns, stops)]
+    length = len(velocity)
+    ends = np.append(starts, length)
+    turned = np.append(turns, length)[np.searchsorted(turns, stops)]
     for stop, end, turn in zip(stops.tolist(), ends.tolist(), turned.tolist(), strict=False):
-        if turn < end:
+        reach = min(end, stop + longest)
+        if turn < reach:
             borders.append(turn)
-        elif not (merge and end < len(velocity) and borders and velocity[end] * velocity[stop - 1] > 0.0):
-            borders.append(stop + int(np.argmin(np.abs(velocity[stop:end]))))
-    return np.array(borders if len(borders) > 1 else [], np.int64)
+        elif more and reach == length:
+            break
+        elif not (merge and reach == end < length and borders and velocity[end] * velocity[stop - 1] > 0.0):
+            borders.append(stop + int(np.argmin(np.abs(velocity[stop:reach]))))
+    return np.array(borders if more or len(borders) > 1 else [], np.int64)
 
 
-def _events(velocity: Float, initiation: float, termination: float) -> tuple[Int, Int, Int]:
+def moves_at_last(velocity: Float, initiation: float, termination: float, *, moving: bool) -> bool:
+    """Return whether a joint that moves or not at the first sample moves at the last."""
+    stops, starts, _ = _events(velocity, initiation, termination, moving=moving)
+    return moving if len(stops) == len(starts) else not moving
+
+
+def _events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int, Int]:
     """Return the samples at which motion stops and starts, in turns, and those at which the velocity turns."""
     found: tuple[list[Int], list[Int], list[Int]] = ([], [], [])
-    moving = bool(abs(velocity[0]) > termination)
     for first in range(0, len(velocity), BLOCK):
         piece = velocity[first : first + BLOCK]
         speed = np.abs(piece)

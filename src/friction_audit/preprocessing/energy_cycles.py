@@ -15,9 +15,10 @@ from friction_audit.joint_log import Float
 Int = NDArray[np.int64]
 
 # Why a cycle is rejected: kept, a gap in the log, no return to its start while gravity is in the torque, not every
-# joint has moved enough, the joint never reversed.
-KEPT, GAP, OPEN, SMALL, ONE_WAY = range(5)
-REASONS = ("", "gap", "open", "small", "one_way")
+# joint has moved enough, the joint never reversed, longer than energies can be compared over.
+KEPT, GAP, OPEN, SMALL, ONE_WAY, LONG = range(6)
+REASONS = ("", "gap", "open", "small", "one_way", "long")
+PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -121,8 +122,7 @@ class EnergyCycles:
     def alone(self, column: int) -> "EnergyCycles":
         """Return the rows of one joint, and what is known per joint of it alone."""
         own = slice(column, column + 1)
-        per_joint = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
-        return replace(self.of_joint(column), **{name: getattr(self, name)[own] for name in per_joint})
+        return replace(self.of_joint(column), **{name: getattr(self, name)[own] for name in PER_JOINT})
 
     def rows(self, mask: NDArray[np.bool_]) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""

@@ -6,11 +6,11 @@ With B the reflected inertia behind the sensor, u the torque of an active compen
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.columns_on_demand import hold
 from friction_audit.joint_log import Float
 
 
@@ -115,6 +115,7 @@ class Interaction:
         joint_names: Name of each column.
         choice: How the torque was made.
         warnings: What the user must know.
+        first: Number of the first sample in the log, of a part of it.
     """
 
     t: Float
@@ -129,9 +130,32 @@ class Interaction:
     joint_names: tuple[str, ...]
     choice: TorqueChoice
     warnings: tuple[Caution, ...] = ()
+    first: int = 0
 
-    def holding(self, column: int) -> "Interaction":
-        """Return the same with the signals of one joint (0-based) in memory, where they are read on demand."""
-        q, dq, torque = (hold(signal, column) for signal in (self.q, self.dq, self.torque))
-        active = None if self.compensation is None else hold(self.compensation, column)
-        return replace(self, q=q, dq=dq, torque=torque, compensation=active)
+    def rows(self, first: int, stop: int) -> "Interaction":
+        """Return the samples of these numbers in the log, as a part of it."""
+        own = slice(first - self.first, stop - self.first)
+        names = ("t", "q", "dq", "torque", "compensation")
+        signals: dict[str, Any] = {
+            name: None if getattr(self, name) is None else getattr(self, name)[own] for name in names
+        }
+        index, direction = self.gravity_index, self.gravity_direction
+        if index is not None and direction is not None:
+            places = slice(*np.searchsorted(index, (own.start, own.stop)).tolist())
+            index, direction = index[places] - own.start, direction[places]
+        return replace(self, **signals, gravity_index=index, gravity_direction=direction, first=first)
+
+    def followed_by(self, other: "Interaction", first: int) -> "Interaction":
+        """Return the samples from this number on, and those of the part that follows."""
+        mine = self.rows(first, self.first + len(self.t))
+        index, direction = mine.gravity_index, mine.gravity_direction
+        if index is not None and other.gravity_index is not None:
+            index = np.append(index, other.gravity_index + len(mine.t))
+            direction = np.concatenate([direction, other.gravity_direction])  # type: ignore[list-item]
+
+        def joined(name: str) -> Any:  # noqa: ANN401
+            own, more = getattr(mine, name), getattr(other, name)
+            return None if own is None else np.concatenate([own, more])
+
+        signals = {name: joined(name) for name in ("t", "q", "dq", "torque", "compensation")}
+        return replace(mine, **signals, gravity_index=index, gravity_direction=direction)

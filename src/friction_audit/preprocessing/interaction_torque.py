@@ -1,15 +1,17 @@
 """The torque at the friction port of a log: source, gravity, inertia and sign chosen, proved and applied."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import Float, JointLog, LogPart
 from friction_audit.preprocessing.balance import SIGNS, Balance
 from friction_audit.preprocessing.cautions import gravity_cautions, not_used, sign_cautions
-from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
+from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, position_on, velocity_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, coarse_log, prove_sign
@@ -20,10 +22,81 @@ from friction_audit.preprocessing.velocity import on_time
 FURTHER = 1.1
 
 
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class PortTorque:
+    """How the torque at the friction port of a log is made, in all of it or in a part.
+
+    Attributes:
+        log: The log, its velocities on time.
+        balance: The row of the balance whose energy rises.
+        columns: Selected joints, 0-based.
+        stride: Samples between those at which the direction of gravity is evaluated.
+        choice: How the torque is made, for people.
+        warnings: What the user must know.
+    """
+
+    log: JointLog
+    balance: Balance
+    columns: list[int]
+    stride: int
+    choice: TorqueChoice
+    warnings: tuple[Caution, ...]
+
+    def interaction(self, part: LogPart) -> Interaction:
+        """Return motion and torque of a part of the log."""
+        index, direction = self.gravity_direction(part)
+        kept = part.take_joints(self.columns)
+        active = [torque for torque in (kept.tau_compensation, kept.tau_passivity) if torque is not None]
+        return Interaction(
+            t=part.t,
+            q=kept.q,
+            dq=kept.dq,
+            torque=self.balance.full(part, self.columns),
+            compensation=np.add(*active) if len(active) > 1 else active[0] if active else None,
+            hand_speed=None,
+            gravity_direction=direction,
+            gravity_index=index,
+            joint_numbers=tuple(column + 1 for column in self.columns),
+            joint_names=kept.joint_names,
+            choice=self.choice,
+            warnings=self.warnings,
+            first=part.first,
+        )
+
+    def gravity_direction(self, part: LogPart) -> tuple[NDArray[np.int64] | None, Float | None]:
+        """Return samples of a part, and the direction of gravity across the selected axes there."""
+        arm, samples = self.balance.plan.arm, len(part.t)
+        if arm is None:
+            return None, None
+        index = np.arange(-part.first % self.stride, samples, self.stride)
+        if part.first + samples == self.log.samples and index[-1:] != samples - 1:
+            index = np.append(index, samples - 1)
+        return index, arm.gravity_direction(part.q[index])[:, self.columns]
+
+
 def extract_interaction(
     log: JointLog, settings: TorqueSettings, *, joints: tuple[int, ...] | None = None, hand: bool = False
 ) -> Interaction:
-    """Make the torque at the friction port of a log, and prove its sign.
+    """Make the torque at the friction port of a log in memory; see ``choose_torque``.
+
+    Args:
+        log: The log.
+        settings: What the user says about the torque.
+        joints: Numbers (1..n) of the joints to keep, or None for all.
+        hand: True if the speed of the end effector is wanted.
+    """
+    port = choose_torque(log, settings, joints=joints, hand=hand)
+    (part,) = port.log.blocks()
+    found = port.interaction(part)
+    if not hand:
+        return found
+    return replace(found, hand_speed=_hand_speed(port.log, settings, grids_of(port.log, settings.model_rate_hz)))
+
+
+def choose_torque(
+    log: JointLog, settings: TorqueSettings, *, joints: tuple[int, ...] | None = None, hand: bool = False
+) -> PortTorque:
+    """Choose how the torque at the friction port of a log is made, and prove its sign.
 
     Every joint of the log takes part in the rigid-body model and in the proof of the sign, the selected ones or not.
     Velocities that lag the positions are corrected.
@@ -32,7 +105,7 @@ def extract_interaction(
         log: The log.
         settings: What the user says about the torque.
         joints: Numbers (1..n) of the joints to keep, or None for all.
-        hand: True if the speed of the end effector is wanted.
+        hand: True if the speed of the end effector will be wanted.
 
     Raises:
         UsageError: If the settings contradict the log, or a joint is not in it.
@@ -42,32 +115,19 @@ def extract_interaction(
     log, late = on_time(log, coarse)
     coarse = coarse_log(log) if late else coarse
     plan = make_plan(log, coarse, settings)
-    grids = grids_of(log, settings.model_rate_hz)
-    balance, turned = _choose_row(log, coarse, plan, grids)
+    balance, turned = _choose_row(log, coarse, plan, settings)
     _refuse_wrong_model(log, coarse, balance, settings)
-    kept = log.take_joints(columns)
-    active = [torque for torque in (kept.tau_compensation, kept.tau_passivity) if torque is not None]
-    index, direction = _gravity_direction(log, plan, columns, settings.model_rate_hz)
     unused = not_used(log, balance, settings, hand=hand)
-    signs = sign_cautions(log, balance, settings, turned=turned)
-    return Interaction(
-        t=log.t,
-        q=kept.q,
-        dq=kept.dq,
-        torque=balance.full(log.t, columns),
-        compensation=np.add(*active) if len(active) > 1 else active[0] if active else None,
-        hand_speed=_hand_speed(log, settings, grids) if hand else None,
-        gravity_direction=direction,
-        gravity_index=index,
-        joint_numbers=tuple(column + 1 for column in columns),
-        joint_names=kept.joint_names,
+    port = PortTorque(
+        log=log,
+        balance=balance,
+        columns=columns,
+        stride=max(round(log.rate_hz / settings.model_rate_hz), 1),
         choice=_choice(balance, settings, turned=turned),
-        warnings=plan.warnings
-        + late
-        + unused
-        + signs
-        + gravity_cautions(log, coarse, balance, columns, index, direction),
+        warnings=plan.warnings + late + unused + sign_cautions(log, balance, settings, turned=turned),
     )
+    direction = None if plan.arm is None else plan.arm.gravity_direction(coarse.q)[:, columns]
+    return replace(port, warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction))
 
 
 def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
@@ -81,33 +141,37 @@ def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
     return [number - 1 for number in sorted(set(joints))]
 
 
-def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, grids: tuple[Grid, ...]) -> tuple[Balance, bool]:
+def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSettings) -> tuple[Balance, bool]:
     """Return the row of the balance whose energy rises, and whether it is not the one tried first."""
+    grids = grids_of(log, settings.model_rate_hz) if plan.arm is not None else ()
+    position = cache(lambda: position_on(grids, log))
 
     def proved(row: Balance) -> Balance:
         return replace(row, evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque))
 
-    first = proved(_row(log, plan, grids, plan.drives[0]))
+    first = proved(_row(log, plan, grids, plan.drives[0], position))
     if first.proved:
         return first, False
     if plan.source == "interaction":
         other = proved(replace(first, sign=-first.sign))
     elif len(plan.drives) > 1:
-        other = proved(_row(log, plan, grids, plan.drives[1]))
+        other = proved(_row(log, plan, grids, plan.drives[1], position))
     else:
         return first, False
     return (other, True) if other.proved else (first, False)
 
 
-def _row(log: JointLog, plan: Plan, grids: tuple[Grid, ...], drive: str) -> Balance:
+def _row(
+    log: JointLog, plan: Plan, grids: tuple[Grid, ...], drive: str, position: Callable[[], list[Float]]
+) -> Balance:
     arm, gravity, inertia = plan.arm, plan.gravity == "model", drive == "robot" and plan.inertia
     modelled = None
     if arm is not None and inertia:
-        motions = [(position_on(grid, log), *velocity_on(grid, log)) for grid in grids]
+        motions = [(q, *motion) for q, motion in zip(position(), velocity_on(grids, log), strict=True)]
         torques = [arm.inverse_dynamics(*motion) - (0.0 if gravity else arm.gravity(motion[0])) for motion in motions]
         modelled = GridTorque(grids=grids, values=tuple(torques))
     elif arm is not None and gravity:
-        modelled = GridTorque(grids=grids, values=tuple(arm.gravity(position_on(grid, log)) for grid in grids))
+        modelled = GridTorque(grids=grids, values=tuple(map(arm.gravity, position())))
     return Balance(
         plan=plan,
         source=getattr(log, CHANNELS[plan.source]),
@@ -152,20 +216,10 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
 
 def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]) -> Float:
     arm = arm_for_hand(log, settings)
-    speed = np.concatenate([arm.hand_speed(position_on(grid, log), velocity_on(grid, log)[0]) for grid in grids])
+    motions = zip(position_on(grids, log), velocity_on(grids, log), strict=True)
+    speed = np.concatenate([arm.hand_speed(q, dq) for q, (dq, _) in motions])
     # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
     return np.asarray(np.interp(log.t, np.concatenate([grid.t for grid in grids]), speed))
-
-
-def _gravity_direction(
-    log: JointLog, plan: Plan, columns: list[int], rate_hz: float
-) -> tuple[NDArray[np.int64] | None, Float | None]:
-    """Return at which samples the direction of gravity across the selected axes is known, and the direction."""
-    if plan.arm is None:
-        return None, None
-    stride = max(round(log.rate_hz / rate_hz), 1)
-    index = np.append(np.arange(0, len(log.t) - 1, stride), len(log.t) - 1)
-    return index, plan.arm.gravity_direction(log.q[index])[:, columns]
 
 
 def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:

@@ -15,7 +15,7 @@ sgn(dq), dq and an offset):
 The motion lies below 4 Hz; the structure shakes at 26 to 28 Hz, where M ddq of a rigid arm is wrong and adds noise.
 """
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -77,30 +77,43 @@ class GridTorque:
 def grids_of(log: JointLog, rate_hz: float) -> tuple[Grid, ...]:
     """Return grids of this rate (of the log's own, if that is lower), one for each stretch of a log without a hole."""
     rate_hz = min(rate_hz, log.rate_hz)
-    ends = np.flatnonzero(np.diff(log.t) > max(HOLE_S, HOLE_STEPS / log.rate_hz)) + 1
-    return tuple(_grid(log.t, slice(*rows), rate_hz) for rows in pairwise([0, *ends.tolist(), len(log.t)]))
+    holes = log.gaps_longer_than(max(HOLE_S, HOLE_STEPS / log.rate_hz))
+    firsts = [(0, 0.0), *((int(row) + 1, after) for row, _, after in holes.tolist())]
+    lasts = [*((int(row) + 1, before) for row, before, _ in holes.tolist()), (log.samples, log.duration_s)]
+    return tuple(_grid(*first, *last, rate_hz) for first, last in zip(firsts, lasts, strict=True))
 
 
-def _grid(t: Float, rows: slice, rate_hz: float) -> Grid:
-    start, stop = float(t[rows.start]), float(t[rows.stop - 1])
+def _grid(first: int, start: float, end: int, stop: float, rate_hz: float) -> Grid:
     # A stretch of one sample has a grid of two times all the same, so that nothing else needs to know.
-    stop = stop if rows.stop - rows.start > 1 else start + 1 / rate_hz
-    return Grid(rows=rows, t=np.linspace(start, stop, int(np.ceil((stop - start) * rate_hz)) + 1), rate_hz=rate_hz)
+    stop = stop if end - first > 1 else start + 1 / rate_hz
+    t = np.linspace(start, stop, int(np.ceil((stop - start) * rate_hz)) + 1)
+    return Grid(rows=slice(first, end), t=t, rate_hz=rate_hz)
 
 
-def position_on(grid: Grid, log: JointLog) -> Float:
-    """Return the joints' positions on a grid, shape (k, j). [rad]"""
-    return _columns(np.interp(grid.t, log.t[grid.rows], q) for q in _signals(grid, log.q))
+def position_on(grids: Sequence[Grid], log: JointLog) -> list[Float]:
+    """Return the joints' positions on each grid, shape (k, j). [rad]"""
+    return _along(log, grids, "q", [grid.t for grid in grids])
 
 
-def velocity_on(grid: Grid, log: JointLog) -> tuple[Float, Float]:
-    """Return the joints' low-pass filtered velocity [rad/s] and acceleration [rad/s^2] on a grid, each (k, j)."""
+def velocity_on(grids: Sequence[Grid], log: JointLog) -> list[tuple[Float, Float]]:
+    """Return the joints' low-pass filtered velocity [rad/s] and acceleration [rad/s^2] on each grid, each (k, j)."""
+    # Means over the cell of each grid time keep the integral, and are the anti-alias filter.
+    fine = [grid.rows.stop - grid.rows.start >= 2 * len(grid.t) for grid in grids]
+    edges = [np.concatenate([t[:1], (t[1:] + t[:-1]) / 2, t[-1:]]) for t in (grid.t for grid in grids)]
+    times = [edge if one else grid.t for edge, one, grid in zip(edges, fine, grids, strict=True)]
+    found = _along(log, grids, "dq", times, fine)
+    means = (
+        np.diff(a, axis=0) / np.diff(t)[:, None] if one else a for a, t, one in zip(found, times, fine, strict=True)
+    )
+    return [_smooth(grid, mean) for grid, mean in zip(grids, means, strict=True)]
+
+
+def _smooth(grid: Grid, mean: Float) -> tuple[Float, Float]:
     from scipy.signal import butter, sosfiltfilt
 
     sections = butter(FILTER_ORDER, min(CUTOFF_HZ, LARGEST_CUTOFF * grid.rate_hz), fs=grid.rate_hz, output="sos")
     padding = min(int(grid.rate_hz), len(grid.t) - 1)
-    mean = _cell_means(grid.t, log.t[grid.rows], _signals(grid, log.dq))
-    velocity = _columns(sosfiltfilt(sections, dq, padlen=padding) for dq in mean.T)
+    velocity = np.column_stack([sosfiltfilt(sections, dq, padlen=padding) for dq in mean.T])
     # Central differences of fourth order, of second order at the ends.
     step = float(grid.t[1] - grid.t[0])
     slope: Float = np.gradient(velocity, step, axis=0)
@@ -108,21 +121,35 @@ def velocity_on(grid: Grid, log: JointLog) -> tuple[Float, Float]:
     return velocity, slope
 
 
-def _signals(grid: Grid, channel: Float) -> Iterator[Float]:
-    return (channel[grid.rows, joint] for joint in range(channel.shape[1]))
-
-
-def _cell_means(grid: Float, t: Float, signals: Iterator[Float]) -> Float:
-    """Return means over the cell of each grid time: they keep the integral, and are the anti-alias filter."""
-    if len(t) < 2 * len(grid):
-        return _columns(np.interp(grid, t, signal) for signal in signals)
-    edges = np.concatenate([grid[:1], (grid[1:] + grid[:-1]) / 2, grid[-1:]])
-    half_step, integral, means = np.diff(t) / 2, np.zeros(len(t)), []
-    for signal in signals:
-        np.cumsum((signal[1:] + signal[:-1]) * half_step, out=integral[1:])
-        means.append(np.diff(np.interp(edges, t, integral)) / np.diff(edges))
-    return np.column_stack(means)
-
-
-def _columns(signals: Iterator[Float]) -> Float:
-    return np.column_stack(list(signals))
+def _along(
+    log: JointLog, grids: Sequence[Grid], channel: str, times: Sequence[Float], integrate: Sequence[bool] | None = None
+) -> list[Float]:
+    """Interpolate a channel, or its integral from the beginning of each grid, at times along each grid: (k, j) each."""
+    joints = len(log.joint_names)
+    found, done = [np.empty((len(t), joints)) for t in times], [0] * len(grids)
+    gone, before = np.zeros(joints), None
+    for part in log.blocks():
+        # The last sample of the block before comes along: there is no motion between blocks otherwise.
+        first = part.first - (before is not None)
+        signal = getattr(part, channel)
+        t = part.t if before is None else np.append(before[0], part.t)
+        signal = signal if before is None else np.concatenate([before[1], signal])
+        for number, (grid, wanted) in enumerate(zip(grids, times, strict=True)):
+            rows = slice(max(grid.rows.start - first, 0), min(grid.rows.stop - first, len(t)))
+            if rows.start >= rows.stop:
+                continue
+            own, here = t[rows], signal[rows]
+            if rows.start + first == grid.rows.start:
+                gone = np.zeros(joints)
+            is_last = rows.stop + first == grid.rows.stop
+            stop = len(wanted) if is_last else int(np.searchsorted(wanted, own[-1], side="right"))
+            places = slice(done[number], stop)
+            for joint, column in enumerate(here.T):
+                if integrate is not None and integrate[number]:
+                    area = np.append(0.0, (column[1:] + column[:-1]) * (np.diff(own) / 2))
+                    column = gone[joint] + np.cumsum(area)  # noqa: PLW2901 - the integral of the signal
+                    gone[joint] = column[-1]
+                found[number][places, joint] = np.interp(wanted[places], own, column)
+            done[number] = stop
+        before = t[-1:], signal[-1:]
+    return found

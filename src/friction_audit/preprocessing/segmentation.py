@@ -1,14 +1,25 @@
 """Energy cycles of every joint: where they begin and end, their energies, and which of them count."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 
 from friction_audit.joint_log import Float, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing import cycle_sums
-from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles, EnergySums, Int
+from friction_audit.preprocessing.energy_cycles import (
+    GAP,
+    KEPT,
+    LONG,
+    ONE_WAY,
+    OPEN,
+    PER_JOINT,
+    SMALL,
+    EnergyCycles,
+    EnergySums,
+    Int,
+)
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.preprocessing.velocity import filter_velocity
@@ -17,6 +28,9 @@ from friction_audit.preprocessing.velocity import filter_velocity
 # separate Coulomb from viscous friction even where all strokes are equally fast.
 PARTS = 8
 LONGEST_RUN = 8  # strokes tried before a start is given up
+# A longer cycle is rest, or has no end: what a torque offset adds over it is more than friction takes. A log of any
+# length is then read with memory for so much of it.
+LONGEST_S = 300.0
 ONE_WAY_SHARE = 0.95  # of the path that is net displacement
 LONGEST_STEP = 3.5  # median steps of the clock that are a hole, however low the rate
 
@@ -27,20 +41,14 @@ INITIATION_SHARE = 0.25
 TERMINATION_SHARE = 0.25
 NOISE_MULTIPLE = 5.0  # standard deviations of the filtered velocity that termination stays above its noise
 TINY = 1e-6  # a log without any motion still gets thresholds above zero
+MOST_SAMPLES = 1 << 19  # of which automatic thresholds are taken, spread evenly over the log
 
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class _Detector:
-    """The signal whose rest defines the cycles, its thresholds, and whether its sign is that of the direction."""
-
-    signal: Float
-    initiation: float
-    termination: float
-    signed: bool
+Thresholds = tuple[float, float]
+"""Of initiation and termination."""
 
 
 def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyCycles:
-    """Find the energy cycles of every joint and add up their energies.
+    """Find the energy cycles of every joint of a log in memory and add up their energies.
 
     Args:
         interaction: Motion and torque at the friction port.
@@ -49,15 +57,21 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
     Returns:
         All cycles, the rejected ones included, with the reason.
     """
-    rate_hz, hand = 1.0 / median_step(interaction.t), None
+    rate_hz, hand, signal = 1.0 / median_step(interaction.t), None, None
     if settings.cycles_from == "hand":
         assert interaction.hand_speed is not None, "the interaction was extracted without the hand's speed"
-        filtered = np.abs(filter_velocity(interaction.hand_speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz))
-        hand = _detector(interaction.hand_speed, filtered, settings, rate_hz, signed=False)
+        signal = np.abs(filter_velocity(interaction.hand_speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz))
+        fixed = settings.hand_initiation_m_s, settings.hand_termination_m_s
+        hand = thresholds_of(settings, rate_hz, fixed, interaction.hand_speed, signal)
 
     def work(column: int) -> EnergyCycles:
-        one = interaction.holding(column)
-        return segment_joint(one, settings, column, smooth_velocity(one, settings, column), hand)
+        dq = interaction.dq[:, column]
+        filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
+        fixed = settings.initiation_rad_s, settings.termination_rad_s
+        own = thresholds_of(settings, rate_hz, fixed, dq, filtered)
+        search = CycleSearch(settings, column, rate_hz, own, hand)
+        search.take(interaction, filtered, signal)
+        return search.cycles()
 
     joints = per_joint(work, len(interaction.joint_numbers))
     cycles = join_cycles(joints)
@@ -69,67 +83,180 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
     return replace(cycles, reason=np.where((cycles.reason == KEPT) & small, SMALL, cycles.reason))
 
 
-def smooth_velocity(interaction: Interaction, settings: CycleSettings, column: int) -> Float:
-    """Return the filtered velocity of one joint (0-based), shape (n,). [rad/s]"""
-    rate_hz = 1.0 / median_step(interaction.t)
-    return filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
+class CycleSearch:
+    """Finds the energy cycles of one joint in parts of a log that follow each other; a log in memory is one part."""
+
+    def __init__(
+        self, settings: CycleSettings, column: int, rate_hz: float, own: Thresholds, hand: Thresholds | None = None
+    ) -> None:
+        """Take the joint (0-based) and its thresholds, and those of the hand where that defines the cycles."""
+        self.first = 0  # number of the first sample that is still needed
+        self.own, self._hand, self._settings, self._column, self._rate_hz = own, hand, settings, column, rate_hz
+        self._longest = int(LONGEST_S * rate_hz)
+        self._filtered = self._signal = np.empty(0)
+        self._moving: bool | None = None  # at the first sample needed; None where its own speed decides
+        self._at_border: bool | None = None
+        # A cycle that has lasted too long already: its samples up to now are added up and forgotten; where it began.
+        self._begun: tuple[EnergyCycles, Float] | None = None
+        self._found: list[EnergyCycles] = []
+        self._above, self._fastest, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0
+
+    def take(self, part: Interaction, filtered: Float, signal: Float | None = None, *, more: bool = False) -> None:
+        """Find the cycles that end in the samples that are new.
+
+        Args:
+            part: Motion and torque at all samples that are still needed, and the new ones.
+            filtered: Filtered velocity of the joint at the new samples, shape (k,). [rad/s]
+            signal: What defines the cycles there, None where it is the same. [speed_unit]
+            more: True if samples follow.
+        """
+        self._above += int(np.count_nonzero(np.abs(filtered) > self.own[0]))
+        signal = filtered if signal is None else signal
+        self._fastest = max(self._fastest, signal.max(), -signal.min())
+        old = len(self._signal)
+        self._filtered = np.concatenate([self._filtered, filtered]) if old else filtered
+        self._signal = self._filtered if self._hand is None else np.concatenate([self._signal, signal])
+        shift = self.first - part.first
+        self._last_s = float(part.t[shift + len(self._signal) - 1])
+        if not (old or self.first):
+            self._begin_s = float(part.t[shift])
+        borders = cycle_sums.find_borders(
+            self._signal,
+            *(self._hand or self.own),
+            merge=self._hand is None,
+            moving=self._moving,
+            at_border=self._at_border,
+            more=more,
+            longest=self._longest,
+        )
+        if len(borders) and borders[0]:
+            self._go_on(int(borders[0]), moving=False)
+            borders, self._at_border = borders - borders[0], True
+        if part.choice.gravity_in_torque and len(borders):
+            place = part.q[borders + (self.first - part.first)]
+            borders = borders[self._close_runs(borders, place, more=more)]
+        if len(borders) > 1:
+            self._found.append(self._cycles_between(part, borders))
+            self._go_on(int(borders[-1]), moving=False)
+            self._begun, self._at_border = None, True
+        elif not (more or self._found):
+            self._found.append(self._cycles_between(part, np.zeros(1, np.int64)))
+        if more and len(self._signal) > 2 * self._longest:
+            self._shorten(part)
+
+    def _close_runs(self, borders: Int, place: Float, *, more: bool) -> list[int]:
+        """Join neighbouring strokes into the shortest runs that end where they began; one that never does stays alone.
+
+        Gravity at a joint depends on all joints beyond it, so all of them must return.
+        """
+        kept = [0] if self._begun is None else [0, 1][: len(place)]
+        while (s := kept[-1]) < len(place) - 1:
+            run = slice(s + 1, s + 1 + LONGEST_RUN)
+            closed = np.abs(place[run] - place[s]).max(axis=1) <= self._settings.closure_rad
+            closed &= borders[run] - borders[s] <= self._longest
+            may_close = s + LONGEST_RUN >= len(place) and len(self._signal) - borders[s] <= self._longest
+            if more and may_close and not closed.any():
+                break
+            kept.append(s + int(np.argmax(closed)) + 1 if closed.any() else s + 1)
+        return kept
+
+    def _cycles_between(self, part: Interaction, borders: Int) -> EnergyCycles:
+        """Add up the energies between borders, which are counted from the first sample needed."""
+        settings, shift, inside = self._settings, self.first - part.first, part.choice.gravity_in_torque
+        t = part.t[shift:]
+        edges, peak, longest_step = cycle_sums.cut_evenly(t, self._filtered, borders, PARTS)
+        parts = self._sums(part, edges)
+        sums, start, stop = parts.total(), borders[:-1] + self.first, borders[1:] + self.first
+        start_s, place = t[borders[:-1]], (part.q if inside else part.q[:, self._column, None])[borders + shift]
+        if self._begun is not None and len(start):
+            begun, place[0] = self._begun
+            start[0], start_s[0], peak[0] = begun.start[0], begun.start_s[0], max(peak[0], begun.peak_speed_rad_s[0])
+            longest_step[0] = np.inf if begun.reason[0] == GAP else longest_step[0]
+            for one in fields(sums):
+                getattr(sums, one.name)[0] += getattr(begun.sums, one.name)[0]
+        is_open = np.abs(np.diff(place, axis=0)).max(axis=1) > settings.closure_rad
+        reason = np.where(stop - start > self._longest, LONG, KEPT)
+        reason[is_open & inside] = OPEN
+        # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
+        reason[longest_step > max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)] = GAP
+        return EnergyCycles(
+            joint=np.full(len(start), self._column),
+            start=start,
+            stop=stop,
+            start_s=start_s,
+            stop_s=t[borders[1:]],
+            peak_speed_rad_s=peak,
+            sums=sums,
+            parts=parts,
+            open=is_open,
+            reason=reason,
+            speed_unit="rad/s" if self._hand is None else "m/s",
+            **{name: np.empty(0) for name in PER_JOINT},
+        )
+
+    def _sums(self, part: Interaction, edges: Int) -> EnergySums:
+        shift = self.first - part.first
+        rows = slice(shift, shift + len(self._filtered))
+        u = None if part.compensation is None else part.compensation[rows, self._column]
+        q, dq, torque = (array[rows, self._column] for array in (part.q, part.dq, part.torque))
+        raw = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
+        gravity_x, gravity_y = _gravity_work(part, self._column, edges + shift)
+        return EnergySums(
+            work_j=raw[:, :, cycle_sums.WORK],
+            compensation_j=raw[:, :, cycle_sums.COMPENSATION],
+            printed_net_j=raw[:, :, cycle_sums.PRINTED],
+            path_rad=raw[:, :, cycle_sums.PATH],
+            rectified_path_rad=raw[:, :, cycle_sums.RECTIFIED],
+            square_speed_rad2_s=raw[:, :, cycle_sums.SQUARE],
+            displacement_rad=np.diff(q[edges], axis=1),
+            gravity_x_rad=gravity_x,
+            gravity_y_rad=gravity_y,
+            half_square_speed_change=raw[:, :, cycle_sums.HALF_SQUARE],
+        )
+
+    def _shorten(self, part: Interaction) -> None:
+        """Add up the beginning of a cycle that lasts too long, and forget its samples."""
+        thresholds, shift = self._hand or self.own, self.first - part.first
+        moving = bool(abs(self._signal[0]) > thresholds[1]) if self._moving is None else self._moving
+        self._at_border = not moving if self._at_border is None else self._at_border
+        if self._at_border:
+            place = part.q[shift] if part.choice.gravity_in_torque else part.q[shift, self._column, None]
+            now = self._cycles_between(part, np.array([0, self._longest]))
+            self._begun = now, place if self._begun is None else self._begun[1]
+        moving = cycle_sums.moves_at_last(self._signal[: self._longest + 1], *thresholds, moving=moving)
+        self._go_on(self._longest, moving=moving)
+
+    def _go_on(self, row: int, *, moving: bool) -> None:
+        self.first, self._moving = self.first + row, moving
+        self._filtered = self._filtered[row:].copy()
+        self._signal = self._filtered if self._hand is None else self._signal[row:].copy()
+
+    def cycles(self) -> EnergyCycles:
+        """Return the cycles, once, after the last part."""
+        found, self._found = join_cycles(self._found), []
+        samples = self.first + len(self._signal)
+        # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
+        one_way = abs(found.sums.displacement_rad.sum()) > ONE_WAY_SHARE * found.sums.path_rad.sum()
+        initiation, termination = self._hand or self.own
+        return replace(
+            found,
+            reason=np.full(len(found.reason), ONE_WAY) if one_way else found.reason,
+            initiation=np.array([initiation]),
+            termination=np.array([termination]),
+            fastest=np.array([self._fastest]),
+            standstill_rad_s=np.array([self.own[1]]),
+            moving_s=np.array([self._above / samples * (self._last_s - self._begin_s)]),
+        )
 
 
-def segment_joint(
-    interaction: Interaction, settings: CycleSettings, column: int, filtered: Float, hand: _Detector | None = None
-) -> EnergyCycles:
-    """Find the energy cycles of one joint (0-based), its own or those of the hand, and add up its energies."""
-    rate_hz = 1.0 / median_step(interaction.t)
-    t, dq, gravity_inside = interaction.t, interaction.dq[:, column], interaction.choice.gravity_in_torque
-    own = _detector(dq, filtered, settings, rate_hz, signed=True)
-    detector = hand or own
-    borders = cycle_sums.find_borders(detector.signal, detector.initiation, detector.termination, merge=detector.signed)
-    if not len(borders):
-        borders = np.zeros(1, np.int64)
-    # Gravity at a joint depends on all joints beyond it, so all of them must return.
-    place: Float = (interaction.q if gravity_inside else interaction.q[:, column : column + 1])[borders]
-    if gravity_inside:
-        kept = _close_runs(place, settings.closure_rad)
-        borders, place = borders[kept], place[kept]
-    edges, peak, longest_step = cycle_sums.cut_evenly(t, filtered, borders, PARTS)
-    parts = _sums(interaction, column, filtered, edges)
-    sums, start, stop = parts.total(), borders[:-1], borders[1:]
-    is_open = np.abs(np.diff(place, axis=0)).max(axis=1) > settings.closure_rad
-    reason = np.full(len(start), KEPT)
-    reason[is_open & gravity_inside] = OPEN
-    # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
-    reason[longest_step > max(settings.maximum_gap_s, LONGEST_STEP / rate_hz)] = GAP
-    # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
-    if abs(sums.displacement_rad.sum()) > ONE_WAY_SHARE * sums.path_rad.sum():
-        reason[:] = ONE_WAY
-    return EnergyCycles(
-        joint=np.full(len(start), column),
-        start=start,
-        stop=stop,
-        start_s=t[start],
-        stop_s=t[stop],
-        peak_speed_rad_s=peak,
-        sums=sums,
-        parts=parts,
-        open=is_open,
-        reason=reason,
-        initiation=np.array([detector.initiation]),
-        termination=np.array([detector.termination]),
-        fastest=np.array([max(detector.signal.max(), -detector.signal.min())]),
-        speed_unit="rad/s" if detector.signed else "m/s",
-        standstill_rad_s=np.array([own.termination]),
-        moving_s=np.array([np.mean(np.abs(filtered) > own.initiation) * (t[-1] - t[0])]),
-    )
-
-
-def _detector(measured: Float, filtered: Float, settings: CycleSettings, rate_hz: float, *, signed: bool) -> _Detector:
-    if settings.thresholds == "auto":
-        initiation, termination = _automatic_thresholds(measured, filtered, 2.0 * settings.cutoff_hz / rate_hz)
-    elif signed:
-        initiation, termination = settings.initiation_rad_s, settings.termination_rad_s
-    else:
-        initiation, termination = settings.hand_initiation_m_s, settings.hand_termination_m_s
-    return _Detector(signal=filtered, initiation=initiation, termination=termination, signed=signed)
+def thresholds_of(
+    settings: CycleSettings, rate_hz: float, fixed: Thresholds, measured: Float, filtered: Float
+) -> Thresholds:
+    """Return the thresholds of a signal: fixed ones, or from samples of it that are spread evenly over the log."""
+    if settings.thresholds != "auto":
+        return fixed
+    thin = slice(None, None, max(len(measured) // MOST_SAMPLES, 1))
+    return _automatic_thresholds(measured[thin], filtered[thin], 2.0 * settings.cutoff_hz / rate_hz)
 
 
 def _automatic_thresholds(measured: Float, filtered: Float, share: float) -> tuple[float, float]:
@@ -144,35 +271,6 @@ def _automatic_thresholds(measured: Float, filtered: Float, share: float) -> tup
     brisk = float(np.quantile(moving, BRISK_QUANTILE, overwrite_input=True)) if len(moving) else floor
     initiation = max(INITIATION_SHARE * brisk, floor / TERMINATION_SHARE, TINY)
     return initiation, TERMINATION_SHARE * initiation
-
-
-def _close_runs(place: Float, closure_rad: float) -> list[int]:
-    """Join neighbouring strokes into the shortest runs that end where they began; one that never does stays alone."""
-    kept, s = [0], 0
-    while s < len(place) - 1:
-        closed = np.abs(place[s + 1 : s + 1 + LONGEST_RUN] - place[s]).max(axis=1) <= closure_rad
-        s += int(np.argmax(closed)) + 1 if closed.any() else 1
-        kept.append(s)
-    return kept
-
-
-def _sums(interaction: Interaction, column: int, filtered: Float, edges: Int) -> EnergySums:
-    u = None if interaction.compensation is None else interaction.compensation[:, column]
-    q, dq, torque = (array[:, column] for array in (interaction.q, interaction.dq, interaction.torque))
-    raw = cycle_sums.add_up(interaction.t, q, dq, filtered, torque, u, edges)
-    gravity_x, gravity_y = _gravity_work(interaction, column, edges)
-    return EnergySums(
-        work_j=raw[:, :, cycle_sums.WORK],
-        compensation_j=raw[:, :, cycle_sums.COMPENSATION],
-        printed_net_j=raw[:, :, cycle_sums.PRINTED],
-        path_rad=raw[:, :, cycle_sums.PATH],
-        rectified_path_rad=raw[:, :, cycle_sums.RECTIFIED],
-        square_speed_rad2_s=raw[:, :, cycle_sums.SQUARE],
-        displacement_rad=np.diff(q[edges], axis=1),
-        gravity_x_rad=gravity_x,
-        gravity_y_rad=gravity_y,
-        half_square_speed_change=raw[:, :, cycle_sums.HALF_SQUARE],
-    )
 
 
 def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Float, Float]:

@@ -17,8 +17,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.columns_on_demand import ColumnsOnDemand, block_means, coarse_block
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import Float, JointLog, LogInBlocks, block_means, median_step, samples_per_mean
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 
@@ -44,6 +43,7 @@ class CoarseLog:
         q: Position, shape (m, j). [rad]
         dq: Velocity, shape (m, j). [rad/s]
         whole: False where a block holds or touches a hole in the log, shape (m,).
+        of_means: True where the log itself holds nothing but the means.
     """
 
     samples: int
@@ -51,20 +51,25 @@ class CoarseLog:
     q: Float
     dq: Float
     whole: NDArray[np.bool_]
+    of_means: bool = False
 
     def mean(self, signal: Float) -> Float:
         """Return the block means of another signal of the log, shape (n, j) -> (m, j)."""
-        return _block_mean(signal, self.samples)
+        return signal.copy(order="F") if self.of_means else _block_mean(signal, self.samples)
 
 
 def coarse_log(log: JointLog) -> CoarseLog:
     """Return block means of a log at about COARSE_HZ."""
-    rate_hz = log.rate_hz
-    samples = coarse_block(log.t)
-    t = _block_mean(log.t[:, None], samples)[:, 0]
-    hole = np.flatnonzero(np.diff(log.t) > max(BRIDGED_S, 3.0 / rate_hz))
-    whole = ~np.isin(np.arange(len(t)), np.append(hole, hole + 1) // samples)
-    return CoarseLog(samples=samples, t=t, q=_block_mean(log.q, samples), dq=_block_mean(log.dq, samples), whole=whole)
+    in_blocks = isinstance(log, LogInBlocks)
+    samples = log.mean_of if in_blocks else samples_per_mean(median_step(log.t), len(log.t))
+    t, q, dq = (a if in_blocks else _block_mean(a, samples) for a in (log.t[:, None], log.q, log.dq))
+    numbers = log.numbers if in_blocks else np.arange(len(t))
+    holes = log.gaps_longer_than(max(BRIDGED_S, 3.0 / log.rate_hz))[:, 0].astype(np.int64)
+    # Means of two stretches that are far apart are no neighbours.
+    ends = np.flatnonzero(np.diff(numbers) > 1)
+    cut = np.append(holes, holes + 1) // samples, numbers[np.append(ends, ends + 1)]
+    whole = ~np.isin(numbers, np.concatenate(cut))
+    return CoarseLog(samples=samples, t=t[:, 0], q=q, dq=dq, whole=whole, of_means=in_blocks)
 
 
 def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:
@@ -150,9 +155,4 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np
 
 
 def _block_mean(signal: Float, samples: int) -> Float:
-    def of_joint(joint: int) -> Float:
-        if isinstance(signal, ColumnsOnDemand) and signal.block == samples:
-            return signal.block_means(joint)
-        return block_means(signal[:, joint], samples)
-
-    return np.column_stack(per_joint(of_joint, signal.shape[1]))
+    return np.column_stack(per_joint(lambda joint: block_means(signal[:, joint], samples), signal.shape[1]))

@@ -5,11 +5,12 @@ The filtered velocity never enters an energy sum as the factor of a torque.
 
 import math
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import Float, JointLog, LogInBlocks
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog
 
@@ -57,27 +58,42 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
     return signal[PADDING : length - PADDING]
 
 
+def settling_samples(rate_hz: float, cutoff_hz: float) -> int:
+    """Return after how many samples the filtered velocity has forgotten what came before: 1e-18 of it is left."""
+    if cutoff_hz >= HIGHEST_SHARE_OF_RATE * rate_hz:
+        return MINIMUM_LENGTH
+    k = math.tan(math.pi * cutoff_hz / rate_hz)
+    decay = (1.0 - math.sqrt(2.0) * k + k * k) / (1.0 + math.sqrt(2.0) * k + k * k)  # of the state, squared, per step
+    return PADDING + MINIMUM_LENGTH + math.ceil(1.5 * math.log(SETTLED) / math.log(decay))
+
+
 def _low_pass(blocks: Float, gain: float, a1: float, a2: float) -> None:
     """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, in place; before, the signal was as it begins.
 
     Blocks of the state-space form: products of matrices, as fast as a compiled loop, without the compiler's 140 MB.
     """
-    step, entry = np.array([[-a1, 1.0], [-a2, 0.0]]), gain * np.array([2.0 - a1, 1.0 - a2])
-    powers = np.stack([np.linalg.matrix_power(step, i) for i in range(FILTER_BLOCK + 1)])
-    free = powers[:-1, 0]  # the output that follows from the state, without input
-    response, order = np.append(gain, free[:-1] @ entry), np.arange(FILTER_BLOCK)
-    forced = np.where(order >= order[:, None], response[order - order[:, None]], 0.0)
+    free, forced, inputs, power = _block_form(gain, a1, a2)
     pieces = [slice(first, first + ROWS_AT_ONCE) for first in range(0, len(blocks), ROWS_AT_ONCE)]
-    inputs = powers[-2::-1] @ entry
     last = np.concatenate([np.ascontiguousarray(blocks[rows]) @ inputs for rows in pieces])
     state = np.concatenate([blocks[:1, 0] * np.array([[1.0 - gain, gain - a2]]), last[:-1]])
     # Each state holds the inputs of the block before; of the blocks before that by doubling, until those have died out.
-    reach, power = 1, powers[-1]
+    reach = 1
     while reach < len(blocks) and np.abs(power).max() > SETTLED:
         state[reach:] += state[:-reach] @ power.T
         reach, power = 2 * reach, power @ power
     for rows in pieces:
         blocks[rows] = np.ascontiguousarray(blocks[rows]) @ forced + state[rows] @ free.T
+
+
+@lru_cache(maxsize=16)
+def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float, Float]:
+    """Return what state and samples of a block add to its output, what the samples leave, and the step of a block."""
+    step, entry = np.array([[-a1, 1.0], [-a2, 0.0]]), gain * np.array([2.0 - a1, 1.0 - a2])
+    powers = np.stack([np.linalg.matrix_power(step, i) for i in range(FILTER_BLOCK + 1)])
+    free = powers[:-1, 0]  # the output that follows from the state, without input
+    response, order = np.append(gain, free[:-1] @ entry), np.arange(FILTER_BLOCK)
+    forced = np.where(order >= order[:, None], response[order - order[:, None]], 0.0)
+    return free, forced, powers[-2::-1] @ entry, powers[-1]
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
@@ -147,7 +163,7 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
 
     A velocity that comes later than any filter's is left as it is: which clock the torque is on is not known.
     """
-    step_s = median_step(log.t)
+    step_s = 1.0 / log.rate_hz
     lag = find_lag(coarse, step_s)
     for joint in map(int, np.flatnonzero(lag)):
         lag[joint] *= np.ptp(log.q[:, joint]) > MOVED_RAD
@@ -163,7 +179,9 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
             "dq and torque in one message, or shift the dq columns earlier"
         )
         cautions.append(Caution(code="dq_other_clock", message=message))
-    return (read_on_time(log, late) if late.any() else log), tuple(cautions)
+    if not late.any():
+        return log, tuple(cautions)
+    return read_on_time(log.read_whole() if isinstance(log, LogInBlocks) else log, late), tuple(cautions)
 
 
 def _lags(lag: Float) -> str:

@@ -34,7 +34,7 @@ def log_columns(count: str) -> tuple[Column, ...]:
         Column("start", float, "Unix time of the first sample", "source.start_s", unit="s"),
         Column("channels", {"*": str}, "channel -> name in the file", "source.channels"),
         Column(count, int, "number of joints", lambda log: len(log.joint_names)),
-        Column("samples", int, "number of samples", lambda log: len(log.t)),
+        Column("samples", int, "number of samples", lambda log: log.samples),
         Column("rate", float, "median sampling rate", unit="Hz"),
         Column("duration", float, "from the first sample to the last", unit="s"),
         Column(

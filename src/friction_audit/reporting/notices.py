@@ -125,7 +125,7 @@ def interaction_notices(interaction: Interaction) -> tuple[Notice, ...]:
 
 def minor(log: JointLog) -> frozenset[str]:
     """Return the codes of what was corrected, or is too small to change a result: reported in documents and pages."""
-    share, step_s = SMALL_SHARE * len(log.t), 1.0 / log.rate_hz
+    share, step_s = SMALL_SHARE * log.samples, 1.0 / log.rate_hz
     most = {
         "dropped_samples": share,
         "stale_samples": share,

@@ -46,5 +46,5 @@ def table_lines(table: Table, marked: Collection[int] = ()) -> list[str]:
 
 def log_line(log: JointLog) -> str:
     """Return which log it is and how much of it there is."""
-    samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
+    samples = f"{log.samples} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
     return f"{log.source.path}: {log.source.format}, {samples}"

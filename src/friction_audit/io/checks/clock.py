@@ -71,21 +71,26 @@ def _refuse_no_clock(recording: Recording, steps: Float, path: str) -> None:
     )
 
 
-_SHORT = 0.5  # steps below so much of a period lie within a batch
-_LEAST_SHARE = 0.25  # of short steps, from which on stamps are those of batches: half in pairs, more in longer ones
+SHORT = 0.5  # steps below so much of a period lie within a batch
+LEAST_SHARE = 0.25  # of short steps, from which on stamps are those of batches: half in pairs, more in longer ones
 _LONGEST_BATCH = 64  # samples over which the rate is even again; longer batches are not seen
 _MOST_PLACES = 1 << 16
+
+
+def places_of_batches(samples: int) -> tuple[int, int]:
+    """Return over how many samples the rough period is taken, and of how many places one is."""
+    return min(_LONGEST_BATCH, samples - 1), max(samples // _MOST_PLACES, 1)
 
 
 def spread_batches(recording: Recording) -> Recording:
     """Return the recording with the samples of each batch a period apart, the last one where it is."""
     t = recording.t
     # The rough period is the median of mean steps over more than a batch: holes do not count.
-    reach, every = min(_LONGEST_BATCH, len(t) - 1), max(len(t) // _MOST_PLACES, 1)
+    reach, every = places_of_batches(len(t))
     rough = float(np.median(t[reach::every] - t[:-reach:every])) / reach
     # Every step counts: of every second one, a log that comes in pairs would show only short ones or only long ones.
-    short = np.diff(t) < _SHORT * rough
-    if np.mean(short) < _LEAST_SHARE:
+    short = np.diff(t) < SHORT * rough
+    if np.mean(short) < LEAST_SHARE:
         return recording
     ends = np.append(np.flatnonzero(~short), len(t) - 1)
     # Mean steps over whole batches: a part of one would make the period too short or too long.
@@ -116,36 +121,58 @@ def gap_threshold_s(median_step_s: float) -> float:
     return max(_GAP_STEPS * median_step_s, GAP_S)
 
 
+class StepSums:
+    """Sums over the steps of a clock, of which a long log gives one block after the other."""
+
+    def __init__(self, median: float) -> None:
+        """Take the median step. [s]"""
+        self.median, self.threshold_s = median, gap_threshold_s(median)
+        self.count, self.long, self.dropped, self.gaps, self.longest = 0, 0, 0.0, 0, 0.0
+        self.off, self.square = 0.0, 0.0  # of the steps that are not long, less the median
+
+    def take(self, steps: Float) -> None:
+        """Add the steps of a block. [s]"""
+        long = steps[steps > DROPPED_STEPS * self.median]
+        gaps = long[long > self.threshold_s]
+        # By sums around the median instead of a masked copy of the steps.
+        off, off_long = steps - self.median, long - self.median
+        self.count, self.long, self.gaps = self.count + len(steps), self.long + len(long), self.gaps + len(gaps)
+        self.dropped += float(np.maximum(np.round(long / self.median) - 1.0, 1.0).sum())
+        self.longest = max(self.longest, float(gaps.max(initial=0.0)))
+        self.off += float(off.sum() - off_long.sum())
+        # No product of BLAS, whose threads would wait for each other.
+        self.square += float(np.einsum("i,i", off, off) - np.einsum("i,i", off_long, off_long))
+
+    def findings(self) -> Iterator[Finding]:
+        """Yield what is to be noticed."""
+        median = self.median
+        if self.long:
+            places = f"{self.long} places (median step {median * 1e3:.3g} ms)"
+            text = f"{self.dropped:.0f} samples dropped at {places}"
+            yield Finding(code="dropped_samples", message=text, amount=self.dropped)
+        if self.gaps:
+            text = f"{self.gaps} gaps longer than {self.threshold_s:.3g} s, the longest {self.longest:.3g} s"
+            yield Finding(code="gap", message=text, amount=float(self.gaps))
+        even = self.count - self.long
+        deviation = float(np.sqrt(max(self.square / even - (self.off / even) ** 2, 0.0)))
+        if deviation > _JITTER_SHARE * median:
+            text = (
+                f"time step: standard deviation {deviation * 1e3:.3g} ms, median {median * 1e3:.3g} ms (without gaps); "
+                "integrals use the logged time stamps"
+            )
+            yield Finding(code="jitter", message=text, amount=deviation)
+        rate = 1.0 / median
+        if rate < _LOW_RATE_HZ:
+            text = (
+                f"{rate:.3g} Hz is a low sampling rate: reversals and inertial torques are poorly resolved; record at "
+                f"{_LOW_RATE_HZ:.0f} Hz or more"
+            )
+            yield Finding(code="low_rate", message=text, amount=rate)
+
+
 def check_sampling(recording: Recording) -> Recording:
     """Notice dropped samples, gaps, jitter and a low rate."""
     steps = np.diff(recording.t)
-    median = float(np.median(steps))
-    long = steps[steps > DROPPED_STEPS * median]
-    findings = []
-    if len(long):
-        dropped = float(np.maximum(np.round(long / median) - 1.0, 1.0).sum())
-        text = f"{dropped:.0f} samples dropped at {len(long)} places (median step {median * 1e3:.3g} ms)"
-        findings.append(Finding(code="dropped_samples", message=text, amount=dropped))
-    threshold_s = gap_threshold_s(median)
-    gaps = long[long > threshold_s]
-    if len(gaps):
-        text = f"{len(gaps)} gaps longer than {threshold_s:.3g} s, the longest {gaps.max():.3g} s"
-        findings.append(Finding(code="gap", message=text, amount=float(len(gaps))))
-    # The spread of the steps that are no gaps, by sums around the median instead of a masked copy of the steps.
-    off, off_long, count = steps - median, long - median, len(steps) - len(long)
-    mean = (off.sum() - off_long.sum()) / count
-    deviation = float(np.sqrt(max((np.dot(off, off) - np.dot(off_long, off_long)) / count - mean**2, 0.0)))
-    if deviation > _JITTER_SHARE * median:
-        text = (
-            f"time step: standard deviation {deviation * 1e3:.3g} ms, median {median * 1e3:.3g} ms (without gaps); "
-            "integrals use the logged time stamps"
-        )
-        findings.append(Finding(code="jitter", message=text, amount=deviation))
-    rate = 1.0 / median
-    if rate < _LOW_RATE_HZ:
-        text = (
-            f"{rate:.3g} Hz is a low sampling rate: reversals and inertial torques are poorly resolved; record at "
-            f"{_LOW_RATE_HZ:.0f} Hz or more"
-        )
-        findings.append(Finding(code="low_rate", message=text, amount=rate))
-    return recording.with_findings(*findings)
+    sums = StepSums(float(np.median(steps)))
+    sums.take(steps)
+    return recording.with_findings(*sums.findings())

@@ -19,7 +19,7 @@ from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 from friction_audit.parallel import per_joint
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
-_ABSURD = 1e9  # no position, velocity, torque or temperature is as large, in any unit: a damaged number
+ABSURD = 1e9  # no position, velocity, torque or temperature is as large, in any unit: a damaged number
 _SPARSE = 0.1  # share of missing values from which a channel that is not essential is left out, rather than the rows
 
 Counts = Mapping[str, NDArray[np.int64]]  # channel -> missing values of each joint
@@ -40,24 +40,24 @@ def leave_out_missing(recording: Recording, path: str) -> Recording:
     for array in recording.channels.values():
         for column in array.T:
             if not _is_whole(column):
-                whole &= np.abs(column) < _ABSURD
+                whole &= np.abs(column) < ABSURD
     lost = len(whole) - int(np.count_nonzero(whole))
     if lost == 0:
         return recording
-    message = f"{lost} of {len(whole)} rows hold NaN, infinity or numbers beyond {_ABSURD:g}; they are left out"
+    message = f"{lost} of {len(whole)} rows hold NaN, infinity or numbers beyond {ABSURD:g}; they are left out"
     finding = Finding(code="non_finite", message=message, amount=float(lost), damaged=True)
     return recording.take_rows(whole).with_findings(finding)
 
 
 def _is_whole(column: Float) -> bool:
     # NaN goes through min and max: two fast passes and no temporary array.
-    return bool(column.min() > -_ABSURD and column.max() < _ABSURD)
+    return bool(column.min() > -ABSURD and column.max() < ABSURD)
 
 
 def _missing_per_joint(array: Float) -> NDArray[np.int64]:
     def missing(joint: int) -> int:
         column = array[:, joint]
-        return 0 if _is_whole(column) else int(np.count_nonzero(~(np.abs(column) < _ABSURD)))
+        return 0 if _is_whole(column) else int(np.count_nonzero(~(np.abs(column) < ABSURD)))
 
     return np.array(per_joint(missing, array.shape[1]), dtype=np.int64)
 
@@ -73,7 +73,7 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
     if lost:
         raise InputError(
             f"{path}: {', '.join(names[channel] for channel in lost)}: none of the {samples} rows holds a number (all "
-            f"NaN, infinite or beyond {_ABSURD:g}); expected q, dq and one torque of {', '.join(TORQUE_CHANNELS)}; "
+            f"NaN, infinite or beyond {ABSURD:g}); expected q, dq and one torque of {', '.join(TORQUE_CHANNELS)}; "
             "record a topic that carries them, such as the robot's own state"
         )
     findings = []
@@ -111,7 +111,7 @@ def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recor
 
 _LONGEST_RUN = 8  # rows over which a filter of the driver spreads one wild value
 _REACH = _LONGEST_RUN + 4  # rows on both sides that make the median: a run is a minority there
-_LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
+LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
 _UNUSUAL, _UNUSUAL_ROWS = 0.005, 16  # largest changes and values left out of the scale: share, or rows of a short log
 _TIMES_STEP = 10.0  # of 204 sound logs, measured and simulated, the closest torque reaches 0.76 of the scale
 _TIMES_STILL = 10.0  # a channel that stands still has no usual step: the least deviation is larger by so much
@@ -120,7 +120,7 @@ _TIMES_RANGE_OF_TORQUE = 2.0  # dry friction turns by its whole range in one row
 _LEAST = {"q": 0.05, "dq": 0.5, "temperature": 20.0}  # smaller ones do no harm [rad, rad/s, degC, N m]
 _LEAST_TORQUE = 0.5
 _CALM = 3.0  # a velocity that changes by more than so many usual steps may be the effect of the torque
-_MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
+MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
 _MOST_JUMPS = 0.01  # where more rows jump, the jumps are the channel's nature
 _SHOWN = 3
 _BLOCK = 1 << 15  # samples whose steps are compared at a time
@@ -179,19 +179,25 @@ def _deviations(channel: str, column: Float) -> list[_Run]:
 
 
 def _scale(channel: str, column: Float) -> float:
-    """Deviation beyond anything that the channel does, in its own unit."""
-    every = max(len(column) // _MOST_SAMPLES, 1)
-    sample = column[::every]
+    every = max(len(column) // MOST_SAMPLES, 1)
+    return scale_of(channel, column[::every], _usual_step(column))
+
+
+def scale_of(channel: str, sample: Float, step: float) -> float:
+    """Deviation beyond anything that a channel does, in its own unit, from some of its values and its usual step."""
     low, high = np.quantile(sample, (_unusual(sample), 1.0 - _unusual(sample)))
-    step = _usual_step(column)
     least = _LEAST.get(channel, _LEAST_TORQUE) * (1.0 if step > 0.0 else _TIMES_STILL)
     return max(_TIMES_STEP * step, _TIMES_RANGE.get(channel, _TIMES_RANGE_OF_TORQUE) * float(high - low), least)
 
 
 def _usual_step(column: Float) -> float:
-    every = max(len(column) // _MOST_SAMPLES, 1)
-    changes = np.abs(column[_LAG:][::every] - column[:-_LAG][::every])
-    return float(np.quantile(changes, 1.0 - _unusual(changes))) if len(changes) else 0.0
+    every = max(len(column) // MOST_SAMPLES, 1)
+    return usual_change(column[LAG:][::every] - column[:-LAG][::every])
+
+
+def usual_change(changes: Float) -> float:
+    """Return the largest of changes but for the few unusual ones."""
+    return float(np.quantile(np.abs(changes), 1.0 - _unusual(changes))) if len(changes) else 0.0
 
 
 def _unusual(sample: Float) -> float:

@@ -3,8 +3,7 @@
 import json
 import os
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
-from functools import partial
+from collections.abc import Iterable, Iterator, Sequence
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.columns_on_demand import ColumnsOnDemand, coarse_block
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
@@ -20,7 +18,7 @@ from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
-from friction_audit.io.recording import Recording
+from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float
 from friction_audit.parallel import per_joint
 
@@ -29,7 +27,7 @@ if TYPE_CHECKING:
     from pyarrow.parquet import FileMetaData, ParquetFile
 
 _BATCH_ROWS = 1 << 16
-_BUFFER_BYTES = 1 << 20
+_BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 _NANOSECONDS = 1_000_000_000
 
@@ -58,7 +56,8 @@ def _open(path: Path, metadata: "FileMetaData | None" = None) -> "ParquetFile":
     import pyarrow.parquet as pq
 
     # A buffer for a page or two: without it, a column of a whole row group is in memory as it lies in the file.
-    return pq.ParquetFile(path, metadata=metadata, page_checksum_verification=True, buffer_size=_BUFFER_BYTES)
+    options = {"page_checksum_verification": True, "buffer_size": _BUFFER_BYTES, "pre_buffer": False}
+    return pq.ParquetFile(path, metadata=metadata, **options)
 
 
 class ParquetTable(ColumnTable):
@@ -158,26 +157,39 @@ class ParquetTable(ColumnTable):
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], None)
         return Part(clock=self._to_clock(parts, columns.time), channels=channels, joint=joint)
 
-    def read_on_demand(self, columns: ColumnMap) -> Part | None:
-        """Read the clock alone; not of lists, of which one element takes as long as all."""
-        if self._widths:
-            return None
-        clock = self.read_clock(columns.time)
-        rows = len(clock.t)
-        channels: dict[str, Any] = {
-            channel: ColumnsOnDemand(
-                rows, [partial(self._read_one, cell, rows) for cell in cells], block=coarse_block(clock.t)
-            )
-            for channel, cells in columns.channels.items()
-        }
-        return Part(clock=clock, channels=channels)
+    def in_blocks(self, columns: ColumnMap) -> Part:
+        """Read the first stamps, which say what the clock is."""
+        time, path = columns.time, str(self.path)
+        stamps = next((self._stamps(parts, time) for parts in self._batches(time.cells)), np.empty(0))
+        origin = stamps[:1].tolist()
+        clock = to_clock(stamps, self._unit(time), path=path)
 
-    def _read_one(self, cell: int, rows: int) -> Float:
-        column = np.empty(rows)
-        self._read_column(self._cells[cell][0], [(None, column)], None)
-        if self._damage:
-            raise InputError(f"{self.path}: {self.findings()[0].message}; the file may have changed; read it again")
-        return column
+        def read(*, channels: bool) -> Iterator[tuple[Float, dict[str, Float]]]:
+            wanted = columns.channels if channels else {}
+            for parts in self._batches([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
+                raw = self._stamps(parts[: len(time.cells)], time)
+                values = iter(parts[len(time.cells) :])
+                arrays = {channel: np.array([next(values) for _ in cells]).T for channel, cells in wanted.items()}
+                yield to_clock(raw, clock.unit, path=path, origin=origin[0]).t, arrays
+
+        nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
+        blocks = Blocks(rows=self._file.metadata.num_rows, read=read)
+        return Part(clock=Clock(np.empty(0), clock.start_s, clock.unit), channels=nothing, blocks=blocks)
+
+    def _batches(self, cells: Sequence[int]) -> Iterator[list[NDArray[Any]]]:
+        """Yield the numbers of some cells, one batch of rows after the other."""
+        import pyarrow as pa
+
+        names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
+        try:
+            with _open(self.path, self._file.metadata) as file:
+                for batch in file.iter_batches(_BATCH_ROWS, columns=names, use_threads=False):
+                    table = _flat(batch)
+                    values = {name: self._values(table[name].combine_chunks(), name, 0) for name in names}
+                    pairs = (self._cells[cell] for cell in cells)
+                    yield [values[name] if place is None else values[name][:, place] for name, place in pairs]
+        except (pa.ArrowException, OSError) as error:
+            raise InputError(f"{self.path}: {error}; the file is damaged or has changed; read it again") from error
 
     def _channel_arrays(
         self, columns: ColumnMap, rows: int
@@ -188,14 +200,28 @@ class ParquetTable(ColumnTable):
         return channels, pairs
 
     def _stamp_arrays(self, time: TimeColumn) -> list[NDArray[Any]]:
+        return [np.zeros(self._file.metadata.num_rows, dtype=self._stamp_type(time)) for _ in time.cells]
+
+    def _stamp_type(self, time: TimeColumn) -> type:
         import pyarrow as pa
 
-        kinds = [self._types[self._cells[cell][0]] for cell in time.cells]
-        exact = len(kinds) > 1 or _has_unit(kinds[0]) or pa.types.is_integer(kinds[0])
-        return [np.zeros(self._file.metadata.num_rows, dtype=np.int64 if exact else np.float64) for _ in kinds]
+        kind = self._types[self._cells[time.cells[0]][0]]
+        return np.int64 if len(time.cells) > 1 or _has_unit(kind) or pa.types.is_integer(kind) else np.float64
+
+    def _stamps(self, parts: Sequence[NDArray[Any]], time: TimeColumn) -> NDArray[Any]:
+        """Return the stamps of one column, or of seconds and nanoseconds."""
+        kind = self._stamp_type(time)
+        for cell, part in zip(time.cells, parts, strict=True):
+            self._refuse_missing_stamps(self._cells[cell][0], part, np.empty(0, kind))
+        own = [np.require(part, kind, "W") for part in parts]
+        return own[0] if len(own) == 1 else own[0] * _NANOSECONDS + own[1]
+
+    def _unit(self, time: TimeColumn) -> str | None:
+        kind = self._types[self._cells[time.cells[0]][0]]
+        return str(kind.unit) if _has_unit(kind) else time.unit
 
     def _to_clock(self, parts: list[NDArray[Any]], time: TimeColumn) -> Clock:
-        stamps = parts[0] if len(parts) == 1 else parts[0] * _NANOSECONDS + parts[1]
+        stamps = self._stamps(parts, time)
         names = {self._cells[cell][0] for cell in time.cells}
         edges, lost = np.cumsum([0, *self._sizes]), np.zeros(len(stamps), dtype=np.bool_)
         for name, group in self._damage:
@@ -205,8 +231,7 @@ class ParquetTable(ColumnTable):
                 damage = "; ".join(finding.message for finding in self.findings())
                 raise InputError(f"{self.path}: a damaged Parquet file: {damage}; copy or record it again")
             stamps[lost] = stamps[~lost][0]
-        kind = self._types[self._cells[time.cells[0]][0]]
-        clock = to_clock(stamps, str(kind.unit) if _has_unit(kind) else time.unit, path=str(self.path))
+        clock = to_clock(stamps, self._unit(time), path=str(self.path))
         clock.t[lost] = np.nan
         return clock
 

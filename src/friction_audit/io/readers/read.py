@@ -3,10 +3,11 @@
 A format is added by writing one file with ``recognises``, ``read`` and ``topics``, and its line in READERS.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -29,8 +30,18 @@ from friction_audit.io.readers.reader import (
     refuse_lfs_pointer,
 )
 from friction_audit.io.readers.table import read_table
-from friction_audit.io.recording import Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source, find_window
+from friction_audit.io.recording import Blocks, Recording
+from friction_audit.joint_log import (
+    TORQUE_CHANNELS,
+    Finding,
+    Joined,
+    JointLog,
+    LogInBlocks,
+    LogPart,
+    Source,
+    find_window,
+)
+from friction_audit.parallel import ahead
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
@@ -58,7 +69,7 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
     Raises:
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
-    if options.joint_by_joint:
+    if options.in_blocks:
         with suppress(WholeLogError):
             return _read_log(path, options)
         options = ReadOptions.of(options)
@@ -98,12 +109,14 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
     recording = recording.with_findings(*(one for file, before, _ in files for one in _growth(before, _stamp(file))))
-    log = _log_of_part(recording, options, path=str(path), sha256=contents[0], format=files[0][2].name)
-    if not options.join:
-        return log
+    recording = doubt_current(recording)
+    name, content, form = str(path), contents[0], files[0][2].name
+    if recording.blocks is not None:
+        return _log_in_blocks(recording, recording.blocks, options, path=name, sha256=content, format=form)
+    log = _log_of_part(recording, options, path=name, sha256=content, format=form)
     others = zip(files[1:], contents[1:], strict=True)
     joined = tuple(Joined(path=str(file), sha256=sha, format=reader.name) for (file, _, reader), sha in others)
-    return replace(log, source=replace(log.source, joined=joined))
+    return replace(log, source=replace(log.source, joined=joined)) if joined else log
 
 
 def _own_options(options: ReadOptions, *, first: bool) -> ReadOptions:
@@ -129,7 +142,7 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
     """
     arrays = arrays_of_frame(frame, name)
     recording = convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
-    recording = examine(recording, path=name, robot=options.robot, time_scale=options.time_scale)
+    recording = doubt_current(examine(recording, path=name, robot=options.robot, time_scale=options.time_scale))
     digest = sha256()
     for column, array in arrays.items():
         digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
@@ -137,7 +150,6 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
 
 
 def _log_of_part(recording: Recording, options: ReadOptions, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
-    recording = doubt_current(recording)
     if not options.has_window:
         return to_joint_log(recording, path=path, sha256=sha256, format=format)
     recording = _part(recording, options, path)
@@ -149,8 +161,46 @@ def _log_of_part(recording: Recording, options: ReadOptions, *, path: str, sha25
 def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
     """Make an examined recording a JointLog whose clock starts at 0."""
     first = float(recording.t[0])
+    source = _source(recording, first, path=path, sha256=sha256, format=format)
+    t = recording.t if first == 0.0 else recording.t - first
+    return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
+
+
+def _log_in_blocks(
+    recording: Recording,
+    blocks: Blocks,
+    options: ReadOptions,
+    *,
+    path: str,
+    sha256: str,
+    format: str,  # noqa: A002
+) -> LogInBlocks:
+    source, names = _source(recording, 0.0, path=path, sha256=sha256, format=format), recording.joint_names
+
+    def read() -> Iterator[LogPart]:
+        row = 0
+        for t, channels in ahead(blocks.read(channels=True)):
+            yield LogPart(t=t, **channels, joint_names=names, source=source, first=row)
+            row += len(t)
+
+    return LogInBlocks(
+        t=recording.t,
+        **recording.channels,
+        joint_names=names,
+        source=source,
+        first=0,
+        mean_of=blocks.mean_of,
+        numbers=blocks.numbers,
+        clock=blocks.clock,
+        gaps=blocks.gaps,
+        read=read,
+        read_whole=partial(_read_log, path, ReadOptions.of(options)),
+    )
+
+
+def _source(recording: Recording, first: float, *, path: str, sha256: str, format: str) -> Source:  # noqa: A002
     torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
-    source = Source(
+    return Source(
         path=path,
         sha256=sha256,
         format=format,
@@ -164,8 +214,6 @@ def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -
         clock_windows=recording.clock_windows,
         findings=recording.findings,
     )
-    t = recording.t if first == 0.0 else recording.t - first
-    return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
 
 
 def _part(recording: Recording, options: ReadOptions, path: str) -> Recording:

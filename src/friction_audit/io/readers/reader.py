@@ -19,7 +19,7 @@ MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its
 # Size of the arrays up to which a log is read whole although a part is asked for: units, signs and delays are then
 # judged by all of the log. Beyond, a part is long enough to judge them by. [byte]
 WHOLE_BYTES = 256 << 20
-ON_DEMAND_BYTES = 64 << 20  # larger arrays are read twice instead of kept [byte]
+IN_BLOCKS_BYTES = 64 << 20  # larger arrays are read twice instead of kept [byte]
 _MAPPABLE = ("t", *JOINT_CHANNELS)
 _BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
@@ -136,7 +136,7 @@ class ReadOptions:
 
     partial: ClassVar[bool] = False
     hashed: ClassVar[bool] = True
-    joint_by_joint: ClassVar[bool] = False
+    in_blocks: ClassVar[bool] = False
 
     @classmethod
     def of(cls, other: "ReadOptions", **changed: Any) -> Self:  # noqa: ANN401
@@ -166,6 +166,12 @@ class ReadOptions:
             raise UsageError("--gear-ratio without --torque-constant: expected both, or --torque-scale for a torque")
         if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
             raise UsageError(f"--t-start {self.t_start_s:g} --t-end {self.t_end_s:g}: expected an end after the start")
+
+    @property
+    def as_recorded(self) -> bool:
+        """True if all samples are asked for, with their clock and their torque as they are in the file."""
+        converted = self.flip or self.torque_constant or self.torque_scale
+        return not (self.has_window or converted) and self.time_scale == 1.0
 
     @property
     def has_window(self) -> bool:
@@ -199,10 +205,10 @@ class OneOfSeveral(ReadOptions):
     partial = True
 
 
-class JointByJoint(ReadOptions):
-    """Options with which the columns of a large table are read when they are needed, instead of all at once."""
+class InBlocks(ReadOptions):
+    """Options with which a large table is read block by block, each time that it is needed, instead of kept."""
 
-    joint_by_joint = True
+    in_blocks = True
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -22,9 +22,9 @@ from friction_audit.io.readers.columns import (
     map_long_columns,
 )
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
-from friction_audit.io.readers.reader import ON_DEMAND_BYTES, ReadOptions, refuse_too_large
+from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part
-from friction_audit.io.recording import Recording
+from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float
 
 _RADIANS_PER_DEGREE = np.pi / 180.0
@@ -39,6 +39,7 @@ class Part:
     channels: dict[str, Float]  # channel -> array of shape (n, columns), Fortran order
     joint: NDArray[Any] | None = None  # Joint of each row of a long table, shape (n,), else None
     first_s: float | None = None  # first stamp of the whole table on the clock, where a part was read [s]
+    blocks: Blocks | None = None  # how to read it block by block, instead of the channels
 
 
 class Table(ABC):
@@ -84,11 +85,10 @@ class ColumnTable(Table):
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
-        plain = not (options.has_window or columns.degrees) and options.time_scale == 1.0 and columns.joint is None
-        if options.joint_by_joint and plain and rows * row_bytes > ON_DEMAND_BYTES:
-            # The clock, and the channels of two joints with as much again to work with.
-            refuse_too_large(self.path, rows * np.float64().itemsize * (1 + 4 * len(columns.channels)), packed)
-            part = self.read_on_demand(columns)
+        plain = options.as_recorded and not columns.degrees and columns.joint is None
+        if options.in_blocks and plain and rows * row_bytes > IN_BLOCKS_BYTES:
+            refuse_bomb(self.path, rows * row_bytes, packed)
+            part = self.in_blocks(columns)
             if part is not None:
                 return part
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
@@ -111,8 +111,8 @@ class ColumnTable(Table):
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
         """Read the channels, in the rows of a mask or in all."""
 
-    def read_on_demand(self, columns: ColumnMap) -> Part | None:  # noqa: ARG002
-        """Read the clock alone, and each channel when it is needed; None where the container does not allow that."""
+    def in_blocks(self, columns: ColumnMap) -> Part | None:  # noqa: ARG002
+        """Read the first stamps alone, and say how to read blocks; None where the container does not allow that."""
         return None
 
     def read_all(self, columns: ColumnMap) -> Part:
@@ -167,6 +167,7 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         serial=table.serial,
         mapping={"t": f"{columns.time.name} [{part.clock.unit}]", **columns.mapping},
         findings=columns.findings,
+        blocks=part.blocks,
     )
     return recording if columns.joint is not None else _with_stated(recording, table)
 

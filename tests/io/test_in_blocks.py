@@ -1,6 +1,6 @@
-"""Channels that are read joint by joint give what arrays give."""
+"""A log that is read block by block gives what it gives in memory."""
 
-import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,22 +8,23 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from friction_audit.columns_on_demand import ColumnsOnDemand, is_on_demand
 from friction_audit.io.readers import ReadOptions, read_log
-from friction_audit.io.readers.reader import JointByJoint
-from friction_audit.joint_log import Float
+from friction_audit.io.readers.reader import InBlocks
+from friction_audit.joint_log import LogInBlocks
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.robot import load_arm
 from tests.io.synthetic_recordings import motion
+from tests.pinned.test_pinned import same
 
 CHANNELS = ("q", "dq", "tau_J", "gravity", "tau_interaction", "tau_compensation", "tau_passivity")
 
 
 @pytest.fixture(autouse=True)
 def _small_logs(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("friction_audit.io.readers.table.ON_DEMAND_BYTES", 0)
+    monkeypatch.setattr("friction_audit.io.readers.table.IN_BLOCKS_BYTES", 0)
+    monkeypatch.setattr("friction_audit.io.readers.parquet._BATCH_ROWS", 5003)
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,19 @@ def written(frame: pd.DataFrame, folder: Path, *channels: str) -> Path:
     return folder / "run.parquet"
 
 
+def assert_same(found: Any, expected: Any, where: str = "") -> None:
+    """Compare two documents, numbers to 1e-9."""
+    if isinstance(expected, dict):
+        assert found.keys() == expected.keys(), where
+        for key in expected:
+            assert_same(found[key], expected[key], f"{where}/{key}")
+    elif isinstance(expected, list | tuple) and len(found) == len(expected):
+        for number, (one, other) in enumerate(zip(found, expected, strict=True)):
+            assert_same(one, other, f"{where}/{number}")
+    else:
+        assert same(found, expected, 1e-9), f"{where}: {expected} became {found}"
+
+
 CASES: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "interaction": (("q", "dq", "tau_interaction"), {}),
     "logged gravity": (("q", "dq", "tau_J", "gravity"), {}),
@@ -73,11 +87,11 @@ def test_the_estimate_is_the_same(
         cycles=CycleSettings(thresholds="auto"),
     )
     found = []
-    for options in (ReadOptions(), JointByJoint()):
+    for options in (ReadOptions(), InBlocks()):
         log = read_log(path, options)
-        assert is_on_demand(log.q) is isinstance(options, JointByJoint)
-        found.append(json.dumps(estimate_document(estimate_log(log, settings)), sort_keys=True))
-    assert found[0] == found[1]
+        assert isinstance(log, LogInBlocks) is isinstance(options, InBlocks)
+        found.append(estimate_document(estimate_log(log, settings)))
+    assert_same(found[1], found[0])
 
 
 @pytest.mark.parametrize("fault", ["missing", "wild", "degrees", "dead", "turns", "order", "repeats"])
@@ -101,37 +115,27 @@ def test_a_log_with_a_fault_is_read_at_once(frame: pd.DataFrame, tmp_path: Path,
         moving = frame.index[np.flatnonzero(np.abs(frame["dq_1"]) > 0.1)[100]]
         frame.loc[moving + 1, names] = frame.loc[moving, names]
     path = written(frame, tmp_path, "q", "dq", "tau_interaction")
-    usual, log = read_log(path), read_log(path, JointByJoint())
-    assert not is_on_demand(log.q)
+    usual, log = read_log(path), read_log(path, InBlocks())
+    assert not isinstance(log, LogInBlocks)
     assert log.source == usual.source
     np.testing.assert_array_equal(log.dq, usual.dq)
 
 
-def test_it_behaves_as_an_array() -> None:
-    array = np.arange(12.0).reshape(4, 3)
-    asked: list[int] = []
-
-    def column(number: int) -> Float:
-        asked.append(number)
-        return array[:, number].copy()
-
-    lazy = ColumnsOnDemand(4, [lambda: column(0), lambda: column(1), lambda: column(2)])
-    assert lazy.shape == array.shape
-    assert not asked
-    keys: tuple[Any, ...] = (
-        (slice(None), 1),
-        2,
-        slice(1, 3),
-        np.array([3, 0]),
-        (slice(None, None, 2), 2),
-        (slice(0, 2), [2, 0]),
-    )
-    for key in keys:
-        np.testing.assert_array_equal(lazy[key], array[key])
-    np.testing.assert_array_equal(lazy[:, [2, 0]][:, 0], array[:, 2])
-    np.testing.assert_array_equal(lazy[:, 1:][1:3], array[1:3, 1:])
-    np.testing.assert_array_equal(np.abs(lazy), array)
-    held = lazy.hold(1)
-    asked.clear()
-    np.testing.assert_array_equal(held[:, 1], held[:, 1])
-    assert asked == [1]
+@pytest.mark.parametrize("clock", ["seconds", "nanoseconds", "timestamps"])
+def test_lists_and_exact_clocks_are_read_in_blocks(frame: pd.DataFrame, tmp_path: Path, clock: str) -> None:
+    stamps = np.round(frame["time"].to_numpy() * 1e9).astype(np.int64) + 1_700_000_000_000_000_000
+    t = {"seconds": frame["time"], "nanoseconds": stamps, "timestamps": pd.to_datetime(stamps)}[clock]
+    lists = {
+        channel: frame[[f"{channel}_{j}" for j in range(1, 8)]].to_numpy().tolist()
+        for channel in ("q", "dq", "tau_interaction")
+    }
+    path = tmp_path / "lists.parquet"
+    pd.DataFrame({"time": np.asarray(t), **lists}).to_parquet(path, index=False, row_group_size=7001)
+    usual, log = read_log(path), read_log(path, InBlocks())
+    assert isinstance(log, LogInBlocks)
+    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
+    assert abs(log.source.clock_windows - usual.source.clock_windows) <= 7
+    assert replace(log.source, clock_windows=0) == replace(usual.source, clock_windows=0)
+    parts = list(log.blocks())
+    np.testing.assert_array_equal(np.concatenate([part.t for part in parts]), usual.t)
+    np.testing.assert_array_equal(np.concatenate([part.dq for part in parts]), usual.dq)

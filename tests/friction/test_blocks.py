@@ -1,0 +1,135 @@
+"""The estimate does not depend on the blocks in which a log is read."""
+
+from collections.abc import Iterator
+from dataclasses import fields
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from friction_audit.joint_log import Float, JointLog, LogInBlocks, LogPart, Source, median_step
+from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
+from friction_audit.preprocessing import segmentation
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.preprocessing.sign import coarse_log
+
+RATE_HZ = 200.0
+SOURCE = Source(path="made", sha256="", format="made", robot="unknown")
+
+
+def recorded(seed: int) -> JointLog:
+    """Return two joints with strokes, rests, slow creep and gaps; the second one has gravity, or never moves."""
+    rng = np.random.default_rng(seed)
+    joints = []
+    for joint in range(2):
+        pieces = []
+        while sum(map(len, pieces)) < 60 * RATE_HZ:
+            length, kind = int(rng.uniform(0.3, 4.0) * RATE_HZ), rng.integers(0, 5)
+            speed = rng.uniform(0.3, 1.5) * rng.choice((-1.0, 1.0))
+            shape = np.sin(np.pi * np.arange(length) / length)
+            pieces.append({0: np.zeros(length), 1: np.full(length, 0.01 * speed)}.get(int(kind), speed * shape))
+        velocity = np.concatenate(pieces)[: int(60 * RATE_HZ)]
+        joints.append(np.zeros_like(velocity) if joint and seed % 5 == 0 else velocity)
+    v = np.stack(joints, axis=1) + 0.002 * rng.standard_normal((len(joints[0]), 2))
+    t = np.arange(len(v)) / RATE_HZ
+    kept = np.ones(len(t), dtype=np.bool_)
+    for start in rng.integers(0, len(t), int(rng.integers(0, 3))):
+        kept[start : start + int(rng.integers(1, 200))] = False
+    q = np.cumsum(v, axis=0) / RATE_HZ
+    torque = 0.4 * np.tanh(v / 0.01) + 0.2 * v + 0.03 * rng.standard_normal(v.shape)
+    t, q, v, torque = (signal[kept] for signal in (t, q, v, torque))
+    return JointLog(
+        t=t - t[0],
+        q=np.asfortranarray(q),
+        dq=np.asfortranarray(v),
+        tau_J=np.asfortranarray(torque + np.sin(q)),
+        gravity=np.asfortranarray(np.sin(q)),
+        tau_interaction=np.asfortranarray(torque),
+        joint_names=("one", "two"),
+        source=SOURCE,
+    )
+
+
+def in_blocks(log: JointLog, borders: list[int]) -> LogInBlocks:
+    coarse = coarse_log(log)
+
+    def read() -> Iterator[LogPart]:
+        for first, stop in pairwise([0, *borders, len(log.t)]):
+            own = {name: np.asfortranarray(array[first:stop]) for name, array in log.channels().items()}
+            yield LogPart(t=log.t[first:stop], **own, joint_names=log.joint_names, source=log.source, first=first)
+
+    return LogInBlocks(
+        t=coarse.t,
+        **{name: coarse.mean(array) for name, array in log.channels().items()},
+        joint_names=log.joint_names,
+        source=log.source,
+        first=0,
+        mean_of=coarse.samples,
+        numbers=np.arange(len(coarse.t)),
+        clock=(len(log.t), float(log.t[-1]), median_step(log.t)),
+        gaps=log.gaps_longer_than(0.0),
+        read=read,
+        read_whole=lambda: log,
+    )
+
+
+def assert_same_cycles(found: EnergyCycles, expected: EnergyCycles) -> None:
+    for name in ("joint", "start", "stop", "open", "reason"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name)
+    for name in ("start_s", "stop_s", "peak_speed_rad_s", "moving_s", "fastest", "initiation", "termination"):
+        np.testing.assert_allclose(getattr(found, name), getattr(expected, name), rtol=1e-9, err_msg=name)
+    for field in fields(expected.sums):
+        own, other = getattr(found.sums, field.name), getattr(expected.sums, field.name)
+        np.testing.assert_allclose(own, other, rtol=1e-9, atol=1e-11, err_msg=field.name)
+
+
+def assert_same(found: Estimate, expected: Estimate) -> None:
+    assert_same_cycles(found.cycles, expected.cycles)
+    assert found.friction.warnings == expected.friction.warnings
+    for own, other in zip(found.friction.joints, expected.friction.joints, strict=True):
+        assert (own.reason, own.cycles, own.method) == (other.reason, other.cycles, other.method)
+        for name in ("coulomb", "viscous"):
+            one, same = getattr(own, name), getattr(other, name)
+            np.testing.assert_allclose((one.value, one.low, one.high), (same.value, same.low, same.high), rtol=1e-9)
+            values: list[Float] = [np.array(joint.history.of(name)) for joint in (own, other)]
+            np.testing.assert_allclose(*values, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("gravity", ["logged", "in-torque"])
+@given(
+    seed=st.integers(0, 1000),
+    sizes=st.lists(st.integers(40, 4000), min_size=1, max_size=60),
+    thresholds=st.sampled_from(["fixed", "auto"]),
+    longest_s=st.sampled_from([2.0, 5.0, 300.0]),
+)
+def test_block_borders_change_nothing(
+    gravity: str, seed: int, sizes: list[int], thresholds: str, longest_s: float
+) -> None:
+    log = recorded(seed)
+    borders = [border for border in np.cumsum(sizes).tolist() if border < len(log.t)]
+    settings = AuditSettings(
+        torque=TorqueSettings(torque="tau_J", gravity=gravity, drive="robot"),
+        cycles=CycleSettings(thresholds=thresholds),
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(segmentation, "LONGEST_S", longest_s)
+        assert_same(estimate_log(in_blocks(log, borders), settings), estimate_log(log, settings))
+
+
+def test_memory_is_bounded_where_a_joint_rests_or_never_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is kept between blocks is no more than twice the longest cycle and a few samples."""
+    monkeypatch.setattr(segmentation, "LONGEST_S", 2.0)
+    log = recorded(5)
+    kept = []
+
+    class Watched(segmentation.CycleSearch):
+        def take(self, *arguments: object, **options: bool) -> None:
+            super().take(*arguments, **options)  # type: ignore[arg-type]
+            kept.append(len(self._signal))
+
+    monkeypatch.setattr(segmentation, "CycleSearch", Watched)
+    estimate_log(in_blocks(log, list(range(100, len(log.t), 100))), AuditSettings())
+    assert max(kept) <= 2 * 2.0 * RATE_HZ + 100
