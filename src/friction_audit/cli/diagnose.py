@@ -76,7 +76,12 @@ def command(
     out = ResultFolder(folder=folder, name="diagnose", figures=kinds, formats=formats, exports=export, overwrite=again)
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
     with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "scipy.signal"):
+        with chain.loading(
+            "friction_audit.friction.estimate",
+            "friction_audit.diagnosis.diagnose",
+            "scipy.ndimage",
+            "scipy.interpolate",
+        ):
             recorded = chain.read(log, reading, stages)
         if settings.model is not None:
             chain.check_joint_model(options.joint_model, settings.model, recorded)

@@ -10,6 +10,7 @@ from math import exp
 
 import numpy as np
 
+from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side
 from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
@@ -58,12 +59,14 @@ class FrictionalLag(BatchedEffect):
         return several_speeds(data, nominal)
 
 
+@compiled()
 def lagged(signal: Float, step_s: float, lag_s: float) -> Float:
     """Return a signal behind a first-order delay, from its first value on, shape (n,)."""
-    from scipy.signal import lfilter
-
-    keep = exp(-step_s / lag_s)
-    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * signal[0]])[0])
+    keep, last, out = exp(-step_s / lag_s), signal[0], np.empty(len(signal))
+    for i in range(len(signal)):
+        last = (1.0 - keep) * signal[i] + keep * last
+        out[i] = last
+    return out
 
 
 EFFECT = FrictionalLag(

@@ -7,6 +7,7 @@ line damps the more the farther from a sample, so that delays of half a step wou
 """
 
 from collections.abc import Iterator, Sequence
+from math import ceil
 
 import numpy as np
 
@@ -34,11 +35,10 @@ class TimeDelay(BatchedEffect):
             rest = simple_torque(motion)
             if loaded and motion.load is not None:
                 rest = rest + motion.load
-            spline = CubicSpline(motion.t, rest)
+            pieces, spacing = CubicSpline(motion.t, rest).c, float(motion.t[-1] - motion.t[0]) / (len(motion.t) - 1)
             for place, (step, with_load) in enumerate(many):
                 if bool(round(with_load)) is loaded:
-                    late = spline(np.clip(motion.t - step, motion.t[0], motion.t[-1]))
-                    yield place, np.asarray((late - rest) / step)[:, None]
+                    yield place, (_late(pieces, rest, step / spacing, spacing) - rest)[:, None] / step
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
@@ -61,6 +61,18 @@ class TimeDelay(BatchedEffect):
         share = coefficients[0] / at["delay_step_s"]
         least = 0.0 if abs(at["delay_step_s"]) <= STEPS_S[0] else LEAST_SHARE
         return bool(least < share <= LARGEST_SHARE)
+
+
+def _late(pieces: Float, values: Float, samples: float, spacing: float) -> Float:
+    """Values at all samples of an even grid, late by part of a sample, on a spline: all are as far into their piece."""
+    n, back = len(values), ceil(samples)
+    into = (back - samples) * spacing
+    late = np.where(np.arange(n) < back, values[0], values[-1])
+    first, last = max(back, 0), min(n - 1 + back, n)
+    if first < last:
+        cubic, square, slope, level = pieces[:, first - back : last - back]
+        late[first:last] = ((cubic * into + square) * into + slope) * into + level
+    return late
 
 
 EFFECT = TimeDelay(

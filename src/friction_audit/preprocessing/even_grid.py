@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
 
 GRID_HZ = 400.0
@@ -40,10 +41,40 @@ def kaiser_low_pass(corner_hz: float, rate_hz: float) -> Float:
         corner_hz: Half of the amplitude passes here, none from twice of it on. [Hz]
         rate_hz: Of the samples. [Hz]
     """
-    from scipy.signal import firwin, kaiserord
+    # Number of weights and shape of the window by J. F. Kaiser (ISCAS 1974, 20), for more than 50 dB.
+    taps = int(np.ceil((STOPBAND_DB - 7.95) / (2.285 * np.pi * corner_hz / (rate_hz / 2)) + 1.0))
+    return windowed_sinc(np.kaiser(taps | 1, 0.1102 * (STOPBAND_DB - 8.7)), corner_hz, rate_hz)
 
-    taps, beta = kaiserord(STOPBAND_DB, corner_hz / (rate_hz / 2))
-    return np.asarray(firwin(taps | 1, corner_hz, window=("kaiser", beta), fs=rate_hz), np.float64)
+
+def windowed_sinc(window: Float, corner_hz: float, rate_hz: float) -> Float:
+    """Return the weights of a symmetric low-pass, sum 1: ``firwin`` of scipy.signal, which takes half a second to load.
+
+    Args:
+        window: An odd number of values.
+        corner_hz: Half of the amplitude passes here. [Hz]
+        rate_hz: Of the samples. [Hz]
+    """
+    place = np.arange(len(window)) - len(window) // 2
+    weights = window * np.sinc(2.0 * corner_hz / rate_hz * place)
+    return np.asarray(weights / weights.sum())
+
+
+@compiled(any_order=True)
+def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
+    """Weighted sums of an odd number of samples about some of them, shape (m,), the ends held; rows (p, n): (p, m)."""
+    half, n = len(kernel) // 2, rows.shape[1]
+    out = np.empty((len(rows), len(centre)))
+    for k in range(len(rows)):
+        for i in range(len(centre)):
+            first, total = centre[i] - half, 0.0
+            if first >= 0 and first + len(kernel) <= n:
+                for j in range(len(kernel)):
+                    total += kernel[j] * rows[k, first + j]
+            else:
+                for j in range(len(kernel)):
+                    total += kernel[j] * rows[k, min(max(first + j, 0), n - 1)]
+            out[k, i] = total
+    return out
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -121,14 +152,9 @@ class LowPass:
         return np.asarray(ends[place] <= self.t - self.reach_s + 1e-9, bool)
 
     def _apply(self, even: Float, kernel: Float) -> Float:
-        from scipy.signal import upfirdn
-
-        # The full convolution at index start + i * every is centred on grid sample i; zeros in front make it decimable.
-        start = (len(self.slope) + len(kernel)) // 2 - 1
-        front = -start % self.every
-        coarse = upfirdn(np.append(np.zeros(front), kernel), even, down=self.every)
-        first = (start + front) // self.every
-        return np.asarray(coarse[first : first + len(self.t)], np.float64)
+        centre = len(self.slope) // 2 + self.every * np.arange(len(self.t))
+        # Convolution: the weights backwards.
+        return np.asarray(filtered(even[None], np.ascontiguousarray(kernel[::-1]), centre)[0])
 
 
 def gaps(t: Float) -> NDArray[np.int64]:
