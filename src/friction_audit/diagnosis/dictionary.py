@@ -146,9 +146,9 @@ class Dictionary:
     ) -> Iterator[tuple[int, Float]]:
         """Yield place and columns on the samples, shape (p, m), each link with a nominal model of its own.
 
-        That is fitted with the link to a response, shape (m,). A link that cannot be is left out, and none is built
-        again whose nominal model is hardly another (safe screening; L. El Ghaoui, V. Viallon, T. Rabbani, Pacific J.
-        Optimization 8 (2012) 667): two of three.
+        That is fitted with the link to a response, shape (m,). Two of three links keep the columns that follow from the
+        given one: because they cannot be (safe screening; L. El Ghaoui, V. Viallon, T. Rabbani, Pacific J. Optimization
+        8 (2012) 667), or because their own one is hardly another.
         """
         data, nominals, again = self.problem.data, [baseline] * len(shapes), list(range(len(shapes)))
         if effect.transmits:
@@ -159,14 +159,13 @@ class Dictionary:
             for place, fine in effect.regressors(data, baseline, shapes):
                 columns = self.problem.columns(fine)
                 torque = effect.coefficient_of(shapes[place]) * columns[0]
-                if torque @ torque - (X @ torque) @ (fit @ torque) > most:
-                    continue
                 fitted = dict(zip(names, (fit @ (y - torque)).tolist(), strict=True))
                 changes: dict[str, float] = {
                     name: float(np.clip(fitted[name] - value, -FARTHEST * abs(value), FARTHEST * abs(value)))
                     for name, value in own.items()
                 }
-                if all(abs(change) <= CHANGED * abs(own[name]) for name, change in changes.items()):
+                small = all(abs(change) <= CHANGED * abs(own[name]) for name, change in changes.items())
+                if small or torque @ torque - (X @ torque) @ (fit @ torque) > most:
                     yield place, columns
                 else:
                     changed: dict[str, Any] = {name: own[name] + change for name, change in changes.items()}

@@ -4,12 +4,12 @@ B. Armstrong-Helouvry, Control of Machines with Friction, 1991, section 4.4: fri
 position. A wave under a bell is a patch where the bell is narrower than the wave is long.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
 from friction_audit.effects.excitation import both_directions, span
 from friction_audit.effects.joint_data import JointData, Nominal, reach
 from friction_audit.effects.parameter import Parameter
@@ -21,13 +21,16 @@ ORDER, CENTRE, WIDTH = "position_friction_order", "position_friction_centre_rad"
 EVERYWHERE = 1e6  # width of a bell that does not matter
 
 
-class PositionDependentFriction(Effect):
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns."""
-        order, centre, width = values
-        off = motion.q - centre
-        bell = motion.direction * np.exp(-0.5 * (off / width) ** 2)
-        return np.stack([bell * np.cos(order * off), bell * np.sin(order * off)]).T
+class PositionDependentFriction(BatchedEffect):
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
+        for centre, width in dict.fromkeys((centre, width) for _, centre, width in many):
+            off = motion.q - centre
+            bell = motion.direction if width >= EVERYWHERE else motion.direction * np.exp(-0.5 * (off / width) ** 2)
+            for place, (order, *own) in enumerate(many):
+                if own == [centre, width]:
+                    wave = (np.cos(order * off), np.sin(order * off)) if order else (1.0, 0.0)
+                    yield place, np.stack([bell * wave[0], bell * wave[1]]).T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Waves from half a period over the range on, half a period apart; patches a width and a half apart.
