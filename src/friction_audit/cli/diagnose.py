@@ -26,7 +26,7 @@ EXAMPLES = """Examples:
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
 LENGTH = 10.0  # of the diagnosis, compared with reading
 # While the log is read: what processes would load one by one after they are forked.
-LOADED = ("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "scipy.ndimage", "scipy.interpolate")
+LOADED = ("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "scipy.ndimage")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

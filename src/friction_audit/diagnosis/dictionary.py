@@ -133,7 +133,7 @@ class Dictionary:
                 out[place] = Block(
                     effect=effect,
                     shape=dict(shapes[place]),
-                    stored=columns[there][:, self.order].astype(STORED),
+                    stored=columns.astype(STORED)[np.ix_(there, self.order)],
                     back=self.back,
                     there=there,
                     log_prior=-float(np.log(len(shapes))),
@@ -181,7 +181,7 @@ class Dictionary:
             own = [block for block in self.blocks if block.effect is effect]
             if effect.needs_nominal and own:
                 for place, columns in self._built(effect, [block.shape for block in own], baseline, y):
-                    own[place].stored = columns[own[place].there][:, self.order].astype(STORED)
+                    own[place].stored = columns.astype(STORED)[np.ix_(own[place].there, self.order)]
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""

@@ -102,7 +102,7 @@ def _at_lag(residual: Float, age: Index, lag: int) -> float:
     return float(residual[later] @ residual[later - lag]) / max(len(later), 1)
 
 
-@compiled()
+@compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
 def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Float:
     order, n = len(predictors) - 1, columns.shape[1]
     out, young = np.empty_like(columns), np.flatnonzero(age < order)

@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import on_finer_grid
 
 # Of a link: mass, first moments x, y, z, and the moments of inertia xx, xy, yy, xz, yz, zz about its joint's frame.
 INERTIAL_PARAMETERS = 10
@@ -15,6 +17,8 @@ INERTIAL_PARAMETERS = 10
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class RigidBody:
     """Torques of one joint per unit of what may be wrong with the rigid-body model of the arm, at m times.
+
+    Most of the memory of a diagnosis: single precision is enough for weight and tip.
 
     Attributes:
         t: Times, coarse enough to be stored, fine enough to be interpolated, shape (m,). [s]
@@ -28,31 +32,27 @@ class RigidBody:
 
     t: Float
     links: tuple[int, ...]
-    weight: Float
+    weight: NDArray[np.floating[Any]]
     tilt: Float
     inertial: Float | None
-    tip: Float | None
+    tip: NDArray[np.floating[Any]] | None
     _kept: "list[RigidBody]" = field(default_factory=list, init=False, repr=False)
 
     def on(self, t: Float) -> "RigidBody":
-        """The torques at the times of a motion, by cubic splines; those of the last motion are kept."""
+        """The torques at even times, of which theirs are some, by cubic splines; those of the last times are kept."""
         if len(self.t) == len(t) and np.array_equal(self.t, t):
             return self
         if self._kept and self._kept[-1].t is t:
             return self._kept[-1]
-        weight = np.empty((len(t), *self.weight.shape[1:]))
+        every, n = round((self.t[1] - self.t[0]) / (t[1] - t[0])), len(t)
+        weight = np.empty((n, *self.weight.shape[1:]), np.float32)
         for k in range(weight.shape[1]):  # one after the other: a spline takes several times the memory of its values
-            weight[:, k] = _interpolated(self.t, self.weight[:, k], t)
-        inertial, tip = (None if one is None else _interpolated(self.t, one, t) for one in (self.inertial, self.tip))
-        tilt = _interpolated(self.t, self.tilt, t)
+            weight[:, k] = on_finer_grid(self.weight[:, k], every, n)
+        inertial = None if self.inertial is None else on_finer_grid(self.inertial, every, n)
+        tip = None if self.tip is None else on_finer_grid(self.tip, every, n).astype(np.float32)
+        tilt = on_finer_grid(self.tilt, every, n)
         self._kept[:] = [RigidBody(t=t, links=self.links, weight=weight, tilt=tilt, inertial=inertial, tip=tip)]
         return self._kept[-1]
-
-
-def _interpolated(times: Float, torque: Float, t: Float) -> Float:
-    from scipy.interpolate import CubicSpline
-
-    return np.asarray(CubicSpline(times, torque, axis=0)(t), np.float64)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

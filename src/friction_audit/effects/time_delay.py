@@ -7,7 +7,6 @@ line damps the more the farther from a sample, so that delays of half a step wou
 """
 
 from collections.abc import Iterator, Sequence
-from math import ceil
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import EvenSpline
 
 STEPS_S = np.geomspace(1e-3, 0.1, 13)
 # Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it.
@@ -29,16 +29,14 @@ class TimeDelay(BatchedEffect):
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield (rest(t - s) - rest(t)) / s, first and last value held, of the torque with the load or without."""
-        from scipy.interpolate import CubicSpline
-
         for loaded in {bool(round(with_load)) for _, with_load in many}:
             rest = simple_torque(motion)
             if loaded and motion.load is not None:
                 rest = rest + motion.load
-            pieces, spacing = CubicSpline(motion.t, rest).c, float(motion.t[-1] - motion.t[0]) / (len(motion.t) - 1)
+            spline, spacing = EvenSpline(rest), float(motion.t[-1] - motion.t[0]) / (len(motion.t) - 1)
             for place, (step, with_load) in enumerate(many):
                 if bool(round(with_load)) is loaded:
-                    yield place, (_late(pieces, rest, step / spacing, spacing) - rest)[:, None] / step
+                    yield place, (spline.ahead(-step / spacing) - rest)[:, None] / step
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
@@ -61,18 +59,6 @@ class TimeDelay(BatchedEffect):
         share = coefficients[0] / at["delay_step_s"]
         least = 0.0 if abs(at["delay_step_s"]) <= STEPS_S[0] else LEAST_SHARE
         return bool(least < share <= LARGEST_SHARE)
-
-
-def _late(pieces: Float, values: Float, samples: float, spacing: float) -> Float:
-    """Values at all samples of an even grid, late by part of a sample, on a spline: all are as far into their piece."""
-    n, back = len(values), ceil(samples)
-    into = (back - samples) * spacing
-    late = np.where(np.arange(n) < back, values[0], values[-1])
-    first, last = max(back, 0), min(n - 1 + back, n)
-    if first < last:
-        cubic, square, slope, level = pieces[:, first - back : last - back]
-        late[first:last] = ((cubic * into + square) * into + slope) * into + level
-    return late
 
 
 EFFECT = TimeDelay(
