@@ -62,14 +62,16 @@ def subjects_of(
         arm: The model of the arm where it is known.
     """
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
-    for data in prepare(interaction, cycles, log, arm):
+    prepared = prepare(interaction, cycles, log, arm)
+    findings = per_joint(lambda k: audit_data(log, interaction, prepared[k]), len(prepared))
+    for data, found_in_data in zip(prepared, findings, strict=True):
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(
                 data=data,
                 number=number,
                 name=interaction.joint_names[data.joint],
-                findings=audit_data(log, interaction, data),
+                findings=found_in_data,
                 from_energy={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous},
                 model=None if settings.model is None else settings.model.joints[number - 1],
                 known_inertia_kg_m2=float(inertias[number - 1]),

@@ -133,13 +133,17 @@ class Dictionary:
                 out[place] = Block(
                     effect=effect,
                     shape=dict(shapes[place]),
-                    stored=columns.astype(STORED)[np.ix_(there, self.order)],
+                    stored=self._stored(columns, there),
                     back=self.back,
                     there=there,
                     log_prior=-float(np.log(len(shapes))),
                     numbers=sum(name in shapes[place] for name in varying),
                 )
         return [block for block in out if block is not None]
+
+    def _stored(self, columns: Float, there: NDArray[np.bool_]) -> NDArray[np.float32]:
+        kept = columns if there.all() else columns[there]
+        return np.take(kept.astype(STORED), self.order, axis=1)
 
     def _built(
         self, effect: Effect, shapes: Sequence[Nonlinear], baseline: Nominal, y: Float
@@ -181,7 +185,7 @@ class Dictionary:
             own = [block for block in self.blocks if block.effect is effect]
             if effect.needs_nominal and own:
                 for place, columns in self._built(effect, [block.shape for block in own], baseline, y):
-                    own[place].stored = columns.astype(STORED)[np.ix_(own[place].there, self.order)]
+                    own[place].stored = self._stored(columns, own[place].there)
 
     def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""

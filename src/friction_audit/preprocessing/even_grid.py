@@ -107,6 +107,21 @@ class EvenSpline:
         return np.asarray(sum(weight / 6.0 * near[k : n + k] for k, weight in enumerate(weights)))
 
 
+def natural_spline(t: Float, values: Float, at: Float) -> Float:
+    """Return the natural cubic spline through values at increasing times, at other times (de Boor 1978, chapter 4)."""
+    from scipy.linalg import solveh_banded
+
+    step, bend = np.diff(t), np.zeros(len(t))
+    if len(t) > 2:  # noqa: PLR2004 - else a line
+        slopes = np.diff(values) / step
+        diagonal, off = 2.0 * (step[:-1] + step[1:]), np.append(0.0, step[1:-1])
+        bend[1:-1] = solveh_banded(np.stack([off, diagonal]), 6.0 * np.diff(slopes))
+    k = np.clip(np.searchsorted(t, at) - 1, 0, len(t) - 2)
+    h, before, after = step[k], at - t[k], t[k + 1] - at
+    cubic = (bend[k] * after * (after**2 - h**2) + bend[k + 1] * before * (before**2 - h**2)) / 6.0
+    return np.asarray((cubic + values[k] * after + values[k + 1] * before) / h)
+
+
 def on_finer_grid(values: NDArray[np.floating[Any]], every: int, n: int) -> Float:
     """Return values at n samples, shape (n, ...), from those at every so many of them, by a cubic spline."""
     if every == 1:
@@ -176,10 +191,11 @@ class LowPass:
         even = np.interp(self.fine, t, position)
         lost = np.flatnonzero(np.diff(t) > LOST_STEPS * median_step(t))
         if len(lost):
-            from scipy.interpolate import CubicSpline
-
-            inside = np.isin(np.searchsorted(t, self.fine) - 1, lost)
-            even[inside] = CubicSpline(t, position)(self.fine[inside])
+            # What is farther away than this is not felt.
+            near = np.unique(np.clip(lost[:, None] + np.arange(-HELD, HELD + 2), 0, len(t) - 1))
+            bounds = np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
+            inside = np.concatenate([np.arange(*one) for one in bounds.T])
+            even[inside] = natural_spline(t[near], position[near], self.fine[inside])
         return self._apply(even, self.kernel), self._apply(even, self.slope)
 
     def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
