@@ -1,11 +1,12 @@
 """Where simulation and measurement disagree, joint by joint."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from friction_audit.diagnosis.data_audit import audit_data
+from friction_audit.diagnosis.data_audit import audit_clock, audit_data
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
 from friction_audit.diagnosis.prepare import prepare
@@ -63,12 +64,13 @@ def subjects_of(
     """
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
     prepared = prepare(interaction, cycles, log, arm)
-    findings = per_joint(lambda k: audit_data(log, interaction, prepared[k]), len(prepared))
+    clock = audit_clock(log)
+    findings = per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared))
     for data, found_in_data in zip(prepared, findings, strict=True):
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(
-                data=data,
+                data=replace(data, logged_dq=None),  # the audit alone has looked at it
                 number=number,
                 name=interaction.joint_names[data.joint],
                 findings=found_in_data,
