@@ -191,10 +191,10 @@ class LowPass:
         even = np.interp(self.fine, t, position)
         lost = np.flatnonzero(np.diff(t) > LOST_STEPS * median_step(t))
         if len(lost):
+            n, bounds = len(t), np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
             # What is farther away than this is not felt.
-            near = np.unique(np.clip(lost[:, None] + np.arange(-HELD, HELD + 2), 0, len(t) - 1))
-            bounds = np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
-            inside = np.concatenate([np.arange(*one) for one in bounds.T])
+            near = _within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
+            inside = _within(bounds[0], bounds[1], len(self.fine))
             even[inside] = natural_spline(t[near], position[near], self.fine[inside])
         return self._apply(even, self.kernel), self._apply(even, self.slope)
 
@@ -211,6 +211,12 @@ class LowPass:
         centre = len(self.slope) // 2 + self.every * np.arange(len(self.t))
         # Convolution: the weights backwards.
         return np.asarray(filtered(even[None], np.ascontiguousarray(kernel[::-1]), centre)[0])
+
+
+def _within(starts: NDArray[np.int64], stops: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    """Places 0..n-1 within any of some ranges."""
+    change = np.bincount(starts, minlength=n + 1) - np.bincount(stops, minlength=n + 1)
+    return np.flatnonzero(np.cumsum(change[:n]))
 
 
 def gaps(t: Float) -> NDArray[np.int64]:
