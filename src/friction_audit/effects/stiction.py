@@ -6,7 +6,7 @@ over the path x since the onset. What a joint at rest could have borne is in thi
 however small, already has the sign of the motion that follows: at break-away. Before, it bears what it is asked to.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.breakaway import breakaways_of, torque_known
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import BatchedEffect, Nonlinear
 from friction_audit.effects.excitation import moves
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
@@ -29,15 +29,16 @@ SPAN_SHARES = np.geomspace(3e-4, 0.03, 6)  # longer ones as shares of the span o
 FEWEST_BREAKAWAYS = 6
 
 
-class Stiction(Effect):
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return the excess after every onset per unit of that after a long rest, as a column."""
-        ageing, path = values
+class Stiction(BatchedEffect):
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield the excess after every onset per unit of that after a long rest, each as a column."""
         slow = REST_SHARE * float(np.sqrt(np.mean(motion.dq**2)))
         way = np.sign(motion.dq)
         rest, slid = since_onset(motion.q, way, np.abs(motion.dq) > slow, float(motion.t[1] - motion.t[0]))
-        aged = -np.expm1(-rest / ageing)
-        return np.asarray(way * aged * np.exp(-slid / path))[:, None]
+        aged = {ageing: way * -np.expm1(-rest / ageing) for ageing in {ageing for ageing, _ in many}}
+        for path in dict.fromkeys(path for _, path in many):
+            left = np.exp(-slid / path)
+            yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All ageings with all paths of renewal."""

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import BatchedEffect, Nonlinear
 from friction_audit.effects.excitation import span
@@ -42,11 +43,10 @@ class TorqueRipple(BatchedEffect):
         if len(steps) == 0 or np.ptp(steps) > SAME_STEP * np.abs(orders).max():
             yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
             return
-        cosine, sine = self.columns(motion, [float(np.mean(steps))]).T
-        wave = self.columns(motion, many[0]).T
+        turn, wave = self.columns(motion, [float(np.mean(steps))]).T, self.columns(motion, many[0]).T
         for place in range(len(orders)):
             yield place, wave.T
-            wave = np.stack([wave[0] * cosine - wave[1] * sine, wave[0] * sine + wave[1] * cosine])
+            wave = _turned(wave, turn)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Orders of the range, as far as they reach."""
@@ -57,6 +57,16 @@ class TorqueRipple(BatchedEffect):
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         return span(data, nominal, 0.5)
+
+
+@compiled()
+def _turned(wave: Float, turn: Float) -> Float:
+    """Cosine and sine of the sum of two angles, shape (2, n) each."""
+    out = np.empty_like(wave)
+    for i in range(wave.shape[1]):
+        out[0, i] = wave[0, i] * turn[0, i] - wave[1, i] * turn[1, i]
+        out[1, i] = wave[0, i] * turn[1, i] + wave[1, i] * turn[0, i]
+    return out
 
 
 def order_range(data: JointData) -> tuple[float, float]:
