@@ -1,6 +1,7 @@
 """Where simulation and measurement disagree, joint by joint."""
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
 
@@ -16,7 +17,7 @@ from friction_audit.effects.registry import effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.joint_log import JointLog
-from friction_audit.parallel import in_processes, per_joint, workers_for
+from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, per_joint, workers_for
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.robot import Arm
@@ -93,8 +94,11 @@ def diagnose_subjects(
         """Diagnose a joint; an error is the result of this joint and not the end of the others."""
         subject = subjects[k]
         unanswered = partial(JointDiagnosis, joint=subject.number, name=subject.name, from_energy=subject.from_energy)
+        # The last of an odd number of joints has a second core to itself, for the columns of its effects.
+        last = k == joints - 1 and joints % (workers if workers > 1 else WORKERS) == 1
         try:
-            return diagnose_joint(subject, candidates, settings)
+            with nullcontext() if last else one_joint_at_a_time():
+                return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
             return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run

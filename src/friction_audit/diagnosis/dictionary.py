@@ -13,6 +13,7 @@ from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, speeds
 from friction_audit.effects.torque_ripple import order_range
 from friction_audit.joint_log import Float
+from friction_audit.parallel import per_joint as side_by_side
 
 EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
 """Every so many points of a grid: neighbours are refined afterwards."""
@@ -113,12 +114,16 @@ class Dictionary:
     def build(cls, problem: RegressionProblem, effects: Sequence[Effect], baseline: Nominal) -> "Dictionary":
         """Ask every effect whether the log can show it, and build its columns over its grid."""
         made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline)
-        for effect in made.effects:
+
+        def of(k: int) -> tuple[str | None, list[Block]]:
+            effect = made.effects[k]
             why = effect.not_identifiable(problem.data, baseline)
+            return why, made.build_blocks(effect, grid_of(effect, problem.data, why is None))
+
+        for effect, (why, blocks) in zip(made.effects, side_by_side(of, len(made.effects)), strict=True):
             if why is not None:
                 made.not_testable[effect.name] = why
-            shapes = grid_of(effect, problem.data, why is None)
-            made.blocks += made.build_blocks(effect, shapes)
+            made.blocks += blocks
         return made
 
     def build_blocks(self, effect: Effect, shapes: Sequence[Nonlinear], baseline: Nominal | None = None) -> list[Block]:
