@@ -47,7 +47,6 @@ def moved_joint(
         dq=dq,
         ddq=ddq,
         torque=torque + noise,
-        gravity=None,
         temperature=None,
         others_dq=dq[:, None],
         others_ddq=ddq[:, None],

@@ -20,7 +20,7 @@ def started_and_stopped(noise_nm: float = 0.0, starts: int = 20) -> JointData:
     signed, ddq = signed_rest(dq, np.gradient(dq, t), find_breakaways(q, dq, 3e-3, 1 / 400), 3e-3)
     noise = noise_nm * np.random.default_rng(0).standard_normal(len(t))
     return JointData(
-        joint=0, t=t, q=q, dq=signed, ddq=ddq, torque=torque + noise, gravity=None, temperature=None,
+        joint=0, t=t, q=q, dq=signed, ddq=ddq, torque=torque + noise, temperature=None,
         others_dq=dq[:, None], others_ddq=ddq[:, None], others_torque=torque[:, None],
         cycle=(t // 1.0).astype(np.int64), moving=np.abs(dq) > 3e-3, valid=np.ones(len(t), bool),
         dead_speed_rad_s=3e-3,

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.data_audit import DataFinding, audit_data, faults
+from friction_audit.diagnosis.data_audit import DataFinding, audit_clock, audit_data, faults
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Finding, JointLog
@@ -24,7 +24,7 @@ def clean() -> tuple[JointLog, Interaction, JointData]:
 
 
 def found(clean: tuple[JointLog, Interaction, JointData], data: JointData) -> dict[str, DataFinding]:
-    return {finding.code: finding for finding in audit_data(clean[0], clean[1], data)}
+    return {finding.code: finding for finding in audit_data(clean[0], clean[1], data, audit_clock(clean[0]))}
 
 
 def test_delay_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -> None:
@@ -37,7 +37,8 @@ def test_delay_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -
 def test_stamps_of_batches_are_a_fault(clean: tuple[JointLog, Interaction, JointData]) -> None:
     log, interaction, data = clean
     batched = replace(log.source, findings=(Finding(code="batched_stamps", message="", amount=9.0),))
-    codes = {one.code for one in faults(audit_data(replace(log, source=batched), interaction, data))}
+    log = replace(log, source=batched)
+    codes = {one.code for one in faults(audit_data(log, interaction, data, audit_clock(log)))}
     assert codes == {"batched_stamps"}
 
 
@@ -55,7 +56,9 @@ def test_a_velocity_that_is_too_large_is_found_where_the_position_is_quieter_too
         estimate = estimate_log(spoilt, AuditSettings())
         (data,) = prepare(estimate.interaction, estimate.cycles, spoilt)
         assert data.derived_from == "q"
-        assert {finding.code for finding in faults(audit_data(spoilt, estimate.interaction, data))} == codes
+        assert {
+            finding.code for finding in faults(audit_data(spoilt, estimate.interaction, data, audit_clock(spoilt)))
+        } == codes
 
 
 def test_a_turned_velocity_is_a_fault(clean: tuple[JointLog, Interaction, JointData]) -> None:
@@ -69,7 +72,7 @@ def test_a_motion_that_gains_energy_has_one_score_in_estimate_and_diagnosis() ->
     turned = replace(log, tau_J=log.tau_interaction, tau_interaction=None)  # the hand's row turns it
     estimate = estimate_log(turned, AuditSettings(torque=TorqueSettings(drive="hand")))
     (data,) = prepare(estimate.interaction, estimate.cycles, turned)
-    gaining = {one.code: one for one in audit_data(turned, estimate.interaction, data)}["power"]
+    gaining = {one.code: one for one in audit_data(turned, estimate.interaction, data, audit_clock(turned))}["power"]
     (evidence,) = estimate.interaction.choice.sign_evidence
     assert (gaining.verdict, evidence.verdict) == ("fault", "falls")
     assert gaining.value == evidence.score < -10.0

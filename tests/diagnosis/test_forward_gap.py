@@ -35,7 +35,6 @@ def data_of(t: Float, torque: Float, q: Float, dq: Float, ddq: Float) -> JointDa
         dq=dq,
         ddq=ddq,
         torque=torque,
-        gravity=None,
         temperature=None,
         others_dq=dq[:, None],
         others_ddq=ddq[:, None],

@@ -22,7 +22,6 @@ def joint_data(q: Float, dq: Float, ddq: Float, *, joints: int = 3, joint: int =
         dq=dq,
         ddq=ddq,
         torque=rng.normal(size=n),
-        gravity=np.cos(q),
         temperature=25.0 + t / 60.0,
         others_dq=rng.normal(size=(n, joints)),
         others_ddq=rng.normal(size=(n, joints)),

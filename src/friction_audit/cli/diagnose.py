@@ -1,5 +1,6 @@
 """``friction-audit diagnose``."""
 
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -25,6 +26,14 @@ EXAMPLES = """Examples:
 
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
 LENGTH = 10.0  # of the diagnosis, compared with reading
+# While the log is read and friction estimated: what processes would load one by one after they are forked.
+LOADED = (
+    "friction_audit.friction.estimate",
+    "friction_audit.diagnosis.diagnose",
+    "scipy.linalg",
+    "scipy.ndimage",
+    "friction_audit.reporting.diagnosis",
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -78,25 +87,28 @@ def command(
         folder=folder, name="diagnose", figures=kinds, formats=drawn.formats, exports=export, overwrite=again
     )
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
-    with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose", "scipy.signal"):
-            recorded = chain.read(log, reading, stages)
+    with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages, ExitStack() as loading:
+        loading.enter_context(chain.loading(*LOADED))
+        recorded = chain.read(log, reading, stages)
         if settings.model is not None:
             chain.check_joint_model(options.joint_model, settings.model, recorded)
-        from friction_audit.diagnosis.diagnose import diagnose_subjects
-        from friction_audit.diagnosis.result import UNANSWERED
         from friction_audit.pipeline import Diagnosis, diagnosis_subjects, estimate_log, without_samples
-        from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
-        from friction_audit.reporting.documents import write_document
-        from friction_audit.reporting.notices import diagnose_notices
 
         with stages.step("diagnose") as share:
             estimate = estimate_log(recorded, audit)
+            loading.close()
+            from friction_audit.diagnosis.diagnose import diagnose_subjects
+
             subjects = diagnosis_subjects(estimate, settings)
             estimate = without_samples(estimate)  # most of the memory, released before processes are forked
             recorded = estimate.log
             discrepancy = diagnose_subjects(subjects, settings, share)
             found = Diagnosis(estimate=estimate, discrepancy=discrepancy, settings=settings)
+        from friction_audit.diagnosis.result import UNANSWERED
+        from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
+        from friction_audit.reporting.documents import write_document
+        from friction_audit.reporting.notices import diagnose_notices
+
         joints, json = found.discrepancy.joints, shared.general.json
         answered = not all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints)
         if not json:

@@ -102,17 +102,20 @@ class DataFinding:
     message: str
 
 
-def audit_data(log: JointLog, interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
+def audit_data(
+    log: JointLog, interaction: Interaction, data: JointData, clock: tuple[DataFinding, ...]
+) -> tuple[DataFinding, ...]:
     """Look for faults of one joint's data.
 
     Args:
         log: The log, in the window of the interaction.
         interaction: Motion and torque.
         data: The joint on its even grid.
+        clock: What ``audit_clock`` found in the log.
     """
     constant = _constant_channels(log, interaction, data)
     return (
-        *_clock(log),
+        *clock,
         *constant,
         *(() if faults(constant[1:]) else _velocity(interaction, data)),
         _power(interaction, data),
@@ -145,7 +148,8 @@ def _stated(code: str, value: float, unit: str) -> DataFinding:
     return DataFinding(code=code, value=value, unit=unit, bound=NAN, verdict="fine", message="")
 
 
-def _clock(log: JointLog) -> tuple[DataFinding, ...]:
+def audit_clock(log: JointLog) -> tuple[DataFinding, ...]:
+    """Look for faults of a log's stamps and for repeated samples."""
     fresh = fresh_samples(log)
     t, step, usual = log.t[fresh], np.diff(log.t), median_step(log.t)
     return (

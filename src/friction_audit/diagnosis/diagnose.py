@@ -1,11 +1,13 @@
 """Where simulation and measurement disagree, joint by joint."""
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from friction_audit.diagnosis.data_audit import audit_data
+from friction_audit.diagnosis.data_audit import audit_clock, audit_data
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
 from friction_audit.diagnosis.prepare import prepare
@@ -15,7 +17,7 @@ from friction_audit.effects.registry import effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.joint_log import JointLog
-from friction_audit.parallel import in_processes, per_joint, workers_for
+from friction_audit.parallel import WORKERS, in_processes, one_joint_at_a_time, per_joint, workers_for
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.robot import Arm
@@ -62,14 +64,17 @@ def subjects_of(
         arm: The model of the arm where it is known.
     """
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
-    for data in prepare(interaction, cycles, log, arm):
+    prepared = prepare(interaction, cycles, log, arm)
+    clock = audit_clock(log)
+    findings = per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared))
+    for data, found_in_data in zip(prepared, findings, strict=True):
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(
-                data=data,
+                data=replace(data, logged_dq=None),  # the audit alone has looked at it
                 number=number,
                 name=interaction.joint_names[data.joint],
-                findings=audit_data(log, interaction, data),
+                findings=found_in_data,
                 from_energy={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous},
                 model=None if settings.model is None else settings.model.joints[number - 1],
                 known_inertia_kg_m2=float(inertias[number - 1]),
@@ -89,8 +94,11 @@ def diagnose_subjects(
         """Diagnose a joint; an error is the result of this joint and not the end of the others."""
         subject = subjects[k]
         unanswered = partial(JointDiagnosis, joint=subject.number, name=subject.name, from_energy=subject.from_energy)
+        # The last of an odd number of joints has a second core to itself, for the columns of its effects.
+        last = k == joints - 1 and joints % (workers if workers > 1 else WORKERS) == 1
         try:
-            return diagnose_joint(subject, candidates, settings)
+            with nullcontext() if last else one_joint_at_a_time():
+                return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
             return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run

@@ -64,6 +64,9 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
         effects: Effects that may be named.
         settings: Smallest effect that counts; its seed is that of the screening test alone.
     """
+    # What is kept with a copy, columns of the arm's model above all, is freed with it.
+    rigid = subject.data.rigid
+    subject = replace(subject, data=replace(subject.data, rigid=None if rigid is None else replace(rigid)))
     wrong = faults(subject.findings)
     if wrong:
         return _unanswered(subject, "data_fault", "; ".join(one.message for one in wrong))

@@ -126,7 +126,7 @@ class Gram:
         return found
 
 
-@compiled()
+@compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
 def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Float:
     out = np.zeros_like(rows)
     for k in range(rows.shape[0]):

@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.joint_log import Float, JointLog
+from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.robot import Arm
 from friction_audit.robot.regressor import Motion, random_motion, regressor_entries, significant, tilt_torque
@@ -65,16 +66,10 @@ def know_load(log: JointLog, choice: TorqueChoice, arm: Arm | None, t: Float, mo
     inertial = arm.inverse_dynamics(*coarse) - gravity if driven else None
     taken = inertial if choice.inertia == "model" else None
     return KnownLoad(
-        gravity=None if logged else _on(t, times, gravity),
-        inertial=None if taken is None else _on(t, times, taken),
+        gravity=None if logged else on_finer_grid(gravity, every, len(t)),
+        inertial=None if taken is None else on_finer_grid(taken, every, len(t)),
         rigid=_rigid_bodies(arm, choice.sign, times, coarse, inertial),
     )
-
-
-def _on(t: Float, times: Float, torque: Float) -> Float:
-    from scipy.interpolate import CubicSpline
-
-    return torque if len(times) == len(t) else np.asarray(CubicSpline(times, torque, axis=0)(t), np.float64)
 
 
 def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float | None) -> tuple[RigidBody, ...]:
@@ -89,10 +84,10 @@ def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float
         RigidBody(
             t=t,
             links=links[joint],
-            weight=weights[joint],
+            weight=weights[joint].astype(np.float32),
             tilt=tilt[:, joint],
             inertial=None if inertial is None else sign * inertial[:, joint],
-            tip=None if tips is None else sign * tips[joint],
+            tip=None if tips is None else (sign * tips[joint]).astype(np.float32),
         )
         for joint in range(joints)
     )

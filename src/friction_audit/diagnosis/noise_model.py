@@ -102,14 +102,22 @@ def _at_lag(residual: Float, age: Index, lag: int) -> float:
     return float(residual[later] @ residual[later - lag]) / max(len(later), 1)
 
 
-@compiled()
+@compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
 def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Float:
-    out = np.empty_like(columns)
+    order, n = len(predictors) - 1, columns.shape[1]
+    out, young = np.empty_like(columns), np.flatnonzero(age < order)
     for k in range(columns.shape[0]):
-        for i in range(columns.shape[1]):
-            order = age[i]
-            total = columns[k, i]
-            for j in range(order):
-                total -= predictors[order, j] * columns[k, i - 1 - j]
-            out[k, i] = total * scales[order]
+        own, row = columns[k], out[k]
+        # All as if they were old enough, lag by lag, which a processor does for several samples at once.
+        row[:] = own
+        for j in range(order):
+            share, late, early = predictors[order, j], row[j + 1 :], own[: n - 1 - j]
+            for i in range(len(late)):
+                late[i] -= share * early[i]
+        row *= scales[order]
+        for i in young:
+            total = own[i]
+            for j in range(age[i]):
+                total -= predictors[age[i], j] * own[i - 1 - j]
+            row[i] = total * scales[age[i]]
     return out

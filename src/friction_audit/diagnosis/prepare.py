@@ -89,7 +89,6 @@ def prepare(
             dq=dq,
             ddq=ddq,
             torque=torque(joint, column),
-            gravity=None if gravity is None else gravity[:, column],
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
             others_dq=motion.dq,
             others_ddq=motion.ddq,

@@ -262,8 +262,9 @@ def knots_of(values: Float, counted: NDArray[np.bool_], most: int = KNOTS) -> Fl
 
 def curve(values: Float, knots: Float, dq: Float) -> Float:
     """A piecewise linear curve over a quantity for each direction of motion, shape (n, 2 k)."""
-    columns, up = np.empty((2 * len(knots), len(values))), dq > 0
-    for k, row in enumerate(np.eye(len(knots))):
-        hat = np.interp(values, knots, row)
-        columns[k], columns[len(knots) + k] = hat * up, hat * ~up
+    k = np.clip(np.searchsorted(knots, values) - 1, 0, len(knots) - 2)
+    share = np.clip((values - knots[k]) / (knots[k + 1] - knots[k]), 0.0, 1.0)
+    columns, every = np.zeros((2 * len(knots), len(values))), np.arange(len(values))
+    k += np.where(dq > 0, 0, len(knots))
+    columns[k, every], columns[k + 1, every] = 1.0 - share, share
     return columns.T

@@ -15,11 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compiled import compiled
 from friction_audit.effects.breakaway import Breakaways, breakaways_of, torque_known
 from friction_audit.effects.joint_data import CORNER_HZ, JointData
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import kaiser_low_pass
+from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass
 from friction_audit.preprocessing.velocity import noise_density
 
 Index = NDArray[np.int64]
@@ -74,7 +73,8 @@ class Samples:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
         rows = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
         out = filtered(rows, self.kernel, self.place * self.every)
-        out[:, self.breakaway] = self.onsets.of(rows.T).T
+        if len(self.onsets.onset):
+            out[:, self.breakaway] = self.onsets.of(rows.T).T
         return out[0] if columns.ndim == 1 else out.T
 
 
@@ -114,24 +114,6 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
         cycle=data.cycle[place[order] * every],
     )
     return replace(samples, y=samples.of(data.torque))
-
-
-@compiled(any_order=True)
-def filtered(rows: Float, kernel: Float, centre: Index) -> Float:
-    """Symmetric filter, the ends held, at some samples, shape (m,), of rows (p, n): shape (p, m)."""
-    half, n = len(kernel) // 2, rows.shape[1]
-    out = np.empty((len(rows), len(centre)))
-    for k in range(len(rows)):
-        for i in range(len(centre)):
-            first, total = centre[i] - half, 0.0
-            if first >= 0 and first + len(kernel) <= n:
-                for j in range(len(kernel)):
-                    total += kernel[j] * rows[k, first + j]
-            else:
-                for j in range(len(kernel)):
-                    total += kernel[j] * rows[k, min(max(first + j, 0), n - 1)]
-            out[k, i] = total
-    return out
 
 
 def _relative_weight(weights: Float, step_s: float) -> float:

@@ -191,21 +191,22 @@ def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
 
     Of a gap it is what the dead zone takes: a noisy position does not show how far flanks give way.
     """
-    from scipy.ndimage import gaussian_filter1d
-    from scipy.signal import lfilter
-
     motion, drive, step_s = recording.motion, recording.drive, recording.step_s
     if link is None:
         return np.zeros(len(drive))
     if link.half_rad > 0.0:
         theta = follow(motion.q, motion.dq, recording.load, step_s, link, far)[:, 0]
         return np.clip(motion.q - theta, -link.half_rad, link.half_rad)
+    from scipy.ndimage import gaussian_filter1d
+
     width = SMOOTH_RAD / sqrt(link.stiffness_nm_per_rad / far.inertia_kg_m2)
     torque = np.asarray(gaussian_filter1d(drive + recording.load, width / step_s, mode="nearest"))
     twist = np.array([straightened(one, link.bend_nm) for one in torque]) / link.stiffness_nm_per_rad
     time_s = link.damping_nms_per_rad / link.stiffness_nm_per_rad
     if time_s <= 0.0:
         return twist
+    from scipy.signal import lfilter
+
     # A first-order lag, exact for a twist that is linear between samples.
     keep = np.exp(-step_s / time_s)
     bend = 1.0 - (1.0 - keep) * time_s / step_s

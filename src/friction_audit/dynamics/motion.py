@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import on_finer_grid
 
 # Of a link: mass, first moments x, y, z, and the moments of inertia xx, xy, yy, xz, yz, zz about its joint's frame.
 INERTIAL_PARAMETERS = 10
@@ -20,32 +22,31 @@ class RigidBody:
     links: tuple[int, ...]  # numbers (1..j) of the links whose weight is given
     # torque per unit of first moment x, y, z [kg m] and mass [kg] of those links, by gravity, and by the links' inertia
     # where it is in the balance; linearly dependent columns are zero, shape (m, len(links), 4)
-    weight: Float
+    weight: NDArray[np.floating[Any]]  # in single precision, which is enough: most of the memory of a diagnosis
     tilt: Float  # gravity torque per unit of gravity along two directions across the vertical [m/s^2], shape (m, 2)
     # torque M ddq + c of the model; None where the link's inertia is not in the balance, shape (m,) [N m]
     inertial: Float | None
-    tip: Float | None  # the same per unit of each inertial parameter of the last link, shape (m, 10), or None
+    # in single precision too
+    tip: (
+        NDArray[np.floating[Any]] | None
+    )  # the same per unit of each inertial parameter of the last link, shape (m, 10), or None
     _kept: "list[RigidBody]" = field(default_factory=list, init=False, repr=False)
 
     def on(self, t: Float) -> "RigidBody":
-        """The torques at the times of a motion, by cubic splines; those of the last motion are kept."""
+        """The torques at even times, of which theirs are some, by cubic splines; those of the last times are kept."""
         if len(self.t) == len(t) and np.array_equal(self.t, t):
             return self
         if self._kept and self._kept[-1].t is t:
             return self._kept[-1]
-        weight = np.empty((len(t), *self.weight.shape[1:]))
+        every, n = round((self.t[1] - self.t[0]) / (t[1] - t[0])), len(t)
+        weight = np.empty((n, *self.weight.shape[1:]), np.float32)
         for k in range(weight.shape[1]):  # one after the other: a spline takes several times the memory of its values
-            weight[:, k] = _interpolated(self.t, self.weight[:, k], t)
-        inertial, tip = (None if one is None else _interpolated(self.t, one, t) for one in (self.inertial, self.tip))
-        tilt = _interpolated(self.t, self.tilt, t)
+            weight[:, k] = on_finer_grid(self.weight[:, k], every, n)
+        inertial = None if self.inertial is None else on_finer_grid(self.inertial, every, n)
+        tip = None if self.tip is None else on_finer_grid(self.tip, every, n).astype(np.float32)
+        tilt = on_finer_grid(self.tilt, every, n)
         self._kept[:] = [RigidBody(t=t, links=self.links, weight=weight, tilt=tilt, inertial=inertial, tip=tip)]
         return self._kept[-1]
-
-
-def _interpolated(times: Float, torque: Float, t: Float) -> Float:
-    from scipy.interpolate import CubicSpline
-
-    return np.asarray(CubicSpline(times, torque, axis=0)(t), np.float64)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

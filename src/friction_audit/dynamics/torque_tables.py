@@ -82,9 +82,9 @@ def _empty(motion: Motion) -> Tables:
     top = HEADROOM * max(float(np.max(np.abs(motion.dq), initial=0.0)), CRAWL_RAD_S)
     low, high = float(motion.q.min()), float(motion.q.max())
     margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
-    still = np.zeros((2, n))
+    nothing = np.zeros((2, 1))  # a table of one entry is level
     steps: dict[str, Any] = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
-    torques: dict[str, Any] = dict.fromkeys(("speed", "place", "place_per_speed", "time", "time_per_speed"), still)
+    torques: dict[str, Any] = dict.fromkeys(("speed", "place", "place_per_speed", "time", "time_per_speed"), nothing)
     return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, bristles=NO_BRISTLES)
 
 
@@ -125,7 +125,7 @@ def read_along(tables: Tables, motion: Motion) -> Float:
 
 
 def _read(table: Float, at: Float) -> Float:
-    if not table.any():  # as most are
+    if len(table) == 1:  # as most are
         return table
     first = np.clip(at.astype(np.int64), 0, len(table) - 2)
     low, high = table[first], table[first + 1]
@@ -173,14 +173,15 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
 def _bristle_forms(term: Term, empty: Tables) -> Iterable[Tables]:
     """Yield bristles as one curve and as springs, with the dry friction whose place they take."""
     dry, dahl, springs = bristles_of(term)
-    speed = np.broadcast_to(np.array([[dry], [-dry]]), empty.speed.shape)
     for found in (dahl, springs):
-        yield empty._replace(speed=speed, bristles=found)
+        yield empty._replace(speed=np.array([[dry], [-dry]]), bristles=found)
 
 
 @compiled()
 def read(table: Float, place: float) -> float:
     """Read a table between its entries; level beyond its ends."""
+    if len(table) == 1:
+        return float(table[0])
     place = min(max(place, 0.0), len(table) - 1.0)
     low = min(int(place), len(table) - 2)
     return float(table[low] + (place - low) * (table[low + 1] - table[low]))

@@ -138,7 +138,8 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
             last = heavy[k]
             friction = last.coulomb_nm * motion.direction + last.viscous_nms_per_rad * motion.dq
             rigid = np.asarray(last.inertia_kg_m2 * motion.ddq + friction)
-        yield there[k], np.subtract(torque, rigid, out=torque)
+        yield there[k], torque - rigid
+        del torque  # a row of many, of which the next ones shall take the place
 
 
 def all_transmitted(
@@ -179,6 +180,7 @@ def all_transmitted(
             lanes = (0.0,) * len(filled)
             torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, gap, lanes)
             yield from ((k, torque[lane]) for lane, k in enumerate(places))
+            del torque
 
 
 def between_samples(step: float, steps: int) -> Float:

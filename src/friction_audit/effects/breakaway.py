@@ -16,7 +16,7 @@ controller starts it, has one, but some milliseconds too early or late the torqu
 where the torque falls behind the start by more than that. Then the joint had been loaded with more than sliding takes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import product
@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -205,16 +205,17 @@ SPAN_SHARES = np.geomspace(3e-4, 0.03, 6)  # longer ones as shares of the span o
 FEWEST_BREAKAWAYS = 6
 
 
-class Stiction(Effect):
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return the excess after every onset per unit of that after a long rest, as a column."""
-        ageing, path = values
+class Stiction(BatchedEffect):
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield the excess after every onset per unit of that after a long rest, each as a column."""
         slow = REST_SHARE * float(np.sqrt(np.mean(motion.dq**2)))
         way = np.sign(motion.dq)
         q, step = np.ascontiguousarray(motion.q), float(motion.t[1] - motion.t[0])
         rest, slid = since_onset(q, way, np.abs(motion.dq) > slow, step)
-        aged = -np.expm1(-rest / ageing)
-        return np.asarray(way * aged * np.exp(-slid / path))[:, None]
+        aged = {ageing: way * -np.expm1(-rest / ageing) for ageing in {ageing for ageing, _ in many}}
+        for path in dict.fromkeys(path for _, path in many):
+            left = np.exp(-slid / path)
+            yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All ageings with all paths of renewal."""

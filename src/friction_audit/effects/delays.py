@@ -6,12 +6,14 @@ from math import exp
 
 import numpy as np
 
+from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
 from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, reversals, several_speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import EvenSpline
 
 LAGS_S = np.geomspace(3e-3, 0.5, 8)
 # Excess at rest over Coulomb friction, and the speed at which it fades as a share of the usual top speed.
@@ -56,12 +58,14 @@ class FrictionalLag(BatchedEffect):
         return bool(0.0 < coefficients[0] <= LARGEST_SHARE)
 
 
+@compiled()
 def lagged(signal: Float, step_s: float, lag_s: float) -> Float:
     """Return a signal behind a first-order delay, from its first value on, shape (n,)."""
-    from scipy.signal import lfilter
-
-    keep = exp(-step_s / lag_s)
-    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * signal[0]])[0])
+    keep, last, out = exp(-step_s / lag_s), signal[0], np.empty(len(signal))
+    for i in range(len(signal)):
+        last = (1.0 - keep) * signal[i] + keep * last
+        out[i] = last
+    return out
 
 
 FRICTIONAL_LAG = FrictionalLag(
@@ -100,17 +104,14 @@ class TimeDelay(BatchedEffect):
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield (rest(t - s) - rest(t)) / s, first and last value held, of the torque with the load or without."""
-        from scipy.interpolate import CubicSpline
-
         for loaded in {bool(round(with_load)) for _, with_load in many}:
             rest = simple_torque(motion)
             if loaded and motion.load is not None:
                 rest = rest + motion.load
-            spline = CubicSpline(motion.t, rest)
+            spline, spacing = EvenSpline(rest), float(motion.t[-1] - motion.t[0]) / (len(motion.t) - 1)
             for place, (step, with_load) in enumerate(many):
                 if bool(round(with_load)) is loaded:
-                    late = spline(np.clip(motion.t - step, motion.t[0], motion.t[-1]))
-                    yield place, np.asarray((late - rest) / step)[:, None]
+                    yield place, (spline.ahead(-step / spacing) - rest)[:, None] / step
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""

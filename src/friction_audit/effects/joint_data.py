@@ -61,7 +61,6 @@ class JointData:
         dq: Velocity. [rad/s]
         ddq: Acceleration, the derivative of the filtered velocity. [rad/s^2]
         torque: What drives the side on which friction acts: F_m plus a logged compensator. [N m]
-        gravity: Gravity torque where it is known, else None. [N m]
         temperature: Temperature where it was logged, else None. [degC]
         load: What the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and
             the links' inertia where it was taken away; predicted, None where it is not known, shape (n,). [N m]
@@ -87,7 +86,6 @@ class JointData:
     dq: Float
     ddq: Float
     torque: Float
-    gravity: Float | None
     temperature: Float | None
     others_dq: Float
     others_ddq: Float

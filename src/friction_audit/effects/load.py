@@ -107,6 +107,7 @@ PLACES = np.concatenate([np.arange(where.start, where.stop) for where in OF_LINK
 LEAST_GAIN = 0.01
 # What is less per kg or kg m is no weight. [N m]
 ROUNDING = 1e-9
+AT_ONCE = 8192  # samples of a QR decomposition
 MOST_KG = 10.0  # and kg m: what columns that nearly cancel may make of a link is no body
 
 
@@ -169,8 +170,11 @@ def independent(data: JointData) -> NDArray[np.bool_]:
     found = np.zeros(len(PLACES), bool)
     if data.rigid is None or not data.used.any():
         return found
-    pulls = GRAVITY_ERROR.columns(data.motion(), (SEVERAL,))[data.used][:, PLACES]
-    factor, order = qr(pulls / np.sqrt(len(pulls)), mode="r", pivoting=True)
+    pulls, used = data.rigid.on(data.t).weight.reshape(len(data.t), -1), np.flatnonzero(data.used)
+    factor = np.zeros((0, pulls.shape[1]))
+    for some in np.array_split(used, len(used) // AT_ONCE + 1):  # one after the other, for that takes less memory
+        factor = np.linalg.qr(np.vstack([factor, pulls[some]]), mode="r")
+    factor, order = qr(factor / np.sqrt(len(used)), mode="r", pivoting=True)
     adds = np.abs(np.diag(factor))
     found[order[: len(adds)]] = adds > max(LEAST_GAIN * adds[0], ROUNDING)
     return found

@@ -18,19 +18,22 @@ ORDER, CENTRE, WIDTH = "position_friction_order", "position_friction_centre_rad"
 EVERYWHERE = 1e6  # width of a bell that does not matter
 
 
-class PositionDependentFriction(Effect):
+class PositionDependentFriction(BatchedEffect):
     """Coulomb friction that depends on the position: a wave over the whole range, or over a stretch of it.
 
     B. Armstrong-Helouvry, Control of Machines with Friction, 1991, section 4.4: friction of geared joints repeats with
     the position. A wave under a bell is a patch where the bell is narrower than the wave is long.
     """
 
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns."""
-        order, centre, width = values
-        off = motion.q - centre
-        bell = motion.direction * np.exp(-0.5 * (off / width) ** 2)
-        return np.stack([bell * np.cos(order * off), bell * np.sin(order * off)]).T
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns; equal bells are one."""
+        for centre, width in dict.fromkeys((centre, width) for _, centre, width in many):
+            off = motion.q - centre
+            bell = motion.direction if width >= EVERYWHERE else motion.direction * np.exp(-0.5 * (off / width) ** 2)
+            for place, (order, *own) in enumerate(many):
+                if own == [centre, width]:
+                    wave = (np.cos(order * off), np.sin(order * off)) if order else (1.0, 0.0)
+                    yield place, np.stack([bell * wave[0], bell * wave[1]]).T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Waves from half a period over the range on, half a period apart; patches a width and a half apart.
@@ -106,11 +109,10 @@ class TorqueRipple(BatchedEffect):
         if len(steps) == 0 or np.ptp(steps) > SAME_STEP * np.abs(orders).max():
             yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
             return
-        cosine, sine = self.columns(motion, [float(np.mean(steps))]).T
-        wave = self.columns(motion, many[0]).T
+        turn, wave = self.columns(motion, [float(np.mean(steps))]).T, self.columns(motion, many[0]).T
         for place in range(len(orders)):
             yield place, wave.T
-            wave = np.stack([wave[0] * cosine - wave[1] * sine, wave[0] * sine + wave[1] * cosine])
+            wave = _turned(wave, turn)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Orders of the range, as far as they reach."""
@@ -118,6 +120,16 @@ class TorqueRipple(BatchedEffect):
         step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
         orders = np.arange(first, last, step)[:MOST_ORDERS]
         return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
+
+
+@compiled()
+def _turned(wave: Float, turn: Float) -> Float:
+    """Cosine and sine of the sum of two angles, shape (2, n) each."""
+    out = np.empty_like(wave)
+    for i in range(wave.shape[1]):
+        out[0, i] = wave[0, i] * turn[0, i] - wave[1, i] * turn[1, i]
+        out[1, i] = wave[0, i] * turn[1, i] + wave[1, i] * turn[0, i]
+    return out
 
 
 def order_range(data: JointData) -> tuple[float, float]:

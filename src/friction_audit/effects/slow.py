@@ -48,9 +48,10 @@ class TorqueDrift(Effect):
         """
         length = motion.t[-1] - motion.t[0]
         share = (motion.t - motion.t[0]) / (length if length > 0.0 else 1.0)
-        waves = np.sin(np.pi * share[:, None] * (np.arange(WAVES) + 0.5))
-        waves[:, round(values[0]) or WAVES :] = 0.0
-        return np.asarray(waves)
+        waves = np.zeros((WAVES, len(share)))
+        for k in range(round(values[0]) or WAVES):
+            waves[k] = np.sin(np.pi * share * (k + 0.5))
+        return waves.T
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         length, found = duration(data), len(np.unique(data.cycle[data.used]))

@@ -7,10 +7,12 @@ rate, and a quarter of it as corner.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
 
 GRID_HZ = 400.0
@@ -30,6 +32,7 @@ LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps e
 # late stamps before a lost tick are contacts or a delay (rows stranger_none 30001 and 30007).
 COMMON_EARLINESS, EARLIEST = 0.99, 2.0
 STEP_ERROR = 0.01  # of a period: ticks are even, and stamps on ticks, to this share
+HELD = 20  # samples beyond both ends of a spline, of which 0.27^20 is felt
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
 
 
@@ -40,10 +43,93 @@ def kaiser_low_pass(corner_hz: float, rate_hz: float) -> Float:
         corner_hz: Half of the amplitude passes here, none from twice of it on. [Hz]
         rate_hz: Of the samples. [Hz]
     """
-    from scipy.signal import firwin, kaiserord
+    # Number of weights and shape of the window by J. F. Kaiser (ISCAS 1974, 20), for more than 50 dB.
+    taps = int(np.ceil((STOPBAND_DB - 7.95) / (2.285 * np.pi * corner_hz / (rate_hz / 2)) + 1.0))
+    return windowed_sinc(np.kaiser(taps | 1, 0.1102 * (STOPBAND_DB - 8.7)), corner_hz, rate_hz)
 
-    taps, beta = kaiserord(STOPBAND_DB, corner_hz / (rate_hz / 2))
-    return np.asarray(firwin(taps | 1, corner_hz, window=("kaiser", beta), fs=rate_hz), np.float64)
+
+def windowed_sinc(window: Float, corner_hz: float, rate_hz: float) -> Float:
+    """Return the weights of a symmetric low-pass, sum 1: ``firwin`` of scipy.signal, which takes half a second to load.
+
+    Args:
+        window: An odd number of values.
+        corner_hz: Half of the amplitude passes here. [Hz]
+        rate_hz: Of the samples. [Hz]
+    """
+    place = np.arange(len(window)) - len(window) // 2
+    weights = window * np.sinc(2.0 * corner_hz / rate_hz * place)
+    return np.asarray(weights / weights.sum())
+
+
+@compiled(any_order=True)
+def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
+    """Weighted sums of an odd number of samples about some of them, shape (m,), the ends held; rows (p, n): (p, m)."""
+    half, n = len(kernel) // 2, rows.shape[1]
+    out = np.zeros((len(rows), len(centre)))
+    for k in range(len(rows)):
+        start = 0
+        while start < n and rows[k, start] == 0.0:
+            start += 1
+        if start == n:  # of effects with many columns most are zero
+            continue
+        for i in range(len(centre)):
+            first, total = centre[i] - half, 0.0
+            if first >= 0 and first + len(kernel) <= n:
+                for j in range(len(kernel)):
+                    total += kernel[j] * rows[k, first + j]
+            else:
+                for j in range(len(kernel)):
+                    total += kernel[j] * rows[k, min(max(first + j, 0), n - 1)]
+            out[k, i] = total
+    return out
+
+
+class EvenSpline:
+    """The cubic B-spline through evenly spaced samples, the ends held.
+
+    M. Unser, IEEE Signal Processing Magazine 16(6) (1999) 22. It reads all values at once that are equally far from a
+    sample, where ``CubicSpline`` looks for the place of each.
+    """
+
+    def __init__(self, values: NDArray[np.floating[Any]]) -> None:
+        """Find the coefficients of values, shape (n, ...)."""
+        from scipy.ndimage import spline_filter1d
+
+        held = np.pad(values, [(HELD, HELD), *[(0, 0)] * (values.ndim - 1)], mode="edge")
+        self.coefficients = spline_filter1d(held, 3, axis=0, mode="mirror")
+
+    def ahead(self, samples: float) -> Float:
+        """Values so many samples later, or earlier if below zero, shape (n, ...)."""
+        n, whole = len(self.coefficients) - 2 * HELD, int(np.floor(samples))
+        x = samples - whole
+        near = np.take(self.coefficients, np.arange(n + 3) + (whole + HELD - 1), axis=0, mode="clip")
+        weights = ((1.0 - x) ** 3, 4.0 + 3.0 * x**2 * (x - 2.0), 1.0 + 3.0 * x * (1.0 + x * (1.0 - x)), x**3)
+        return np.asarray(sum(weight / 6.0 * near[k : n + k] for k, weight in enumerate(weights)))
+
+
+def natural_spline(t: Float, values: Float, at: Float) -> Float:
+    """Return the natural cubic spline through values at increasing times, at other times (de Boor 1978, chapter 4)."""
+    from scipy.linalg import solveh_banded
+
+    step, bend = np.diff(t), np.zeros(len(t))
+    if len(t) > 2:  # noqa: PLR2004 - else a line
+        slopes = np.diff(values) / step
+        diagonal, off = 2.0 * (step[:-1] + step[1:]), np.append(0.0, step[1:-1])
+        bend[1:-1] = solveh_banded(np.stack([off, diagonal]), 6.0 * np.diff(slopes))
+    k = np.clip(np.searchsorted(t, at) - 1, 0, len(t) - 2)
+    h, before, after = step[k], at - t[k], t[k + 1] - at
+    cubic = (bend[k] * after * (after**2 - h**2) + bend[k + 1] * before * (before**2 - h**2)) / 6.0
+    return np.asarray((cubic + values[k] * after + values[k + 1] * before) / h)
+
+
+def on_finer_grid(values: NDArray[np.floating[Any]], every: int, n: int) -> Float:
+    """Return values at n samples, shape (n, ...), from those at every so many of them, by a cubic spline."""
+    if every == 1:
+        return np.asarray(values, np.float64)
+    spline, out = EvenSpline(values), np.empty((n, *values.shape[1:]))
+    for k in range(every):
+        out[k::every] = spline.ahead(k / every)[: len(out[k::every])]
+    return out
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -105,10 +191,11 @@ class LowPass:
         even = np.interp(self.fine, t, position)
         lost = np.flatnonzero(np.diff(t) > LOST_STEPS * median_step(t))
         if len(lost):
-            from scipy.interpolate import CubicSpline
-
-            inside = np.isin(np.searchsorted(t, self.fine) - 1, lost)
-            even[inside] = CubicSpline(t, position)(self.fine[inside])
+            n, bounds = len(t), np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
+            # What is farther away than this is not felt.
+            near = _within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
+            inside = _within(bounds[0], bounds[1], len(self.fine))
+            even[inside] = natural_spline(t[near], position[near], self.fine[inside])
         return self._apply(even, self.kernel), self._apply(even, self.slope)
 
     def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
@@ -121,14 +208,15 @@ class LowPass:
         return np.asarray(ends[place] <= self.t - self.reach_s + 1e-9, bool)
 
     def _apply(self, even: Float, kernel: Float) -> Float:
-        from scipy.signal import upfirdn
+        centre = len(self.slope) // 2 + self.every * np.arange(len(self.t))
+        # Convolution: the weights backwards.
+        return np.asarray(filtered(even[None], np.ascontiguousarray(kernel[::-1]), centre)[0])
 
-        # The full convolution at index start + i * every is centred on grid sample i; zeros in front make it decimable.
-        start = (len(self.slope) + len(kernel)) // 2 - 1
-        front = -start % self.every
-        coarse = upfirdn(np.append(np.zeros(front), kernel), even, down=self.every)
-        first = (start + front) // self.every
-        return np.asarray(coarse[first : first + len(self.t)], np.float64)
+
+def _within(starts: NDArray[np.int64], stops: NDArray[np.int64], n: int) -> NDArray[np.int64]:
+    """Places 0..n-1 within any of some ranges."""
+    change = np.bincount(starts, minlength=n + 1) - np.bincount(stops, minlength=n + 1)
+    return np.flatnonzero(np.cumsum(change[:n]))
 
 
 def gaps(t: Float) -> NDArray[np.int64]:

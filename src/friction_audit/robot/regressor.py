@@ -5,7 +5,6 @@ International Journal of Robotics Research 5(3), 1986.
 """
 
 from copy import copy
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -138,9 +137,16 @@ def random_motion(joints: int, *, moving: bool) -> Motion:
 
 def tilt_torque(arm: Arm, q: Float) -> Float:
     """Return the gravity torque per unit of gravity along two directions across the vertical, shape (n, j, 2)."""
-    found = []
-    for direction in np.linalg.svd(arm.model.opt.gravity[None])[2][1:]:
-        model = copy(arm.model)
-        model.opt.gravity[:] = direction
-        found.append(replace(arm, model=model).gravity(q))
-    return np.stack(found, axis=-1)
+    import mujoco as mj
+
+    one, other = copy(arm.model), copy(arm.model)
+    one.opt.gravity[:], other.opt.gravity[:] = np.linalg.svd(arm.model.opt.gravity[None])[2][1:]
+    data, found = mj.MjData(one), np.empty((2, *q.shape))
+    place = data.qpos
+    for position, along, across in zip(arm.to_model(q), *found, strict=True):
+        place[:] = position
+        mj.mj_kinematics(one, data)
+        mj.mj_comPos(one, data)
+        mj.mj_rne(one, data, 0, along)
+        mj.mj_rne(other, data, 0, across)
+    return np.stack([arm.from_model(torque) for torque in found], axis=-1)

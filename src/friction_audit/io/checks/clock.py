@@ -1,5 +1,6 @@
 """The clock of a recording: order of the stamps, stamps of batches, steps that are missing or uneven."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
