@@ -1,11 +1,13 @@
 """What an augmented model leaves: is it noise? One list of checks with one threshold, a share of the residual's power.
 
 Each check finds a structure that no noise has, and what share of the mean square it holds: a curve over a quantity, a
-spectral line in time or along the path, friction that scatters from stroke to stroke, an effect of two sizes in two
-halves of the data (G. C. Chow, Econometrica 28 (1960) 591).
+linear response to past motion (L. Ljung, System Identification (1999), section 16.6), a spectral line in time or along
+the path, friction that scatters from stroke to stroke, an effect of two sizes in two halves of the data (G. C. Chow,
+Econometrica 28 (1960) 591).
 """
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
@@ -22,13 +24,16 @@ SHARE_OF_NONE = 0.02  # 1 - 1 / 1.01^2: the same where nothing is named (outside
 CHOW_Z = 5.0
 LARGE_CHANGE = 0.5  # of a coefficient from one half of the data to the other
 LINE_P = 1e-5
+LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
+RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
 SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a stroke, longest distance of a pair, blocks
 
 
 def run(gram: Gram, active: Sequence[Block]) -> tuple[ResidualCheck, ...]:
     """All checks that found more than the threshold, the largest share first."""
     least = SHARE if active else SHARE_OF_NONE
-    found = [*_curves(gram, active), *_lines(gram, active), *_scatter(gram, active), *_changes(gram, active)]
+    checks = (_curves, _response, _lines, _scatter, _changes)
+    found = [one for check in checks for one in check(gram, active)]
     return tuple(sorted((c for c in found if c.share > least), key=lambda c: -c.share))
 
 
@@ -49,23 +54,57 @@ def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     ]
 
 
-def competing_curve(gram: Gram, active: Sequence[Block], block: Block) -> str:
-    """Quantity a curve over which replaces an effect; empty without one.
+def _response(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+    columns = responses(gram)
+    evidence, best = _integrated(Projected(Training(gram), active), [gram.whiten(one) for one in columns])
+    if evidence <= PRIOR:
+        return []
+    share = 1.0 - (held_out(gram, active, columns[best]).rms / held_out(gram, active).rms) ** 2
+    return [ResidualCheck(code="response", along="past motion", share=share)]
 
-    The curve has more evidence, its knots paid for, and leaves none for the effect: a formula that stands in for what
+
+def responses(gram: Gram) -> list[Float]:
+    """Linear responses of first and second order to the motion, on the samples, shapes (1 or 2, m)."""
+    from scipy.signal import lfilter
+
+    data = gram.problem.data
+    poles = [np.exp(-data.step_s / lag) for lag in LAGS_S]
+    found = [lfilter([1.0 - pole], [1.0, -pole], data.dq)[:, None] for pole in poles]
+    for hertz, damping in product(RINGING_HZ, DAMPING_RATIOS):
+        pole = np.exp(2.0 * np.pi * hertz * data.step_s * (1j * np.sqrt(1.0 - damping**2) - damping))
+        rung = lfilter([1.0 - pole], [1.0, -pole], data.ddq.astype(complex))
+        found.append(np.column_stack([rung.real, rung.imag]))
+    return [gram.problem.columns(one) for one in found]
+
+
+def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:
+    """Evidence of whitened columns over a grid, and the place of the best."""
+    evidence = np.array([given.evidence(one) for one in white])
+    best = int(np.argmax(evidence))
+    return float(evidence[best] + 2.0 * np.log(np.mean(np.exp(0.5 * (evidence - evidence[best]))))), best
+
+
+def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> str:
+    """Quantity a curve over which replaces an effect, or a linear response to past motion; empty without one.
+
+    It has more evidence, its knots paid for, and leaves none for the effect: a formula that stands in for what
     the catalogue lacks (outside_acceleration_friction_16002). A test of models that are not nested: R. Davidson,
-    J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part of many curves.
+    J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part of many curves. So is
+    an effect part of a curve over its own quantity, unless it holds torque of the nominal model.
     """
     if block.effect.exact or Trait.EVEN in block.effect.traits:
         return ""
     given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
     evidence = given.evidence(own)
-    for curve in gram.problem.curves:
-        white = gram.whiten(curve.columns)
-        if curve.axis.name == block.effect.axis or given.evidence(white) < evidence + INDISTINGUISHABLE:
-            continue
-        if given.and_also(white).evidence(own) < PRIOR:
-            return curve.axis.name
+    others = [
+        (c.axis.name, [gram.whiten(c.columns)])
+        for c in gram.problem.curves
+        if c.axis.name != block.effect.axis or block.effect.needs_nominal
+    ]
+    for name, white in (*others, ("past motion", [gram.whiten(one) for one in responses(gram)])):
+        found, best = _integrated(given, white)
+        if found >= evidence + INDISTINGUISHABLE and given.and_also(white[best]).evidence(own) < PRIOR:
+            return name
     return ""
 
 

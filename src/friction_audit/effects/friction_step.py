@@ -56,7 +56,7 @@ EFFECT = FrictionStep(
         Parameter("step_time_s", "s", "time of the change"),
         Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     ),
-    traits=Trait.FRICTION | Trait.ODD,
+    traits=Trait.FRICTION,
     record="record at least 4 cycles before and after the change",
     separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
 )

@@ -123,7 +123,7 @@ EFFECT = NonlinearViscous(
             optional=True,
         ),
     ),
-    traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
+    traits=Trait.FRICTION | Trait.SPEED_ONLY,
     record="move at speeds that differ by a factor of 5 and more",
     separate={
         "time_delay": "repeat motions of equal speed with different accelerations",

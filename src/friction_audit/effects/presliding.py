@@ -19,7 +19,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
+from friction_audit.effects.effect import BatchedEffect, Nonlinear
 from friction_audit.effects.excitation import reversals
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
@@ -139,7 +139,6 @@ EFFECT = Presliding(
         Parameter("yielding_exponent", "1", "exponent of yielding", lower=0.0, upper=3.0),
         Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
     ),
-    traits=Trait.ODD,
     forward="bristle",
     record="reverse at least 20 times, over short and long ways",
     separate={

@@ -52,7 +52,7 @@ EFFECT = Stribeck(
         Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-6, upper=10.0),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
-    traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
+    traits=Trait.FRICTION | Trait.SPEED_ONLY,
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
         "nonlinear_viscous": "move steadily at speeds that differ by a factor of 8 and more, very slow to fast",

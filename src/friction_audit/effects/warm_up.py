@@ -68,7 +68,7 @@ EFFECT = WarmUp(
         Parameter("warm_up_time_s", "s", "time constant", lower=1e-2, upper=1e9),
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
-    traits=Trait.FRICTION | Trait.ODD,
+    traits=Trait.FRICTION,
     record="record from a cold start, slow and fast motions early and late",
     separate={
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
