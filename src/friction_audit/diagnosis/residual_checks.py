@@ -7,7 +7,6 @@ Econometrica 28 (1960) 591).
 """
 
 from collections.abc import Sequence
-from itertools import product
 
 import numpy as np
 
@@ -24,8 +23,6 @@ SHARE_OF_NONE = 0.02  # 1 - 1 / 1.01^2: the same where nothing is named (outside
 CHOW_Z = 5.0
 LARGE_CHANGE = 0.5  # of a coefficient from one half of the data to the other
 LINE_P = 1e-5
-LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
-RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
 SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a stroke, longest distance of a pair, blocks
 
 
@@ -55,26 +52,12 @@ def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
 
 
 def _response(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
-    columns = responses(gram)
+    columns = gram.problem.responses
     evidence, best = _integrated(Projected(Training(gram), active), [gram.whiten(one) for one in columns])
     if evidence <= PRIOR:
         return []
     share = 1.0 - (held_out(gram, active, columns[best]).rms / held_out(gram, active).rms) ** 2
     return [ResidualCheck(code="response", along="past motion", share=share)]
-
-
-def responses(gram: Gram) -> list[Float]:
-    """Linear responses of first and second order to the motion, on the samples, shapes (1 or 2, m)."""
-    from scipy.signal import lfilter
-
-    data = gram.problem.data
-    poles = [np.exp(-data.step_s / lag) for lag in LAGS_S]
-    found = [lfilter([1.0 - pole], [1.0, -pole], data.dq)[:, None] for pole in poles]
-    for hertz, damping in product(RINGING_HZ, DAMPING_RATIOS):
-        pole = np.exp(2.0 * np.pi * hertz * data.step_s * (1j * np.sqrt(1.0 - damping**2) - damping))
-        rung = lfilter([1.0 - pole], [1.0, -pole], data.ddq.astype(complex))
-        found.append(np.column_stack([rung.real, rung.imag]))
-    return [gram.problem.columns(one) for one in found]
 
 
 def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:
@@ -101,7 +84,7 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
         for c in gram.problem.curves
         if c.axis.name != block.effect.axis or block.effect.needs_nominal
     ]
-    for name, white in (*others, ("past motion", [gram.whiten(one) for one in responses(gram)])):
+    for name, white in (*others, ("past motion", [gram.whiten(one) for one in gram.problem.responses])):
         found, best = _integrated(given, white)
         if found >= evidence + INDISTINGUISHABLE and given.and_also(white[best]).evidence(own) < PRIOR:
             return name
