@@ -43,7 +43,8 @@ def prepare(folder: Path, kind: str, job: Job, task: Row) -> str:
     if not path.exists():
         with patch.object(stage, "diagnose_joint", keep), patch.object(stage, "workers_for", lambda *_: 1):
             rows = job.work(task)
-        joints = [(dict(row), subjects[str(row["joint"])]) for row in rows if str(row.get("joint")) in subjects]
+        # A log of one joint counts it as the first, whatever joint of an arm it is drawn as.
+        joints = list(zip(map(dict, rows), subjects.values(), strict=True)) if subjects else []
         path.write_bytes(pickle.dumps((kind, job.fields, job.keys, joints)))
     return path.name
 

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
@@ -56,6 +57,12 @@ def scattered(data: JointData) -> Float:
     """Coulomb friction that differs from stroke to stroke."""
     size = 0.1 * np.random.default_rng(5).standard_normal(int(data.cycle.max()) + 1)
     return np.asarray(size[data.cycle] * data.way)
+
+
+def relaxing(data: JointData) -> Float:
+    """A hose whose pull relaxes within 0.4 s."""
+    pole = np.exp(-data.step_s / 0.4)
+    return np.asarray(0.15 * lfilter([1.0 - pole], [1.0, -pole], data.dq))
 
 
 @cache
@@ -167,6 +174,19 @@ def test_friction_that_scatters_is_unexplained() -> None:
     found = diagnosed(moved_joint(scattered, noise_nm=NOISE_NM))
     assert found.verdict == "unexplained"
     assert "scatter" in {check.code for check in found.checks}
+
+
+def test_a_response_to_past_motion_is_no_effect_of_the_catalogue() -> None:
+    found = diagnosed(moved_joint(relaxing, noise_nm=NOISE_NM))
+    assert (found.verdict, found.effects) == ("unexplained", ())
+    assert ("response", "past motion") in {(check.code, check.along) for check in found.checks}
+
+
+def test_a_small_ripple_is_no_error_of_a_large_gravity_torque() -> None:
+    def torque(data: JointData) -> Float:
+        return 5.0 * np.cos(data.q) + 0.1 * np.sin(20.0 * data.q)
+
+    assert {"gravity_error", "torque_ripple"} <= set(names(diagnosed(moved_joint(torque, noise_nm=NOISE_NM))))
 
 
 def test_what_no_effect_explains_is_unexplained_with_its_place() -> None:

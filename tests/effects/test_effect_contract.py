@@ -152,16 +152,3 @@ def test_stated_numbers_make_what_needs_them_identifiable() -> None:
     for name in ("inertia_error", "unlogged_compensation"):
         assert "fitted" in str(effect_of(name).not_identifiable(MOVING, NOMINAL))
         assert effect_of(name).not_identifiable(MOVING, STATED) is None
-
-
-@pytest.mark.parametrize(
-    ("small", "large", "may"),
-    [
-        ("stribeck", "gravity_error", False),
-        ("warm_up", "torque_bias", False),
-        ("stribeck", "presliding", True),
-        ("torque_ripple", "gravity_error", True),
-    ],
-)
-def test_friction_does_not_absorb_errors_of_torques_without_direction(small: str, large: str, may: bool) -> None:
-    assert effect_of(small).may_absorb_error_of(effect_of(large)) == may

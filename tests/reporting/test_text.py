@@ -152,6 +152,7 @@ def test_a_sentence_says_the_cause_its_size_and_what_to_do() -> None:
         ([("line", "path", 0.5), ("line", "path", 2.0)], "spectral lines at 0.5 and 2 waves per rad of path"),
         ([("curve", "speed", 0.0)], "a curve below 0.15 rad/s (against the motion)"),
         ([("curve", "displacement", 0.0)], "a curve over displacement since a reversal"),
+        ([("response", "past motion", 0.0)], "a linear response to past motion"),
         ([("scatter", "stroke", 0.0)], "friction that varies from cycle to cycle"),
         ([("change", "stribeck", 0.0)], "stribeck that changes within the log"),
     ],

@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.diagnosis import residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.problem import FOLDS
-from friction_audit.diagnosis.procedure import State, accepted, nominal, sizes
+from friction_audit.diagnosis.procedure import State, nominal, sizes, standing
 from friction_audit.diagnosis.result import ResidualCheck, Verdict
 from friction_audit.diagnosis.validation import Gain, gains
 
@@ -109,7 +109,7 @@ def lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
 
 
 def _stable(state: State) -> None:
-    """Drop effects that too few of the folds choose, or that a curve over another quantity replaces."""
+    """Drop effects that too few of the folds choose, or that structure outside the catalogue replaces."""
     numbers = state.search.most_numbers
     while state.active:
         state.folds = selection.shares_of_folds(state.gram, state.active, numbers)
@@ -117,12 +117,12 @@ def _stable(state: State) -> None:
             b
             for b in state.active
             if state.folds[b.name] < selection.LEAST_FOLDS * FOLDS
-            or residual_checks.competing_curve(state.gram, state.active, b)
+            or residual_checks.competing_structure(state.gram, state.active, b)
         ]
         if not unsteady:
             return
         kept = [b for b in state.active if b not in unsteady]
-        state.active = accepted(state, kept)
+        state.active = standing(state, kept)
 
 
 def _with_gains(state: State) -> list[tuple[Block, Gain, float]]:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,8 @@ SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
+LAGS_S = (0.03, 0.1, 0.3, 1.0, 3.0)  # of the velocity behind a first-order filter
+RINGING_HZ, DAMPING_RATIOS = np.geomspace(1.0, 12.0, 8), (0.05, 0.2)  # of what the acceleration excites
 MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
 
 
@@ -159,6 +162,20 @@ class RegressionProblem:
     def kinematics(self) -> tuple[Float, Float, Float]:
         """Position, velocity, acceleration at the samples, shape (m,) each."""
         return self.at_samples(self.data.q), self.at_samples(self.data.dq), self.at_samples(self.data.ddq)
+
+    @cached_property
+    def responses(self) -> list[Float]:
+        """Linear responses of first and second order to the motion, on the samples, shapes (1 or 2, m)."""
+        from scipy.signal import lfilter
+
+        data = self.data
+        poles = [np.exp(-data.step_s / lag) for lag in LAGS_S]
+        found = [lfilter([1.0 - pole], [1.0, -pole], data.dq)[:, None] for pole in poles]
+        for hertz, damping in product(RINGING_HZ, DAMPING_RATIOS):
+            pole = np.exp(2.0 * np.pi * hertz * data.step_s * (1j * np.sqrt(1.0 - damping**2) - damping))
+            rung = lfilter([1.0 - pole], [1.0, -pole], data.ddq.astype(complex))
+            found.append(np.column_stack([rung.real, rung.imag]))
+        return [self.columns(one) for one in found]
 
     def at_samples(self, fine: Float) -> Float:
         """A quantity of the fine grid at the samples, not filtered."""

@@ -1,8 +1,9 @@
 """What an augmented model leaves: is it noise? One list of checks with one threshold, a share of the residual's power.
 
 Each check finds a structure that no noise has, and what share of the mean square it holds: a curve over a quantity, a
-spectral line in time or along the path, friction that scatters from stroke to stroke, an effect of two sizes in two
-halves of the data (G. C. Chow, Econometrica 28 (1960) 591).
+linear response to past motion (L. Ljung, System Identification (1999), section 16.6), a spectral line in time or along
+the path, friction that scatters from stroke to stroke, an effect of two sizes in two halves of the data (G. C. Chow,
+Econometrica 28 (1960) 591).
 """
 
 from collections.abc import Sequence
@@ -28,7 +29,8 @@ SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a strok
 def run(gram: Gram, active: Sequence[Block]) -> tuple[ResidualCheck, ...]:
     """All checks that found more than the threshold, the largest share first."""
     least = SHARE if active else SHARE_OF_NONE
-    found = [*_curves(gram, active), *_lines(gram, active), *_scatter(gram, active), *_changes(gram, active)]
+    checks = (_curves, _response, _lines, _scatter, _changes)
+    found = [one for check in checks for one in check(gram, active)]
     return tuple(sorted((c for c in found if c.share > least), key=lambda c: -c.share))
 
 
@@ -49,23 +51,43 @@ def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     ]
 
 
-def competing_curve(gram: Gram, active: Sequence[Block], block: Block) -> str:
-    """Quantity a curve over which replaces an effect; empty without one.
+def _response(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+    columns = gram.problem.responses
+    evidence, best = _integrated(Projected(Training(gram), active), [gram.whiten(one) for one in columns])
+    if evidence <= PRIOR:
+        return []
+    share = 1.0 - (held_out(gram, active, columns[best]).rms / held_out(gram, active).rms) ** 2
+    return [ResidualCheck(code="response", along="past motion", share=share)]
 
-    The curve has more evidence, its knots paid for, and leaves none for the effect: a formula that stands in for what
+
+def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:
+    """Evidence of whitened columns over a grid, and the place of the best."""
+    evidence = np.array([given.evidence(one) for one in white])
+    best = int(np.argmax(evidence))
+    return float(evidence[best] + 2.0 * np.log(np.mean(np.exp(0.5 * (evidence - evidence[best]))))), best
+
+
+def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> str:
+    """Quantity a curve over which replaces an effect, or a linear response to past motion; empty without one.
+
+    It has more evidence, its knots paid for, and leaves none for the effect: a formula that stands in for what
     the catalogue lacks (outside_acceleration_friction_16002). A test of models that are not nested: R. Davidson,
-    J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part of many curves.
+    J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part of many curves. So is
+    an effect part of a curve over its own quantity, unless it holds torque of the nominal model.
     """
     if block.effect.exact or Trait.EVEN in block.effect.traits:
         return ""
     given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
     evidence = given.evidence(own)
-    for curve in gram.problem.curves:
-        white = gram.whiten(curve.columns)
-        if curve.axis.name == block.effect.axis or given.evidence(white) < evidence + INDISTINGUISHABLE:
-            continue
-        if given.and_also(white).evidence(own) < PRIOR:
-            return curve.axis.name
+    others = [
+        (c.axis.name, [gram.whiten(c.columns)])
+        for c in gram.problem.curves
+        if c.axis.name != block.effect.axis or block.effect.needs_nominal
+    ]
+    for name, white in (*others, ("past motion", [gram.whiten(one) for one in gram.problem.responses])):
+        found, best = _integrated(given, white)
+        if found >= evidence + INDISTINGUISHABLE and given.and_also(white[best]).evidence(own) < PRIOR:
+            return name
     return ""
 
 

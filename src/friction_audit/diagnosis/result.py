@@ -82,7 +82,7 @@ class ResidualCheck:
     """A structure in what is left.
 
     Attributes:
-        code: ``curve``, ``line``, ``scatter`` or ``change``.
+        code: ``curve``, ``response``, ``line``, ``scatter`` or ``change``.
         along: The quantity, or the effect that changes.
         share: Of the mean square, 0..1.
         frequency: Of a line: in Hz, or waves per rad; 0 for the others.

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import Nonlinear
+from friction_audit.effects.effect import BatchedEffect, Nonlinear
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float

@@ -33,7 +33,6 @@ class Trait(Flag):
     SPEED_ONLY = auto()  # it follows from the velocity alone
     NEEDS_NOMINAL = auto()  # its columns hold torque of the nominal model and change with that
     EXACT = auto()  # its formula cannot be wrong, as that of a constant cannot
-    ODD = auto()  # at the same place and time it is opposite in the other direction
     EVEN = auto()  # neither it nor what its formula misses depends on the direction
 
 
@@ -183,13 +182,6 @@ class Effect:
     def speed_only(self) -> bool:
         """Whether its torque follows from the velocity alone."""
         return Trait.SPEED_ONLY in self.traits
-
-    def may_absorb_error_of(self, other: "Effect") -> bool:
-        """Return whether the effect may be what the formula of another, larger one misses.
-
-        What a torque of the position alone misses is of the position too, and not of direction or speed.
-        """
-        return not (Trait.EVEN in other.traits and self.traits & (Trait.ODD | Trait.SPEED_ONLY))
 
     def torque(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""

@@ -85,7 +85,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
             optional=True,
         ),
     ),
-    traits=Trait.NEEDS_NOMINAL | Trait.ODD,
+    traits=Trait.NEEDS_NOMINAL,
     record="pass the same places with loads that differ by a factor of 3",
     separate={
         "position_dependent_friction": "pass the same places with another payload or posture",

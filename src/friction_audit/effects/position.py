@@ -67,7 +67,7 @@ POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
         Parameter(CENTRE, "rad", "centre of the stretch", optional=True),
         Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
     ),
-    traits=Trait.FRICTION | Trait.ODD,
+    traits=Trait.FRICTION,
     record="pass every place four times in each direction",
     separate={
         "torque_ripple": "pass every place four times in each direction",

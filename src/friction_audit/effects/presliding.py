@@ -20,7 +20,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
+from friction_audit.effects.effect import BatchedEffect, Nonlinear
 from friction_audit.effects.joint_data import JointData, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -134,7 +134,6 @@ PRESLIDING = Presliding(
         Parameter("yielding_exponent", "1", "exponent of yielding", lower=0.0, upper=3.0),
         Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
     ),
-    traits=Trait.ODD,
     forward="bristle",
     needs=reversals,
     record="reverse at least 20 times, over short and long ways",

@@ -144,7 +144,7 @@ WARM_UP = WarmUp(
         Parameter("warm_up_time_s", "s", "time constant", lower=1e-2, upper=1e9),
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
-    traits=Trait.FRICTION | Trait.ODD,
+    traits=Trait.FRICTION,
     record="record from a cold start, slow and fast motions early and late",
     separate={
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
@@ -192,7 +192,7 @@ FRICTION_STEP = FrictionStep(
         Parameter("step_time_s", "s", "time of the change"),
         Parameter("step_length_s", "s", "duration of the change", lower=0.0),
     ),
-    traits=Trait.FRICTION | Trait.ODD,
+    traits=Trait.FRICTION,
     record="record at least 4 cycles before and after the change",
     separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
 )

@@ -66,7 +66,7 @@ STRIBECK = Stribeck(
         Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-6, upper=10.0),
         Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
-    traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
+    traits=Trait.FRICTION | Trait.SPEED_ONLY,
     needs=partial(speed_range, ratio=8.0),
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",
     separate={
@@ -179,7 +179,7 @@ NONLINEAR_VISCOUS = NonlinearViscous(
             optional=True,
         ),
     ),
-    traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
+    traits=Trait.FRICTION | Trait.SPEED_ONLY,
     needs=partial(speed_range, ratio=5.0),
     record="move at speeds that differ by a factor of 5 and more",
     separate={

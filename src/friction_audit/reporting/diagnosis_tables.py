@@ -220,7 +220,7 @@ SIMULATION = Record(
 )
 CHECK = Record(
     (
-        Column("code", ("curve", "line", "scatter", "change"), "what the residual holds"),
+        Column("code", ("curve", "response", "line", "scatter", "change"), "what the residual holds"),
         Column("along", str, "the quantity, or the effect that changes"),
         Column("share", float, "of the mean square"),
         Column("frequency", float, "of a line: in Hz over time, in waves per rad over path; else 0"),

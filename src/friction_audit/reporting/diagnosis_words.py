@@ -175,6 +175,8 @@ def _check(code: str, along: str, same: Sequence[ResidualCheck], joint: JointDia
         where = next((where_words(one) for one in joint.remaining if one.axis == along), "")
         span, _, direction = where.partition(", ")
         return f"a curve {span} ({direction})" if where else f"a curve over {AXES.get(along, along)}"
+    if code == "response":
+        return f"a linear response to {along}"
     return "friction that varies from cycle to cycle" if code == "scatter" else f"{along} that changes within the log"
 
 
