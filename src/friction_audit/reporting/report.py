@@ -17,7 +17,7 @@ from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS
-from friction_audit.reporting.diagnosis_words import brief, names_of, plain_names
+from friction_audit.reporting.diagnosis_words import joint_message, names_of, plain_names
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
@@ -64,7 +64,8 @@ class JointReport:
         """What the nominal model misses, its size and what to do; empty where that was not tested."""
         found = self.discrepancy
         # That a joint did not move needs to be reported once.
-        return "" if found is None or (found.verdict == "not_testable" and self.friction.reason) else brief(found)
+        once = found is None or (found.verdict == "not_testable" and self.friction.reason)
+        return "" if found is None or once else plain_names(joint_message(found))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
