@@ -88,8 +88,8 @@ ADVICE = {
     OPEN: "gravity is in the torque and they do not return to their start; remove gravity (--robot, --urdf, "
     "--gravity removed), or move back and forth between the same postures",
     SMALL: "a selected joint moved too little; move all joints, select fewer (--joints), or lower --min-path",
-    ONE_WAY: "all motion has one direction, so friction cannot be separated from gravity or a torque offset; "
-    "move back and forth, several times and at different speeds",
+    ONE_WAY: "all motion has one direction, so friction cannot be separated from gravity or an offset; "
+    "move back and forth at different speeds",
 }
 
 

@@ -17,7 +17,7 @@ from friction_audit.reporting.table import Column, Document, Record, Table, to_j
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import format_share, in_unit, joints_label
 
-LONGEST = 190  # characters of a line about an effect without its joint; what is longer is for ``-v``
+LONGEST = 225  # characters of a line about an effect without its joint; what is longer is for ``-v``
 BIN = Record(
     (
         Column("of", str, get="0"),

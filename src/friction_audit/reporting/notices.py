@@ -11,12 +11,9 @@ from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
 
 IN_AMPERE = (
-    "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of "
-    "the JSON document that end in _nm hold {1}; gravity and inertia of a model are not removed; for newton metres, "
-    "give --torque-constant and --gear-ratio"
+    "the torque column is a motor current: results are in {0}, {0} s/rad and {0} rad, also in JSON keys ending in _nm; "
+    "gravity and inertia are not removed; for N m, give --torque-constant and --gear-ratio"
 )
-
-
 READ = (
     "clock_stretched",
     "velocity_scale",
@@ -98,7 +95,7 @@ def notices(found: Iterable[Found]) -> tuple[Notice, ...]:
 def log_notices(log: JointLog) -> tuple[Notice, ...]:
     """Return what was noticed while the log was read."""
     unit = log.source.torque_unit
-    own = () if unit == NEWTON_METRES else (Notice("torque_in_ampere", None, IN_AMPERE.format(log.source.path, unit)),)
+    own = () if unit == NEWTON_METRES else (Notice("torque_in_ampere", None, IN_AMPERE.format(unit)),)
     return own + notices(log.source.findings)
 
 

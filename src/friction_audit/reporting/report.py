@@ -195,6 +195,7 @@ VERDICT_TONES: Mapping[str, Tone] = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fi
 # Answers that a lead gives for joints one by one; more are counted.
 MOST_GROUPS = 4
 MOST_LISTED = 8  # joints; more are counted
+LONGEST = 160  # characters of such answers
 
 
 def verdict_word(joint: JointReport) -> str:
@@ -240,11 +241,11 @@ def lead_sentence(report: LogReport) -> str:
     for one in known:
         if one.discrepancy is not None:
             groups.setdefault(_missing(one.discrepancy), []).append(one)
-    if len(groups) > MOST_GROUPS:
+    parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
+    if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
         words = [verdict_word(one) for one in known]
         counts = "; ".join(f"{word}: {count_of(words.count(word), 'joint')}" for word in dict.fromkeys(words))
         return f"{estimated} {counts[:1].upper()}{counts[1:]}."
-    parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     return plain_names(f"{estimated} {parts[:1].upper()}{parts[1:]}.") if parts else estimated
 
 

@@ -163,7 +163,7 @@ def _joint(report: LogReport, one: JointReport) -> Section:
     if found is not None:
         pairs |= terms_of(JOINT_DIAGNOSIS, found, unit).pairs
         pairs |= {"negligible": negligible_words(found)} if found.negligible else {}
-        pairs |= {"left without a name": remainder_words(found)} if found.checks else {}
+        pairs |= {"unexplained": remainder_words(found)} if found.checks else {}
     if one.replay is not None:
         pairs |= terms_of(JOINT_REPLAY, one.replay, unit).pairs
     own = [notice.message for notice in report_notices(report) if notice.joint == one.joint]
