@@ -12,7 +12,7 @@ from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_
 
 IN_AMPERE = (
     "the torque column is a motor current: results are in {0}, {0} s/rad and {0} rad, also in JSON keys ending in _nm; "
-    "gravity and inertia are not removed; for N m, give --torque-constant and --gear-ratio"
+    "gravity and inertia are not removed; for newton metres, give --torque-constant and --gear-ratio"
 )
 READ = (
     "clock_stretched",
