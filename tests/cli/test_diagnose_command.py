@@ -44,7 +44,7 @@ def test_a_hidden_effect_is_named_sized_and_added_to_the_model(run: Run, tmp_pat
     row, *_ = (line.split() for line in answer.out.splitlines() if line.startswith("1 "))
     assert row[1] == "named"
     assert float(row[2]) > 2.0 * float(row[3])
-    assert "joint 1: the model misses stribeck (" in answer.out
+    assert "joint 1: missing: stribeck (" in answer.out
     joint = json.loads((tmp_path / "out" / "diagnose.json").read_text())["joints"][0]
     assert joint["effects"][0]["parameters"]["stribeck_excess_nm"] == pytest.approx(0.2, rel=0.1)
     assert joint["gap"]["shrink"] > 0.9

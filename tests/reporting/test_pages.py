@@ -15,8 +15,7 @@ from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures
 from friction_audit.reporting.html.log_page import log_page
-from friction_audit.reporting.html.page import Command, Page, Part, Section, Text, flattened, render_page
-from friction_audit.reporting.html.svg import draw_inline
+from friction_audit.reporting.html.page import Command, Page, Part, Section, Text, draw_inline, flattened, render_page
 from friction_audit.reporting.report import (
     LogReport,
     Unanswered,

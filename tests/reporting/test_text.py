@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from friction_audit.compensation.comparison.result import Interval
 from friction_audit.diagnosis.result import ContactTrace, ResidualCheck
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
@@ -279,26 +281,16 @@ def test_near_a_level_of_zero_drift_is_absolute() -> None:
     assert change_text(batch_by_hand.arm(dated=False), sharp) == "session 13: +15.0 ± 1.5 %"
 
 
-VALUE = {"value": 0.5, "ci95": [0.4, 0.6]}
-UNKNOWN = {"value": math.nan, "ci95": [math.nan, math.nan]}
-
-
-def method(**changed: Any) -> dict[str, Any]:
-    measures = dict.fromkeys(("energy_slope_w", "peak_torque_nm", "rms_torque_nm"), VALUE)
-    head = {"method": "energy", "label": "proposed", "tuning": "k = 2", "role": "paper"}
-    rest = {
-        "stable_share": 0.8,
-        "lost_s": [],
-        "tuning_losses": None,
-        "stability_margins": [],
-        "stability_margin": UNKNOWN,
-    }
-    return head | measures | rest | changed
+def method(**changed: Any) -> Any:
+    known = {"method": "energy", "label": "proposed", "tuning": SimpleNamespace(name="k = 2"), "role": "paper"}
+    none = Interval(math.nan, math.nan, math.nan)
+    rest = {"stable_share": 0.8, "lost_s": (), "tuning_losses": None, "margins": (), "margin": none}
+    return SimpleNamespace(interval=lambda _: Interval(0.5, 0.4, 0.6), **(known | rest | changed))
 
 
 def test_a_comparison_has_a_row_per_tuning_below_its_method() -> None:
-    margin = {"value": 8.0, "ci95": [4.0, math.inf]}
-    other = method(role="best", stability_margin=margin, stability_margins=[4.0, 8.0, math.inf], lost_s=[5.0, 3.0])
+    margin = Interval(8.0, 4.0, math.inf)
+    other = method(role="best", margin=margin, margins=(4.0, 8.0, math.inf), lost_s=(5.0, 3.0))
     lines = compare_lines([method(), other, method(method="none", label="none")], 10, 5)
     assert lines[2] == "proposed"
     assert lines[3].split() == [
