@@ -10,7 +10,7 @@ import numpy as np
 from friction_audit.diagnosis.profiles import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
-from friction_audit.reporting.diagnosis_words import effect_numbers, joint_message, plain_names, where_words
+from friction_audit.reporting.diagnosis_words import effect_numbers, joint_message, plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
 
@@ -85,7 +85,7 @@ def draw_residual(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
     parts.add_legend(figure)
     corners = sorted({round(one.traces.corner_hz, 6) for one in joints if one.traces is not None})
     ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys((*corners[:1], *corners[-1:])))
-    figure.supylabel(f"Measured less model{f', low-pass {ends} Hz' if corners else ''} [N m]")
+    figure.supylabel(f"Residual torque{f', low-pass {ends} Hz' if corners else ''} [N m]")
     figure.supxlabel(note.strip())
     return figure
 
@@ -107,10 +107,7 @@ def _draw_row(panels: "list[Axes]", row: Row) -> None:
         assert profile is not None
         along = traces.along[profile.axis] if row.own is None else row.own.values
         draw_profile(axes, profile, along, traces.dq, residual)
-        # What is left needs no place unless it is more than noise.
-        shown = joint.verdict == "unexplained" or (profile is row.before and joint.added)
-        lines = [fill(text, CHARACTERS) for text in (title, where_words(profile) if shown else "") if text]
-        parts.label_panel(axes, "\n".join(lines), across=4)
+        parts.label_panel(axes, fill(title, CHARACTERS), across=4)
         name_axis(axes, profile)
         axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
 
