@@ -212,7 +212,8 @@ def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
 
     Sentences that differ in the number of a joint only are one.
     """
-    every = [Notice("", one.joint, text) for one in joints for text in SENTENCES.split(one.reason) if text]
+    sentences = ((one.joint, text) for one in joints for text in SENTENCES.split(one.reason) if text)
+    every = [Notice("not_determined", joint, text) for joint, text in sentences]
     alike = [OTHER.sub("another joint", one.message) for one in every]
     count = Counter(alike)
     return notice_lines(
