@@ -18,7 +18,7 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.io.readers import read_log
 from friction_audit.pipeline import AuditSettings, diagnose_log, estimate_log
 from friction_audit.reporting.figures.profiles import mean_along
-from friction_audit.reporting.figures.series import joint_series
+from friction_audit.reporting.figures.series import choose_series
 from friction_audit.reporting.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style
 from friction_audit.reporting.figures.velocity_torque import filtered_curve, filtered_loop
 from friction_audit.reporting.words import format_coefficient
@@ -44,7 +44,7 @@ def run(*words: str) -> str:
 def draw_friction(axes: Axes) -> None:
     """Torque against velocity of the sample log, and the friction that was estimated."""
     estimate = estimate_log(read_log(LOG), AuditSettings(joints=(1,)))
-    (series,) = joint_series(estimate, 1)
+    (series,) = choose_series(estimate, 1).joints
     (joint,) = estimate.friction.joints
     axes.plot(series.dq[::4], series.driving_torque[::4], ".", color=RAW, ms=1.2, mew=0, label="measured")
     loop = filtered_loop(series, filtered_curve(series))

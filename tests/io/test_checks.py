@@ -287,7 +287,7 @@ def uneven(rec: Recording) -> Recording:
 
 
 def test_a_clock_wrong_by_two_is_seen_on_uneven_stamps() -> None:
-    with pytest.raises(InputError, match=r"q changes 0\.5 times .*--time-scale 0\.5.*or dq has another scale"):
+    with pytest.raises(InputError, match=r"q changes 0\.5 times .*--time-scale 0\.5.*dq has another scale"):
         vetted(uneven(changed(times("t", 2.0), samples=6000)))
     assert vetted(uneven(recording(6000))).source.clock_windows > 20
 

@@ -12,8 +12,7 @@ from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES
 from friction_audit.reporting.html.log_page import log_page
-from friction_audit.reporting.html.page import Figure, render_page
-from friction_audit.reporting.html.svg import Picture
+from friction_audit.reporting.html.page import Figure, Picture, render_page
 from friction_audit.reporting.report import LogReport
 from tests.reporting import batch_by_hand, log_report_by_hand
 

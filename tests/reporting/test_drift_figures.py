@@ -13,9 +13,7 @@ from friction_audit.drift.report import ArmDrift, CoefficientDrift
 from friction_audit.drift.session import SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.reporting.batch_drawings import ON_A_SHEET, Drawing, describe, draw, drawings_of
-from friction_audit.reporting.drawn_arm import as_drawn
-from friction_audit.reporting.figures.changes import draw_changes, draw_control
+from friction_audit.reporting.batch_drawings import ON_A_SHEET, Drawing, as_drawn, describe, draw, drawings_of
 from friction_audit.reporting.figures.drift import (
     draw_curves,
     draw_drift,
@@ -26,7 +24,7 @@ from friction_audit.reporting.figures.drift import (
 )
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figure_names, figures_of
-from friction_audit.reporting.figures.sessions import MOST_MARKED, tick_places
+from friction_audit.reporting.figures.sessions import MOST_MARKED, draw_changes, draw_control, tick_places
 from friction_audit.reporting.figures.style import figure_bytes, save_figure
 from friction_audit.reporting.html.batch_page import write_page
 from tests.reporting import batch_by_hand as by_hand

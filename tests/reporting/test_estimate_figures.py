@@ -125,7 +125,7 @@ def test_a_long_log_shows_its_first_cycles_apart(crowded: Estimate) -> None:
     assert len([patch for patch in zoomed.patches if not patch.get_hatch()]) == 20
     (dots,) = [line for line in zoomed.lines if line.get_marker() == "o"]
     assert len(np.asarray(dots.get_xdata())) == 41
-    assert {"part drawn below", "cycle (every other)", "zero velocity", "rejected cycle"} <= set(legend(figure))
+    assert {"part drawn below", "every other cycle", "zero velocity", "rejected cycle"} <= set(legend(figure))
     sheet = draw_energy(crowded, None)
     titles = [axes.get_title(loc="left") for axes in sheet.axes]
     assert titles == ["joint 1", "cycles 1 to 40 of 87", "joint 2", "cycles 1 to 40 of 86"]
@@ -166,13 +166,13 @@ def test_one_wild_window_does_not_flatten_a_panel() -> None:
 
 
 def test_the_legend_says_how_long_the_window_is_and_whether_a_band_is_cut(single: Estimate) -> None:
-    assert legend(draw_coefficients(single, 1))[:2] == ["last 15 cycles", "95 %"]
+    assert legend(draw_coefficients(single, 1))[:2] == ["last 15 cycles", "95 % interval"]
     friction = single.friction.joints[0]
     high = friction.history.coulomb_high_nm.copy()
     high[1] = 80.0
     wild = replace(friction, history=replace(friction.history, coulomb_high_nm=high))
     figure = draw_coefficients(replace(single, friction=replace(single.friction, joints=(wild,))), 1)
-    assert "95 %, cut at the edge" in legend(figure)
+    assert "95 % interval, clipped" in legend(figure)
     assert figure.axes[0].get_ylim()[1] < 1
     last = replace(friction, window=1)
     figure = draw_coefficients(replace(single, friction=replace(single.friction, joints=(last,))), 1)

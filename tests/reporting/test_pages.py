@@ -15,8 +15,7 @@ from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures
 from friction_audit.reporting.html.log_page import log_page
-from friction_audit.reporting.html.page import Command, Page, Part, Section, Text, flattened, render_page
-from friction_audit.reporting.html.svg import draw_inline
+from friction_audit.reporting.html.page import Command, Page, Part, Section, Text, draw_inline, flattened, render_page
 from friction_audit.reporting.report import (
     LogReport,
     Unanswered,
@@ -128,8 +127,9 @@ def test_each_joint_has_one_verdict() -> None:
 
 def test_an_answer_has_cause_size_and_what_to_do() -> None:
     first, second = report().joints[:2]
-    assert re.fullmatch(r"stribeck \([\d.]+ N m, \d+ % of friction\); add it to the model \(model.toml\)", first.answer)
-    assert re.match(r"torque bias or asymmetric Coulomb \(.*\); to separate: (?!against)", second.answer)
+    size = r"missing: stribeck \([\d.]+ N m RMS, \d+ % of friction\); add it to the model \(model.toml\)"
+    assert re.fullmatch(size, first.answer)
+    assert re.match(r"missing: torque bias or asymmetric Coulomb \(.*\); to separate: (?!against)", second.answer)
     assert first.replay is not None
     assert first.replay.numbers is not None
     diverged = replace(first.replay, numbers=replace(first.replay.numbers, diverged_s=3.0))
@@ -198,7 +198,7 @@ def test_markdown_holds_the_tables() -> None:
     for table in tables:
         assert len({len(re.findall(r"(?<!\\)\|", row)) for row in table.splitlines()}) == 1
     assert "```sh\nfriction-audit report 'run 1.csv' -o out\n```" in text
-    assert "| named | stribeck " in text
+    assert "| named | missing: stribeck " in text
 
 
 def test_a_page_is_printed_with_nothing_folded() -> None:

@@ -2,14 +2,17 @@
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from friction_audit.compensation.comparison.result import Interval
 from friction_audit.diagnosis.result import ContactTrace, ResidualCheck
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
+from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.compare import claim_lines, compare_lines, count_line
@@ -126,24 +129,34 @@ def test_a_diagnosis_has_a_row_and_a_sentence_per_joint_then_its_effects() -> No
         "or",
         "asymmetric_coulomb",
     ]
-    assert any(line.startswith("joint 1, stribeck: static minus Coulomb friction 0.150 ± 0.010 N m") for line in lines)
+    numbers = "joint 1, stribeck (what stribeck does): static minus Coulomb friction 0.150 ± 0.010 N m"
+    assert any(line.startswith(numbers) for line in lines)
 
 
 def test_a_sentence_says_the_cause_its_size_and_what_to_do() -> None:
     assert joint_message(NAMED) == (
-        "the model misses stribeck (what stribeck does), 0.031 N m rms, 9 % of the joint's friction, "
-        "below 0.15 rad/s, against the motion; add it to the model (model.toml)"
+        "missing: stribeck (0.031 N m RMS, 9 % of friction); add it to the model (model.toml)"
     )
-    assert "this log cannot separate torque_bias from asymmetric_coulomb; to decide: let the" in joint_message(
-        AMBIGUOUS
-    )
-    assert joint_message(NONE) == "the model is adequate: no effect above the detection limit of 0.0048 N m rms"
+    assert joint_message(AMBIGUOUS).startswith("missing: torque_bias or asymmetric_coulomb (")
+    assert joint_message(AMBIGUOUS).endswith("; to separate: let the joint rest unloaded for 2 s")
+    assert joint_message(NONE) == "no effect above the detection limit of 0.0048 N m RMS"
     assert joint_message(UNEXPLAINED) == (
-        "no effect of the catalogue explains the residual; 30 % of what is left has no name: "
-        "a spectral line at 13 Hz; the figure residual shows it"
+        "the residual (0.08 N m RMS, noise floor 0.02 N m) is unexplained; look at the figure residual"
     )
-    named = replace(UNEXPLAINED, effects=NAMED.effects)
-    assert joint_message(named).startswith("most of the residual has no name; the model misses stribeck")
+    named = replace(UNEXPLAINED, effects=(*NAMED.effects, *AMBIGUOUS.effects))
+    assert joint_message(named).startswith("most of the residual (0.08 N m RMS, noise floor 0.02 N m) is unexplained")
+    assert "; missing: stribeck (0.031 N m RMS, 9 % of friction) and 1 more; " in joint_message(named)
+
+
+def test_the_longest_sentence_has_two_hundred_characters() -> None:
+    for name in NAMES:
+        unsure = replace(BIAS, name=name, label="", alternatives=())
+        for other in NAMES:
+            pair = replace(unsure, alternatives=(other, "backlash", "stribeck"))
+            for effects in ((pair, unsure), (replace(unsure, name="position_dependent_friction"), pair)):
+                for verdict in ("ambiguous", "unexplained"):
+                    text = joint_message(replace(NAMED, verdict=verdict, effects=effects))
+                    assert len(text) <= 200, text
 
 
 @pytest.mark.parametrize(
@@ -161,20 +174,19 @@ def test_the_remainder_in_words(checks: list[tuple[str, str, float]], text: str)
     found = [ResidualCheck(code=code, along=along, share=0.2, frequency=f) for code, along, f in checks]
     joint = replace(NAMED, checks=tuple(found), remaining=NAMED.profiles, remainder_share=0.2)
     assert remainder_words(joint) == text
-    assert f"20 % of what is left has no name: {text}; add it to the model" in joint_message(joint)
+    assert f"joint 1, 20 % of the residual is unexplained: {text}" in diagnose_lines(diagnosis((joint,)))
 
 
 def test_contacts_are_left_out_and_the_rest_is_judged() -> None:
     spans = tuple((float(k), k + 0.5) for k in range(5))
     trace = ContactTrace(t=np.zeros(2), residual_nm=np.zeros(2), spans_s=spans)
     touched = replace(STRIBECK, name="contact_event", friction_share=math.nan, folds=0, chosen_in=0)
-    message = joint_message(replace(NAMED, effects=(touched,), contacts=trace))
-    assert message.startswith(
-        "contact_event at 0.0 s (0.5 s long), at 1.0 s (0.5 s long), at 2.0 s (0.5 s long) and 2 more"
-    )
-    assert message.endswith("0.031 N m rms; nothing else is missing; record again without contact")
+    alone = replace(NAMED, effects=(touched,), contacts=trace)
+    assert joint_message(alone) == "5 contacts left out; no other effect is missing; record again without contact"
+    places = "at 0.0 s (0.5 s long), at 1.0 s (0.5 s long), at 2.0 s (0.5 s long) and 2 more"
+    assert any(places in line for line in diagnose_lines(diagnosis((alone,)), verbose=True))
     both = joint_message(replace(NAMED, effects=(touched, STRIBECK), contacts=trace))
-    assert "; the model misses stribeck" in both
+    assert both.startswith("5 contacts left out; missing: stribeck")
 
 
 def test_a_parameter_that_is_not_identifiable_is_no_number() -> None:
@@ -188,7 +200,7 @@ def test_a_parameter_that_is_not_identifiable_is_no_number() -> None:
 def test_negligible_effects_share_a_line() -> None:
     small = replace(STRIBECK, grade="negligible", size_nm=0.0004)
     joint = replace(NONE, negligible=(small, replace(small, name="warm_up")))
-    assert "joint 3, negligible: stribeck 0.0004 N m rms, warm_up 0.0004 N m rms" in diagnose_lines(diagnosis((joint,)))
+    assert "joint 3, negligible: stribeck 0.0004 N m RMS, warm_up 0.0004 N m RMS" in diagnose_lines(diagnosis((joint,)))
 
 
 def test_a_diagnosis_fits_eighty_columns_even_with_the_longest_names() -> None:
@@ -217,7 +229,7 @@ def test_joints_with_the_same_answer_share_a_line() -> None:
 @pytest.mark.parametrize(
     ("parameters", "text"),
     [
-        ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 numbers, in the document"),
+        ({f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)}, "13 parameters, in the document"),
         ({"unlogged_form": coefficient(1.0, 1e-4)}, "dead band"),
         ({"gravity_error_source": coefficient(-1.0, 1e-4)}, "base"),
         ({"gravity_error_source": coefficient(5.0, 1e-4)}, "number of the link 5"),
@@ -232,7 +244,7 @@ def test_joints_with_the_same_answer_share_a_line() -> None:
 )
 def test_parameters_of_an_effect(parameters: dict[str, Coefficient], text: str) -> None:
     lines = diagnose_lines(diagnosis((replace(NAMED, effects=(replace(BIAS, parameters=parameters),)),)))
-    assert any(line.startswith("joint 1, torque_bias: ") and text in line for line in lines)
+    assert any(line.startswith("joint 1, torque_bias (") and text in line for line in lines)
 
 
 def test_drift_has_a_table_per_arm() -> None:
@@ -270,26 +282,16 @@ def test_near_a_level_of_zero_drift_is_absolute() -> None:
     assert change_text(batch_by_hand.arm(dated=False), sharp) == "session 13: +15.0 ± 1.5 %"
 
 
-VALUE = {"value": 0.5, "ci95": [0.4, 0.6]}
-UNKNOWN = {"value": math.nan, "ci95": [math.nan, math.nan]}
-
-
-def method(**changed: Any) -> dict[str, Any]:
-    measures = dict.fromkeys(("energy_slope_w", "peak_torque_nm", "rms_torque_nm"), VALUE)
-    head = {"method": "energy", "label": "proposed", "tuning": "k = 2", "role": "paper"}
-    rest = {
-        "stable_share": 0.8,
-        "lost_s": [],
-        "tuning_losses": None,
-        "stability_margins": [],
-        "stability_margin": UNKNOWN,
-    }
-    return head | measures | rest | changed
+def method(**changed: Any) -> Any:
+    known = {"method": "energy", "label": "proposed", "tuning": SimpleNamespace(name="k = 2"), "role": "paper"}
+    none = Interval(math.nan, math.nan, math.nan)
+    rest = {"stable_share": 0.8, "lost_s": (), "tuning_losses": None, "margins": (), "margin": none}
+    return SimpleNamespace(interval=lambda _: Interval(0.5, 0.4, 0.6), **(known | rest | changed))
 
 
 def test_a_comparison_has_a_row_per_tuning_below_its_method() -> None:
-    margin = {"value": 8.0, "ci95": [4.0, math.inf]}
-    other = method(role="best", stability_margin=margin, stability_margins=[4.0, 8.0, math.inf], lost_s=[5.0, 3.0])
+    margin = Interval(8.0, 4.0, math.inf)
+    other = method(role="best", margin=margin, margins=(4.0, 8.0, math.inf), lost_s=(5.0, 3.0))
     lines = compare_lines([method(), other, method(method="none", label="none")], 10, 5)
     assert lines[2] == "proposed"
     assert lines[3].split() == [
@@ -334,11 +336,22 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     assert [(n.code, n.joint) for n in notices] == [("gravity_absent", None), ("standstill", 1), ("standstill", 2)]
     assert f"joints 1, 2: {LIMIT}" in notice_lines(notices)
     assert notice_lines([Notice("a", None, "late"), Notice("b", 2, "late")]) == ["late"]
+    ranged = [Notice("a", k, f"{k / 10} s of 2 s, as q{k}") for k in (1, 2)]
+    assert notice_lines(ranged) == ["joint 1: 0.1 s of 2 s, as q1", "joint 2: 0.2 s of 2 s, as q2"]
+    ranged = [Notice("a", k, f"{k / 10} s of 2 s") for k in (2, 1, 12)]
+    assert notice_lines(ranged) == ["joints 2, 1, 12: 0.1 to 1.2 s of 2 s"]
+    two = [Notice("a", k, f"{k} of {k + 1}") for k in (1, 2)]
+    assert notice_lines(two) == ["joint 1: 1 of 2", "joint 2: 2 of 3"]
     still = seven.friction.joints[2]
     other = replace(still, joint=5, reason="one speed only")
     assert reason_lines([seven.friction.joints[0], still, other, replace(still, joint=6)]) == [
         f"joints 3, 6: {still.reason}",
         "joint 5: one speed only",
+    ]
+    twice = replace(other, reason="gravity is in it. No regression either: one speed (condition 31)")
+    assert reason_lines([twice, replace(twice, joint=6, reason=twice.reason.replace("31", "42.5"))]) == [
+        "joints 5, 6: gravity is in it",
+        "joints 5, 6: No regression either: one speed (condition 31 to 42.5)",
     ]
 
 

@@ -82,7 +82,7 @@ def command(
     """Compare compensation methods in simulation (two logs: diff)."""
     from friction_audit.compensation.comparison import METHODS, SCENES, compare
     from friction_audit.compensation.comparison.methods import NONE
-    from friction_audit.reporting.compare import compare_document, compare_lines, method_rows, sweep_rows
+    from friction_audit.reporting.compare import compare_document, compare_lines
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.figures.comparison import draw_comparison
 
@@ -100,12 +100,12 @@ def command(
         drawn = {name: figure for name, figure in draw_comparison(result).items() if name in paths}
         for name, figure in drawn.items():
             save_figures(figure, paths[name], overwrite=overwrite)
-    files, rows = [(name, str(path)) for name in drawn for path in paths[name]], method_rows(result)
+    files = [(name, str(path)) for name in drawn for path in paths[name]]
     if general.json:
-        document = compare_document(_scene_document(result, settings), rows, sweep_rows(result), files)
+        document = compare_document(_scene_document(result, settings), result.rows, result.curves, files)
         say(write_document(document), nl=False)
         return
-    lines = compare_lines(rows, len(result.seeds), len(result.tuning_seeds))
+    lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
     say("\n".join([*lines, *(path for _, path in files)]))
 
 

@@ -70,7 +70,7 @@ def seems_compensated(
     if what:
         message = (
             f"joint {friction.joint} ({friction.name}): {what}, as if a friction compensator had been active, and no "
-            "column says so; then the replay comes on top of it and means little; map its torque "
+            "column says so; the replay then means little; map its torque "
             "(--map tau_compensation=NAME), or record with it switched off"
         )
         yield Caution(code="seems_compensated", joint=friction.joint, message=message)

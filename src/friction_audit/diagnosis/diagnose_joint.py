@@ -76,7 +76,8 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
         return _unanswered(
             subject,
             "not_testable",
-            f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: {lacking}",
+            f"{cycles} energy {'cycle' if cycles == 1 else 'cycles'} with motion; "
+            f"at least {FEWEST_CYCLES} are needed: {lacking}",
         )
     try:
         state = select(subject.data, subject.model, effects)

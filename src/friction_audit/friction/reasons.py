@@ -90,8 +90,8 @@ ADVICE = {
     "--gravity removed), or move back and forth between the same postures",
     SMALL: "a selected joint moved too little; move all joints, select fewer (--joints), or lower --min-path",
     LONG: "each lasts longer than 5 min; come to rest more often",
-    ONE_WAY: "all motion has one direction, so friction cannot be separated from gravity or a torque offset; "
-    "move back and forth, several times and at different speeds",
+    ONE_WAY: "all motion has one direction, so friction cannot be separated from gravity or an offset; "
+    "move back and forth at different speeds",
 }
 
 

@@ -1,12 +1,14 @@
-"""Captions of the figures of a batch, and what each shows in words for those who do not see it."""
+"""Figures of a batch: what is drawn of an arm, what each shows in words, its files and its place on the page."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from friction_audit.drift.report import ArmDrift, JointDrift
-from friction_audit.reporting.drawn_arm import as_drawn
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
+from friction_audit.drift.session import Session
 from friction_audit.reporting.drift_words import NAMES, change_text, drift_verdict, joint_verdict, total_text
+from friction_audit.reporting.figures.drift import curve_sessions
 from friction_audit.reporting.figures.registry import Figure, figure_names, figures_of
 from friction_audit.reporting.words import count_of, joint_label
 
@@ -138,7 +140,7 @@ def draw(drawing: Drawing) -> Drawn:
 
 def _on_page(figure: "MatplotlibFigure", drawing: Drawing) -> "PageFigure":
     from friction_audit.reporting.html.page import Figure as PageFigure
-    from friction_audit.reporting.html.svg import draw_inline
+    from friction_audit.reporting.html.page import draw_inline
 
     picture = draw_inline(figure, prefix=drawing.anchor, description=describe(drawing.arm, drawing.kind))
     kind = _kind(drawing)
@@ -147,3 +149,62 @@ def _on_page(figure: "MatplotlibFigure", drawing: Drawing) -> "PageFigure":
 
 def _kind(drawing: Drawing) -> Figure:
     return next(kind for kind in figures_of("drift") if kind.name == drawing.kind)
+
+
+Kept = Mapping[int, Collection[int]]
+"""Sessions whose summary of a joint a figure shows, by the joint."""
+
+
+def as_drawn(arm: ArmDrift, kind: str) -> ArmDrift:
+    """Return an arm without what a kind of figure does not show.
+
+    Of every joint the first estimate and the first curve stay: they tell that there is something to draw.
+
+    Args:
+        arm: The arm, with the joints to be drawn.
+        kind: Name of the kind of figure.
+    """
+    kept = {joint.joint: _first_curve(arm, joint.joint) | _shown(arm, joint, kind) for joint in arm.joints}
+    return replace(
+        arm,
+        sessions=tuple(_bare(session, index, kept) for index, session in enumerate(arm.sessions)),
+        joints=tuple(
+            replace(joint, coefficients=tuple(_shortened(found, kind) for found in joint.coefficients))
+            for joint in arm.joints
+        ),
+    )
+
+
+def _shown(arm: ArmDrift, joint: JointDrift, kind: str) -> set[int]:
+    """Return the sessions whose own summary of a joint is drawn."""
+    if kind == "curves":
+        drawn = curve_sessions(arm)
+        return set() if drawn is None else {drawn[0], *drawn[1], drawn[2]}
+    if kind == "drift":  # those that were not compared are drawn as they are
+        return {k for found in joint.coefficients for k in set(range(len(arm.sessions))).difference(found.sessions)}
+    return set()
+
+
+def _first_curve(arm: ArmDrift, joint: int) -> set[int]:
+    moved = (
+        index
+        for index, session in enumerate(arm.sessions)
+        for one in session.joints
+        if one.joint == joint and one.curve.speed_rad_s
+    )
+    return {index for index in (next(moved, None),) if index is not None}
+
+
+def _bare(session: Session, index: int, kept: Kept) -> Session:
+    joints = tuple(joint for joint in session.joints if index in kept.get(joint.joint, ()))
+    return replace(session, joints=joints, warnings=())
+
+
+def _shortened(found: CoefficientDrift, kind: str) -> CoefficientDrift:
+    """Return what became of a coefficient without the series that are not drawn."""
+    control = found.control if kind == "control" else ()
+    if kind == "drift":
+        return replace(found, control=control)
+    first = next((k for k, value in enumerate(found.values) if math.isfinite(value.value)), 0)
+    part = slice(first, first + 1)
+    return replace(found, values=found.values[part], control=control)

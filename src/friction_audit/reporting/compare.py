@@ -5,13 +5,12 @@ from math import inf, isnan
 from operator import attrgetter
 from typing import Any
 
-from friction_audit.compensation.comparison.result import Comparison, Interval
+from friction_audit.compensation.comparison.result import Curve, Row
 from friction_audit.reporting.documents import HIDDEN
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NOTHING
 
-Row = Mapping[str, Any]
 ROLES = {"paper": "*", "full": "=", "best": "+", "other": " "}
 LEGEND = (
     "* the setting in which the paper's order comes out; = the same with an observer that compensates all it observes",
@@ -22,19 +21,34 @@ MARGIN = "margin: factor by which the gain may grow before the loop is unstable,
 # Margin above what is searched.
 ENDLESS = ">32"
 
-VALUE = Record((Column("value", float, "mean, or median"), Column("ci95", INTERVAL, "95 % interval")))
+VALUE = Record(
+    (
+        Column("value", float, "mean, or median"),
+        Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high)),
+    )
+)
+
+
+def _measured(name: str, meaning: str) -> Column:
+    """Return the column of a measure of a trial: its mean over the persons, and the interval."""
+    return Column(name, VALUE, meaning, lambda row: row.interval(attrgetter(name)))
 
 
 def _shown(text: Callable[[Row], str], title: str) -> Column:
-    """Return a column of the terminal; rows that head a method have none of it."""
+    """Return a column of the terminal; rows that head a method, which are its label, have none of it."""
     return Column(
-        "shown", float, get=lambda row: row, form=lambda row: text(row) if "tuning" in row else " ", title=title, on="t"
+        "shown",
+        float,
+        get=lambda row: row,
+        form=lambda row: " " if isinstance(row, str) else text(row),
+        title=title,
+        on="t",
     )
 
 
 def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:
     def text(row: Row) -> str:
-        value, low = row[name]["value"], row[name]["ci95"][0]
+        value, low, _ = row.interval(attrgetter(name))
         half = "" if isnan(low) else f" ± {factor * (value - low):.{digits}f}"
         return NOTHING if isnan(value) else f"{factor * value:.{digits}f}{half}"
 
@@ -43,52 +57,59 @@ def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str
 
 def _margin(row: Row) -> str:
     """Return the bounds of a median, which need not lie evenly about it, or the median where it has none."""
-    found = row["stability_margin"]
-    bounds = [found["value"]] if isnan(found["ci95"][0]) else found["ci95"]
+    value, *ends = row.margin
+    bounds = [value] if isnan(ends[0]) else ends
     texts = (NOTHING if isnan(value) else ENDLESS if value == inf else f"{value:.2g}" for value in bounds)
     return "..".join(dict.fromkeys(texts))
-
-
-def _name(row: Row) -> str:
-    return f"{ROLES[row['role']]} {row['tuning']}" if "tuning" in row else str(row["label"])
 
 
 METHOD = Record(
     (
         Column("method", str, "name of the method"),
         Column("label", str, "in words"),
-        Column("tuning", str, "name of the tuning"),
-        Column("meaning", str, "what the tuning is"),
+        Column("tuning", str, "name of the tuning", "tuning.name"),
+        Column("meaning", str, "what the tuning is", "tuning.meaning"),
         Column("role", tuple(ROLES), "why the tuning is there"),
         Column("tuning_losses", int, "persons of the tuning with whom no setting was stable", null=True),
-        Column("energy_slope_w", VALUE, "mean power that the person gives"),
-        Column("peak_torque_nm", VALUE, "largest torque of the person"),
-        Column("drawn_peak_nm", VALUE, "the same low-passed at 10 Hz, of the joint that takes most torque"),
-        Column("rms_torque_nm", VALUE, "root mean square of it"),
-        Column("vibration_nm", VALUE, "torque above the person's band"),
-        Column("standstill_rad_s", VALUE, "speed left when the person holds still"),
-        Column("chatter_nm", VALUE, "torque at rest"),
-        Column("coulomb_left", VALUE, "share of the Coulomb friction that the person feels"),
-        Column("viscous_left", VALUE, "share of the viscous friction"),
-        Column("inertia_left", VALUE, "share of the inertia"),
+        _measured("energy_slope_w", "mean power that the person gives"),
+        _measured("peak_torque_nm", "largest torque of the person"),
+        _measured("drawn_peak_nm", "the same low-passed at 10 Hz, of the joint that takes most torque"),
+        _measured("rms_torque_nm", "root mean square of it"),
+        _measured("vibration_nm", "torque above the person's band"),
+        _measured("standstill_rad_s", "speed left when the person holds still"),
+        _measured("chatter_nm", "torque at rest"),
+        _measured("coulomb_left", "share of the Coulomb friction that the person feels"),
+        _measured("viscous_left", "share of the viscous friction"),
+        _measured("inertia_left", "share of the inertia"),
         Column("stable_share", float, "share of the persons with whom the loop was stable"),
         Column("lost_s", [float], "when the loop became unstable, per person with whom it did"),
-        Column("stability_margin", VALUE, "median factor by which the gain may grow"),
-        Column("stability_margins", [float], "the factor per person"),
-        Column("row", str, get=_name, title="method and tuning", on="t"),
+        Column("stability_margin", VALUE, "median factor by which the gain may grow", "margin"),
+        Column("stability_margins", [float], "the factor per person", "margins"),
+        Column(
+            "row",
+            str,
+            get=lambda row: row if isinstance(row, str) else f"{ROLES[row.role]} {row.tuning.name}",
+            title="method and tuning",
+            on="t",
+        ),
         _shown(_with_interval("energy_slope_w", 1000.0, 1), "slope [mW]"),
         _shown(_with_interval("peak_torque_nm", 1.0, 2), "peak [N m]"),
         _shown(_with_interval("rms_torque_nm", 1.0, 3), "rms [N m]"),
-        _shown(lambda row: f"{row['stable_share']:.0%}", "stable"),
+        _shown(lambda row: f"{row.stable_share:.0%}", "stable"),
         _shown(_margin, "margin"),
     )
 )
 POINT = Record(
     (
         Column("value", float, "value of the swept setting"),
-        Column("tuning", str, "its name"),
+        Column("tuning", str, "its name", "tuning.name"),
         Column("stable", bool, "whether the loop was stable with every person"),
-        Column("stable_share", float, "share of the persons with whom it was"),
+        Column(
+            "stable_share",
+            float,
+            "share of the persons with whom it was",
+            lambda point: 1.0 - point.losses / len(point.outcomes),
+        ),
         Column("energy_slope_w", VALUE, "mean power that the person gives"),
         Column("rms_torque_nm", VALUE, "root mean square of the person's torque"),
     )
@@ -97,7 +118,7 @@ SWEEP = Record(
     (
         Column("method", str, "name of the method"),
         Column("label", str, "in words"),
-        Column("sweep", str, "name of the sweep"),
+        Column("sweep", str, "name of the sweep", "name"),
         Column("axis", str, "the swept setting"),
         Column("boldest_stable", float, "the boldest stable value"),
         Column("points", [POINT], "the values tried"),
@@ -125,81 +146,18 @@ COMPARE = Document(
 )
 
 
-MEASURES = (
-    "energy_slope_w",
-    "peak_torque_nm",
-    "drawn_peak_nm",
-    "rms_torque_nm",
-    "vibration_nm",
-    "standstill_rad_s",
-    "chatter_nm",
-    "coulomb_left",
-    "viscous_left",
-    "inertia_left",
-)  # of a trial, documented with their mean and interval
-
-
-def method_rows(comparison: Comparison) -> list[dict[str, Any]]:
-    """Return every method and tuning with its measures."""
-    return [
-        {
-            "method": row.method,
-            "label": row.label,
-            "tuning": row.tuning.name,
-            "meaning": row.tuning.meaning,
-            "role": row.role,
-            "tuning_losses": row.tuning_losses,
-            **{name: _interval(row.interval(attrgetter(name))) for name in MEASURES},
-            "stable_share": row.stable_share,
-            "lost_s": list(row.lost_s),
-            "stability_margin": _interval(row.margin),
-            "stability_margins": list(row.margins),
-        }
-        for row in comparison.rows
-    ]
-
-
-def sweep_rows(comparison: Comparison) -> list[dict[str, Any]]:
-    """Return every sweep with its points."""
-    return [
-        {
-            "method": curve.method,
-            "label": curve.label,
-            "sweep": curve.name,
-            "axis": curve.axis,
-            "boldest_stable": curve.boldest_stable,
-            "points": [
-                {
-                    "value": point.value,
-                    "tuning": point.tuning.name,
-                    "stable": point.stable,
-                    "stable_share": 1.0 - point.losses / len(point.outcomes),
-                    "energy_slope_w": _interval(point.energy_slope_w),
-                    "rms_torque_nm": _interval(point.rms_torque_nm),
-                }
-                for point in curve.points
-            ],
-        }
-        for curve in comparison.curves
-    ]
-
-
-def _interval(interval: Interval) -> dict[str, Any]:
-    return {"value": interval.value, "ci95": [interval.low, interval.high]}
-
-
 def compare_document(
     scene: Mapping[str, object],
     methods: Sequence[Row],
-    sweeps: Sequence[Row],
+    sweeps: Sequence[Curve],
     figures: Iterable[tuple[str, str]],
 ) -> dict[str, Any]:
     """Return the document on a comparison.
 
     Args:
         scene: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``, ``settings`` and ``effects``.
-        methods: Per method and tuning what came of it.
-        sweeps: Per sweep its points.
+        methods: What came of every method and tuning.
+        sweeps: The sweeps.
         figures: Name and path of every figure.
     """
     drawn = [{"figure": name, "path": path} for name, path in figures]
@@ -210,15 +168,13 @@ def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[st
     """Return a row per method and tuning, and the losses of those that were unstable.
 
     Args:
-        rows: Entries of ``methods`` in the document.
+        rows: Every method and tuning.
         seeds: How many persons.
         tuning_seeds: How many persons the settings were chosen for.
     """
-    headed: list[Row] = []
+    headed: list[Row | str] = []
     for before, row in zip((None, *rows), rows, strict=False):
-        if before is None or before["method"] != row["method"]:
-            headed.append({"label": row["label"]})
-        headed.append(row)
+        headed += [row] if before is not None and before.method == row.method else [row.label, row]
     # A tuning that is both the paper's kind and the best one lost the same loops.
     notes = dict.fromkeys(note for row in rows for note in _notes(row, seeds, tuning_seeds))
     return [*table_lines(METHOD.people(headed, "t")), *LEGEND, *_margins(rows), *notes]
@@ -226,16 +182,16 @@ def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[st
 
 def _margins(rows: Sequence[Row]) -> tuple[str, ...]:
     """Return how the margins are to be read, if they were looked for."""
-    persons = max((len(row["stability_margins"]) for row in rows), default=0)
+    persons = max((len(row.margins) for row in rows), default=0)
     if not persons:
         return ()
-    known = any(not isnan(row["stability_margin"]["ci95"][0]) for row in rows)
+    known = any(not isnan(row.margin.low) for row in rows)
     those = f"the median of {persons} persons" if persons > 1 else "one person"
     return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}")
 
 
 def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
-    name, lost, in_tuning = f"{row['label']}, {row['tuning']}", row["lost_s"], row["tuning_losses"]
+    name, lost, in_tuning = f"{row.label}, {row.tuning.name}", row.lost_s, row.tuning_losses
     if lost:
         first = f"first after {min(lost):.1f} s; figures end there"
         yield f"{name}: the loop became unstable in {len(lost)} of {seeds} seeds, {first}"
@@ -243,6 +199,7 @@ def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
         yield f"{name}: no setting tried is stable; this one is unstable with {in_tuning} of {tuning_seeds} persons"
 
 
+Claim = Mapping[str, Any]
 CLAIM = Record(
     (
         Column("figure", str, "figure of the paper", title="fig", on="jt"),
@@ -273,7 +230,7 @@ REPRODUCE = Document(
 )
 
 
-def reproduce_document(claims: Sequence[Row], figures: Iterable[tuple[str, str, str]], seeds: int) -> dict[str, Any]:
+def reproduce_document(claims: Sequence[Claim], figures: Iterable[tuple[str, str, str]], seeds: int) -> dict[str, Any]:
     """Return the document on the paper's figures.
 
     Args:
@@ -285,13 +242,13 @@ def reproduce_document(claims: Sequence[Row], figures: Iterable[tuple[str, str, 
     return REPRODUCE.json({"seeds": seeds, "claims": claims, "figures": drawn})
 
 
-def claim_lines(claims: Sequence[Row]) -> list[str]:
+def claim_lines(claims: Sequence[Claim]) -> list[str]:
     """Return a row per claim, and why those do not hold that do not."""
     reasons = [f"{row['figure']}: {row['note']}" for row in claims if not row["holds"] and row["note"]]
     return [*table_lines(CLAIM.people(claims, "t")), *reasons]
 
 
-def count_line(claims: Sequence[Row]) -> str:
+def count_line(claims: Sequence[Claim]) -> str:
     """Return how many claims of the paper hold, and apart from them how many experiments of this project."""
     paper, own = ([bool(row["holds"]) for row in claims if row["own"] == kind] for kind in (False, True))
     apart = f"; own experiments, not claims of the paper: {sum(own)} of {len(own)}" if own else ""

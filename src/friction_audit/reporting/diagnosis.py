@@ -15,8 +15,9 @@ from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WAR
 from friction_audit.reporting.notices import diagnose_notices, physics_of
 from friction_audit.reporting.table import Column, Document, Record, Table, to_json
 from friction_audit.reporting.terminal_table import log_line, table_lines
-from friction_audit.reporting.words import in_unit, joints_label
+from friction_audit.reporting.words import format_share, in_unit, joints_label
 
+LONGEST = 225  # characters of a line about an effect without its joint; what is longer is for ``-v``
 BIN = Record(
     (
         Column("of", str, get="0"),
@@ -174,7 +175,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     for alike in _alike(joints, together=not verbose):
         numbers = joints_label(joint.joint for joint in alike)
         lines.append(in_unit(f"{numbers}: {diagnosis_words.joint_message(alike[0])}", unit))
-        more = [*_details(alike[0]), *(_competing(alike[0]) if verbose else ())]
+        more = [*_details(alike[0], verbose=verbose), *(_competing(alike[0]) if verbose else ())]
         details += [in_unit(f"{numbers}, {line}", unit) for line in more]
     if effects := diagnosis_tables.effect_rows(joints):
         lines += ["", *table_lines(diagnosis_tables.EFFECT.people(effects, "t", unit=unit))]
@@ -189,15 +190,19 @@ def _alike(joints: Sequence[JointDiagnosis], *, together: bool) -> list[list[Joi
     return list(groups.values())
 
 
-def _details(joint: JointDiagnosis) -> Iterator[str]:
-    """Yield each effect in numbers, and the negligible effects."""
+def _details(joint: JointDiagnosis, *, verbose: bool) -> Iterator[str]:
+    """Yield each effect in numbers, the negligible effects, and what the residual still holds."""
     for effect in joint.effects:
-        where = diagnosis_words.where_effect(effect, joint)
-        shown = where if where and where not in diagnosis_words.joint_message(joint) else ""
-        if text := "; ".join(filter(None, (diagnosis_words.effect_numbers(effect), shown))):
-            yield f"{effect.name}: {text}"
+        numbers, where = diagnosis_words.effect_numbers(effect), diagnosis_words.where_effect(effect, joint)
+        short = f"{len(effect.parameters)} parameters, shown with -v"
+        texts = ("; ".join(filter(None, (numbers, where))), numbers, short)
+        head = f"{effect.name} ({effect.label}): "
+        yield head + next(one for one in texts if verbose or len(head + one) <= LONGEST or one is short)
     if joint.negligible:
         yield f"negligible: {diagnosis_words.negligible_words(joint)}"
+    if joint.checks:
+        words = diagnosis_words.remainder_words(joint, most=None if verbose else 2)
+        yield f"{format_share(joint.remainder_share)} of the residual is unexplained: {words}"
 
 
 def _competing(joint: JointDiagnosis) -> Iterator[str]:

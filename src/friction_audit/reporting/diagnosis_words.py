@@ -11,7 +11,7 @@ from friction_audit.effects.registry import NAMES, motion_between, motion_to_dec
 from friction_audit.effects.slow import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.reporting.words import UNBOUNDED, enumerate_words, format_quantity, format_share
+from friction_audit.reporting.words import UNBOUNDED, count_of, enumerate_words, format_quantity, format_share
 
 # Parameters of an effect that a line has room for.
 MOST_NUMBERS = 6
@@ -79,91 +79,64 @@ def nominal_model(model: ArmModel | None) -> str:
 
 
 def joint_message(joint: JointDiagnosis) -> str:
-    """Return the answer for a joint: the largest cause and its size, what has no name, what to do."""
+    """Return the answer for a joint in a sentence: cause, size, what to do; tables and details have the rest."""
     if joint.reason:
         return joint.reason
     if joint.verdict == "adequate":
         small = "negligible effects apart, no effect" if joint.negligible else "no effect"
-        return f"the model is adequate: {small} above the detection limit of {joint.detection_limit_nm:.2g} N m rms"
-    left = f"{format_share(joint.remainder_share)} of what is left has no name: {remainder_words(joint)}"
-    parts = (_touched(joint), _cause(joint), left if joint.checks else "", _todo(joint))
-    return "; ".join(part for part in parts if part)
-
-
-def brief(joint: JointDiagnosis) -> str:
-    """Return the answer for a joint in a line: cause, size, what to do."""
-    if joint.reason or joint.verdict == "adequate":
-        return joint_message(joint).removeprefix("the model is adequate: ")
-    first, *rest = joint.added or (None,)
-    parts = [_unknown(joint) if joint.verdict == "unexplained" else "", _touched(joint)]
-    if first is not None:
-        size = f"{first.size_nm:.2g} N m, {format_share(first.friction_share)} of friction"
-        parts.append(f"{names_of(first, joint.effects)} ({size}){f' and {len(rest)} more' if rest else ''}")
-    unsure = next((one for one in joint.effects if one.alternatives), None)
-    if joint.verdict != "unexplained" and unsure is not None:
-        motion = motion_between(unsure.name, unsure.alternatives[0])
-        parts.append(f"to separate: {motion.partition(':')[0].partition(';')[0]}")
-    elif joint.verdict != "unexplained":
-        parts.append(_todo(joint))
-    return plain_names("; ".join(filter(None, parts)))
+        return f"{small} above the detection limit of {joint.detection_limit_nm:.2g} N m RMS"
+    return "; ".join(filter(None, (_unknown(joint), _touched(joint), _missing(joint), _todo(joint))))
 
 
 def _unknown(joint: JointDiagnosis) -> str:
-    """Return the size of what has no name, and what to do."""
-    if joint.gap is None:
-        return "cause unknown; look at the residual"
-    left = f"residual RMS {joint.gap.after:.2g} N m, noise floor {joint.gap.floor:.2g} N m"
-    return f"cause unknown ({left}); look at the residual"
-
-
-def negligible_words(joint: JointDiagnosis) -> str:
-    """Return the negligible effects with their sizes."""
-    return ", ".join(f"{one.name} {one.size_nm:.2g} N m rms" for one in joint.negligible)
-
-
-def _size(effect: NamedEffect) -> str:
-    share = effect.friction_share
-    of_friction = "" if np.isnan(share) else f", {format_share(share)} of the joint's friction"
-    return f"{effect.size_nm:.2g} N m rms{of_friction}"
+    if joint.verdict != "unexplained":
+        return ""
+    gap = joint.gap
+    size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
+    return f"{'most of ' if joint.added else ''}the residual{size} is unexplained"
 
 
 def _touched(joint: JointDiagnosis) -> str:
-    found = next((effect for effect in joint.effects if effect.name == CONTACT_EVENT), None)
-    return f"{CONTACT_EVENT} {where_effect(found, joint)}, left out of all else, {_size(found)}" if found else ""
+    if all(effect.name != CONTACT_EVENT for effect in joint.effects):
+        return ""
+    spans = () if joint.contacts is None else joint.contacts.spans_s
+    return f"{count_of(len(spans), 'contact')} left out"
 
 
-def _cause(joint: JointDiagnosis) -> str:
-    unexplained = joint.verdict == "unexplained"
+def _missing(joint: JointDiagnosis) -> str:
     if not joint.added:
-        return "no effect of the catalogue explains the residual" if unexplained else "nothing else is missing"
+        return "" if joint.verdict == "unexplained" else "no other effect is missing"
     first, *rest = joint.added
-    words = f"the model misses {first.name} ({first.label}), {_size(first)}"
-    if unexplained:
-        words = f"most of the residual has no name; {words}"
-    if rest:
-        return f"{words}; also {enumerate_words(f'{one.name} ({one.size_nm:.2g} N m rms)' for one in rest)}"
-    where = where_effect(first, joint)
-    return f"{words}, {where}" if where else words
+    more = len(others := others_of(first, joint.effects)) - 1
+    names = first.name if not others else f"{first.name} or {others[0] if more < 1 else f'{more + 1} others'}"
+    share = "" if np.isnan(first.friction_share) else f", {format_share(first.friction_share)} of friction"
+    return f"missing: {names} ({first.size_nm:.2g} N m RMS{share}){f' and {len(rest)} more' if rest else ''}"
 
 
 def _todo(joint: JointDiagnosis) -> str:
     if joint.verdict == "unexplained":
-        return "the figure residual shows it"
+        return "look at the figure residual"
     unsure = next((one for one in joint.effects if one.alternatives), None)
     if unsure is not None:
-        others = " or ".join(others_of(unsure, joint.effects))
-        motion = motion_to_decide(unsure.name, unsure.alternatives[:1])
-        return f"this log cannot separate {unsure.name} from {others}; to decide: {motion}"
+        motion = motion_between(unsure.name, unsure.alternatives[0])
+        which = "" if joint.added[:1] == (unsure,) else f" {unsure.name}"
+        return f"to separate{which}: {motion.partition(':')[0].partition(';')[0]}"
     it = "it" if len(joint.added) == 1 else "them"
     return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
 
 
-def remainder_words(joint: JointDiagnosis) -> str:
+def negligible_words(joint: JointDiagnosis) -> str:
+    """Return the negligible effects with their sizes."""
+    return ", ".join(f"{one.name} {one.size_nm:.2g} N m RMS" for one in joint.negligible)
+
+
+def remainder_words(joint: JointDiagnosis, most: int | None = None) -> str:
     """Return what the augmented model leaves that is no noise, the largest share first."""
     found: dict[tuple[str, str], list[ResidualCheck]] = {}
     for check in joint.checks:
         found.setdefault((check.code, check.along), []).append(check)
-    return ", ".join(_check(code, along, same, joint) for (code, along), same in found.items())
+    words = [_check(code, along, same, joint) for (code, along), same in found.items()]
+    return enumerate_words([*words[:most], f"{len(words) - most} more"] if most and len(words) > most else words)
 
 
 def _check(code: str, along: str, same: Sequence[ResidualCheck], joint: JointDiagnosis) -> str:
@@ -231,7 +204,7 @@ def effect_numbers(effect: NamedEffect) -> str:
     """Return the parameters in words; more than people can read are left to the document."""
     known = {name: one for name, one in effect.parameters.items() if name not in effect.not_identifiable}
     words = [_parameter(name, number) for name, number in known.items()]
-    text = ", ".join(filter(None, words)) if len(words) <= MOST_NUMBERS else f"{len(words)} numbers, in the document"
+    text = ", ".join(filter(None, words)) if len(words) <= MOST_NUMBERS else f"{len(words)} parameters, in the document"
     return "; ".join(filter(None, (text, _not_identifiable(effect))))
 
 

@@ -10,7 +10,7 @@ from friction_audit.friction.history import Coefficient, CoefficientHistory, Joi
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
-from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
+from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.notices import estimate_notices, physics_of, reason_lines
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Document, Record, joint_column
@@ -137,11 +137,11 @@ CYCLES = Record(
 )
 INTERACTION = Record(
     (
-        Column("time", unit="s"),
-        Column("q", unit="rad"),
-        Column("dq", unit="rad/s"),
-        Column("interaction", unit="N m"),
-        Column("compensation", unit="N m"),
+        Column("time", get="0.t", unit="s"),
+        Column("q", get=lambda at: at[0].q[:, at[1]], unit="rad"),
+        Column("dq", get=lambda at: at[0].dq[:, at[1]], unit="rad/s"),
+        Column("interaction", get=lambda at: at[0].torque[:, at[1]], unit="N m"),
+        Column("compensation", get=lambda at: at[0].compensation[:, at[1]], unit="N m"),
     ),
     name="interaction",
     summary="motion of a joint and torque at its friction port at a sample of the log",
@@ -187,7 +187,7 @@ def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
         FRICTION.file(((one.joint, one.name, [one]) for one in joints), unit),
         history_table(estimate),
         CYCLES.file(((number, name, estimate.cycles.of_joint(k)) for number, name, k in columns), unit),
-        samples.file(((number, name, _samples(seen, k)) for number, name, k in columns), unit),
+        samples.file(((number, name, (seen, k)) for number, name, k in columns), unit),
     )
 
 
@@ -195,16 +195,6 @@ def history_table(estimate: Estimate) -> TidyTable:
     """Return the coefficients after each cycle."""
     joints = estimate.friction.joints
     return HISTORY.file(((one.joint, one.name, one.history) for one in joints), estimate.log.source.torque_unit)
-
-
-def _samples(seen: Interaction, k: int) -> dict[str, Any]:
-    every = {
-        "time_s": seen.t,
-        "q_rad": seen.q[:, k],
-        "dq_rad_s": seen.dq[:, k],
-        "interaction_nm": seen.torque[:, k],
-    }
-    return every if seen.compensation is None else every | {"compensation_nm": seen.compensation[:, k]}
 
 
 def estimate_lines(estimate: Estimate) -> list[str]:

@@ -1,7 +1,8 @@
 """Everything the user must know about a result, from every step of the chain, in one list."""
 
 import re
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Collection, Iterable
 from typing import NamedTuple, Protocol
 
 from friction_audit.joint_log import JointLog
@@ -10,9 +11,8 @@ from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
 
 IN_AMPERE = (
-    "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of "
-    "the JSON document that end in _nm hold {1}; gravity and inertia of a model are not removed; for newton metres, "
-    "give --torque-constant and --gear-ratio"
+    "the torque column is a motor current: results are in {0}, {0} s/rad and {0} rad, also in JSON keys ending in _nm; "
+    "gravity and inertia are not removed; for newton metres, give --torque-constant and --gear-ratio"
 )
 
 
@@ -33,6 +33,10 @@ CORRECTED = ("dq_late", "sign_turned", "joints_left_out")
 """Codes of what was detected and taken into account; the table says what the torque is made of."""
 TABLED = ("not_determined", "from_regression", "not_replayed")
 """Codes of what a table or the lines below it say in any case."""
+NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
+"""A number in a sentence, no digit of a name."""
+OTHER = re.compile(r"\bjoint \d+")
+SENTENCES = re.compile(r"\. (?=[A-Z])")
 SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it no coefficient changes visibly
 
 
@@ -86,7 +90,7 @@ def notices(found: Iterable[Found]) -> tuple[Notice, ...]:
 def log_notices(log: JointLog) -> tuple[Notice, ...]:
     """Return what was noticed while the log was read."""
     unit = log.source.torque_unit
-    own = () if unit == NEWTON_METRES else (Notice("torque_in_ampere", None, IN_AMPERE.format(log.source.path, unit)),)
+    own = () if unit == NEWTON_METRES else (Notice("torque_in_ampere", None, IN_AMPERE.format(unit)),)
     return own + notices(log.source.findings)
 
 
@@ -163,11 +167,31 @@ def left_out_notices(path: str, dialect: str, left_out: Iterable[str]) -> tuple[
 
 
 def notice_lines(notices: Iterable[Notice]) -> list[str]:
-    """Return one line per sentence, led by the joints that it is about."""
+    """Return one line per sentence, led by the joints that it is about; sentences that differ in one number are one."""
     about: dict[str, list[Notice]] = {}
     for notice in notices:
-        about.setdefault(notice.message, []).append(notice)
-    return [_line(message, same) for message, same in about.items()]
+        about.setdefault(NUMBER.sub("#", notice.message), []).append(notice)
+    lines = []
+    for same in about.values():
+        messages: dict[str, list[Notice]] = {}
+        for notice in same:
+            messages.setdefault(notice.message, []).append(notice)
+        merged = "" if any(map(OTHER.search, messages)) else _with_range(messages)
+        lines += [_line(merged, same)] if merged else [_line(one, own) for one, own in messages.items()]
+    return lines
+
+
+def _with_range(messages: Collection[str]) -> str:
+    """Return sentences that differ in one number as one with its range; empty where they differ in more."""
+    first, *_ = messages
+    columns = list(zip(*map(NUMBER.findall, messages), strict=True))
+    differ = [k for k, found in enumerate(columns) if len(set(found)) > 1]
+    if len(differ) != 1:
+        return first if not differ else ""
+    found = sorted(columns[differ[0]], key=float)
+    texts = [column[0] for column in columns]
+    texts[differ[0]] = f"{found[0]} to {found[-1]}"
+    return NUMBER.sub(lambda _: texts.pop(0), first)
 
 
 def _line(message: str, same: list[Notice]) -> str:
@@ -177,15 +201,14 @@ def _line(message: str, same: list[Notice]) -> str:
 
 
 def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
-    """Return one line per reason, led by the joints that it holds for; none for joints with a result.
+    """Return one line per sentence of the reasons, led by the joints that it holds for; none for joints with a result.
 
-    Reasons that differ in the number of a joint only are one.
+    Sentences that differ in the number of a joint only are one.
     """
-    reasons: dict[str, list[Reasoned]] = {}
-    for joint in joints:
-        if joint.reason:
-            reasons.setdefault(re.sub(r"\bjoint \d+", "another joint", joint.reason), []).append(joint)
-    return [
-        f"{joints_label(one.joint for one in alike)}: {alike[0].reason if len(alike) == 1 else reason}"
-        for reason, alike in reasons.items()
-    ]
+    sentences = ((one.joint, text) for one in joints for text in SENTENCES.split(one.reason) if text)
+    every = [Notice("not_determined", joint, text) for joint, text in sentences]
+    alike = [OTHER.sub("another joint", one.message) for one in every]
+    count = Counter(alike)
+    return notice_lines(
+        one._replace(message=text) if count[text] > 1 else one for one, text in zip(every, alike, strict=True)
+    )

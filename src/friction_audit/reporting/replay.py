@@ -214,16 +214,21 @@ JOINT_REPLAY = Record(
     name="replay_joints",
     summary="numbers of a compensator on a joint, over the whole log",
 )  # fmt: skip
+
+
+def _signal(of: int, name: str) -> Callable[[tuple[Signals, Signals]], Any]:
+    """Return what gets a signal without the compensator or with it, up to where the latter ended."""
+    return lambda both: getattr(both[of], name)[: min(len(one.t) for one in both)]
+
+
 SIGNALS = Record(
     (
-        Column("time", unit="s"),
-        Column("dq_without", unit="rad/s"),
-        Column("dq_with", unit="rad/s"),
-        Column("interaction_without", unit="N m"),
-        Column("interaction_with", unit="N m"),
-        Column("compensation", unit="N m"),
-        Column("passivity", unit="N m"),
-        Column("limited", unit="N m"),
+        Column("time", get=_signal(0, "t"), unit="s"),
+        Column("dq_without", get=_signal(0, "dq"), unit="rad/s"),
+        Column("dq_with", get=_signal(1, "dq"), unit="rad/s"),
+        Column("interaction_without", get=_signal(0, "interaction_nm"), unit="N m"),
+        Column("interaction_with", get=_signal(1, "interaction_nm"), unit="N m"),
+        *(Column(name, get=_signal(1, f"{name}_nm"), unit="N m") for name in ("compensation", "passivity", "limited")),
     ),
     name="replay_signals",
     summary="motion and torque of a joint without the compensator and with it at a sample of the log; "
@@ -281,7 +286,9 @@ def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     return (
         JOINT_REPLAY.file(((one.joint, one.name, [one]) for one in joints), unit),
         history_table(found),
-        SIGNALS.file(((one.joint, one.name, _signals(one.without, one.replayed)) for one in joints), unit),
+        SIGNALS.file(
+            ((one.joint, one.name, (one.without, one.replayed)) for one in joints if one.replayed is not None), unit
+        ),
     )
 
 
@@ -289,20 +296,3 @@ def history_table(found: LogReplay) -> TidyTable:
     """Return the cycles of the compensator."""
     joints = found.replay.joints
     return HISTORY.file(((one.joint, one.name, one.history) for one in joints), found.estimate.log.source.torque_unit)
-
-
-def _signals(without: Signals, replayed: Signals | None) -> dict[str, Any] | None:
-    """Return what both have, up to where the compensated joint diverged, if it did."""
-    if replayed is None:
-        return None
-    end = min(len(without.t), len(replayed.t))
-    return {
-        "time_s": without.t[:end],
-        "dq_without_rad_s": without.dq[:end],
-        "dq_with_rad_s": replayed.dq[:end],
-        "interaction_without_nm": without.interaction_nm[:end],
-        "interaction_with_nm": replayed.interaction_nm[:end],
-        "compensation_nm": replayed.compensation_nm[:end],
-        "passivity_nm": replayed.passivity_nm[:end],
-        "limited_nm": replayed.limited_nm[:end],
-    }

@@ -17,7 +17,7 @@ from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS
-from friction_audit.reporting.diagnosis_words import brief, names_of, plain_names
+from friction_audit.reporting.diagnosis_words import joint_message, names_of, plain_names
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
@@ -64,7 +64,8 @@ class JointReport:
         """What the nominal model misses, its size and what to do; empty where that was not tested."""
         found = self.discrepancy
         # That a joint did not move needs to be reported once.
-        return "" if found is None or (found.verdict == "not_testable" and self.friction.reason) else brief(found)
+        once = found is None or (found.verdict == "not_testable" and self.friction.reason)
+        return "" if found is None or once else plain_names(joint_message(found))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -194,6 +195,7 @@ VERDICT_TONES: Mapping[str, Tone] = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fi
 # Answers that a lead gives for joints one by one; more are counted.
 MOST_GROUPS = 4
 MOST_LISTED = 8  # joints; more are counted
+LONGEST = 160  # characters of such answers
 
 
 def verdict_word(joint: JointReport) -> str:
@@ -239,11 +241,11 @@ def lead_sentence(report: LogReport) -> str:
     for one in known:
         if one.discrepancy is not None:
             groups.setdefault(_missing(one.discrepancy), []).append(one)
-    if len(groups) > MOST_GROUPS:
+    parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
+    if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
         words = [verdict_word(one) for one in known]
         counts = "; ".join(f"{word}: {count_of(words.count(word), 'joint')}" for word in dict.fromkeys(words))
         return f"{estimated} {counts[:1].upper()}{counts[1:]}."
-    parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     return plain_names(f"{estimated} {parts[:1].upper()}{parts[1:]}.") if parts else estimated
 
 

@@ -287,14 +287,14 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
         return None
     if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
         either = (
-            f"either the clock is wrong by that factor (then --time-scale {ratio:.4g}), or dq has another scale or "
-            f"unit (then multiply it by {ratio:.4g}), or "
+            f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit "
+            f"(multiply it by {ratio:.4g}), or "
             if ratio > _TINY
             else ""
         )
         raise InputError(
-            f"{path}: q changes {ratio:.3g} times the integral of dq over time; expected 1; {either}q and dq are not "
-            "of the same joints, or of opposite sign (then --map other columns)"
+            f"{path}: q changes {ratio:.3g} times the integral of dq over time; expected 1: {either}q and dq are of "
+            "different joints, or of opposite sign (--map)"
         )
     message = (
         f"q changes {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct it with "

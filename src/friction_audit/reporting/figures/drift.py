@@ -1,4 +1,4 @@
-"""ArmDrift -> coefficients over sessions with levels and trends, and the velocity-torque curves of some sessions."""
+"""ArmDrift, TwoSides -> coefficients over sessions with levels and trends; velocity-torque curves of sessions."""
 
 import math
 from typing import TYPE_CHECKING, NamedTuple
@@ -7,9 +7,9 @@ import numpy as np
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.drift.session import SpeedCurve
+from friction_audit.drift.two_sides import JointChange, TwoSides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.reporting.drawn_arm import curve_sessions
 from friction_audit.reporting.drift_words import UNITS
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import sessions as over_sessions
@@ -184,6 +184,12 @@ def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
     return figure
 
 
+def curve_sessions(arm: ArmDrift) -> tuple[int, tuple[int, ...], int] | None:
+    """Return the sessions whose curves are drawn: the first, those of the reference, the last; None without any."""
+    compared = arm.compared or tuple(range(len(arm.sessions)))
+    return (compared[0], arm.reference, compared[-1]) if compared else None
+
+
 def _draw_curves(axes: "Axes", arm: ArmDrift, joint: JointDrift) -> None:
     """Draw the first session, the mean of the reference and the last session of one joint."""
     parts.label_panel(axes, over_sessions.joint_name(joint))
@@ -231,3 +237,66 @@ def _at(curve: SpeedCurve, speed: Float) -> Float:
         if mine.any():
             found[asked] = np.interp(speed[asked], own[mine], torque[mine], left=np.nan, right=np.nan)
     return found
+
+
+SIDES = (("before", FILTERED), ("after", FITTED))
+COLUMNS = 4
+
+
+@figure_style()
+def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint that moved on a sheet."""
+    figure, panels, note = _panels(sides, joint)
+    for axes, one in panels:
+        for place, (label, colour) in enumerate(SIDES):
+            _draw_side(axes, one, place, label, colour)
+        parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
+    parts.add_legend(figure)
+    figure.supxlabel(f"Velocity [rad/s]{note}")
+    figure.supylabel("Interaction torque [N m]")
+    return figure
+
+
+@figure_style()
+def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
+    """Draw the difference of the friction laws with its 95 % interval at each speed."""
+    figure, panels, note = _panels(sides, joint)
+    for axes, one in panels:
+        if one.law is None:
+            parts.write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
+            continue
+        law = one.law
+        parts.band(axes, law.speed_rad_s, law.low_nm, law.high_nm, FILTERED, "95 % interval")
+        axes.plot(law.speed_rad_s, law.change_nm, color=FILTERED, lw=1.1, label="after less before")
+        parts.mark_zero(axes)
+    parts.add_legend(figure)
+    figure.supxlabel(f"Speed [rad/s]{note}")
+    figure.supylabel("Friction torque, after less before [N m]")
+    return figure
+
+
+def _panels(sides: TwoSides, joint: int | None) -> "tuple[Figure, list[tuple[Axes, JointChange]], str]":
+    """Return a figure, the panel of each joint with something to draw, and a line on the others."""
+    joints, sheet, note = parts.choose(sides.joints, joint, _reach, "no curve and no estimate")
+    figure, panels = parts.grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
+    for axes, one in zip(panels, joints, strict=True):
+        parts.label_panel(axes, parts.joint_title(one.joint, one.name))
+    return figure, list(zip(panels, joints, strict=True)), note
+
+
+def _reach(joint: JointChange) -> float:
+    speeds = [abs(speed) for side in joint.curves for curve in side for speed in curve.speed_rad_s]
+    return max(speeds, default=0.0 if joint.law is None else float(joint.law.speed_rad_s[-1]))
+
+
+def _draw_side(axes: "Axes", joint: JointChange, place: int, label: str, colour: str) -> None:
+    """Draw the mean curve of a side; of a result, which holds none, the fitted friction."""
+    mean = mean_curve(list(joint.curves[place]))
+    if mean is not None:
+        axes.plot(mean.speed, mean.torque, color=colour, lw=1.1, label=label)
+        if np.any(mean.high > mean.low):
+            parts.band(axes, mean.speed, mean.low, mean.high, colour, f"{label}, range of the recordings")
+        return
+    coulomb, viscous = ((one.before, one.after)[place].value for one in joint.coefficients)
+    speed: Float = np.array([-1.0, -1e-9, np.nan, 1e-9, 1.0]) * _reach(joint)  # no line crosses zero
+    axes.plot(speed, coulomb * np.sign(speed) + viscous * speed, color=colour, lw=1.1, ls=":", label=f"{label}, fitted")

@@ -159,8 +159,8 @@ def draw_coefficients(estimate: "Estimate", joint: parts.Numbers) -> "Figure":
             _draw_coefficient(axes, np.append(history.stop_s, series.t[-1]), values, whole, window)
     for axes in figure.axes:
         for found in axes.collections:
-            found.set_label("95 %, cut at the edge" if cut else "95 %")
-    parts.add_legend(figure, (window, "95 %", "95 %, cut at the edge"))
+            found.set_label("95 % interval, clipped" if cut else "95 % interval")
+    parts.add_legend(figure, (window, "95 % interval", "95 % interval, clipped"))
     figure.align_ylabels()
     figure.supxlabel(f"Time [s]{note}")
     return figure
@@ -174,7 +174,7 @@ def _draw_coefficient(
         middle, low, high = (np.append(column, column[-1]) for column in values)
         t = np.maximum.accumulate(t)
         axes.step(t, middle, where="post", color=theme.FILTERED, label=window)
-        parts.band(axes, t, low, high, theme.FILTERED, "95 %", step="post", alpha=0.22)
+        parts.band(axes, t, low, high, theme.FILTERED, "95 % interval", step="post", alpha=0.22)
     if np.isfinite(whole.value):
         axes.axhline(whole.value, color=theme.FITTED, lw=0.9, ls=theme.DASHED, label="whole log")
     if np.isfinite(whole.low + whole.high):

@@ -1,4 +1,4 @@
-"""Diagnosis -> the residual along the quantity that shows an effect, each effect's own curve, and contact events."""
+"""Diagnosis -> residuals along the quantity that shows an effect and by effect, effect curves, contact events."""
 
 from collections.abc import Callable
 from functools import partial
@@ -10,10 +10,9 @@ import numpy as np
 from friction_audit.diagnosis.profiles import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
-from friction_audit.reporting.diagnosis_words import effect_numbers, plain_names, where_words
+from friction_audit.reporting.diagnosis_words import effect_numbers, joint_message, plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.verdicts import AUGMENTED, write_verdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from friction_audit.pipeline import Diagnosis
 
+NOMINAL, AUGMENTED = theme.FITTED, theme.GREEN
 CHARACTERS = 52  # of a line of a title
 OUTSIDE = 0.005  # share of the samples that may lie above a panel, and below
 NEAR = 1.5  # more where they are farther from the means than so many times their range
@@ -85,7 +85,7 @@ def draw_residual(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
     parts.add_legend(figure)
     corners = sorted({round(one.traces.corner_hz, 6) for one in joints if one.traces is not None})
     ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys((*corners[:1], *corners[-1:])))
-    figure.supylabel(f"Measured less model{f', low-pass {ends} Hz' if corners else ''} [N m]")
+    figure.supylabel(f"Residual torque{f', low-pass {ends} Hz' if corners else ''} [N m]")
     figure.supxlabel(note.strip())
     return figure
 
@@ -107,10 +107,7 @@ def _draw_row(panels: "list[Axes]", row: Row) -> None:
         assert profile is not None
         along = traces.along[profile.axis] if row.own is None else row.own.values
         draw_profile(axes, profile, along, traces.dq, residual)
-        # What is left needs no place unless it is more than noise.
-        shown = joint.verdict == "unexplained" or (profile is row.before and joint.added)
-        lines = [fill(text, CHARACTERS) for text in (title, where_words(profile) if shown else "") if text]
-        parts.label_panel(axes, "\n".join(lines), across=4)
+        parts.label_panel(axes, fill(title, CHARACTERS), across=4)
         name_axis(axes, profile)
         axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
 
@@ -249,3 +246,66 @@ def _draw_contacts(axes: "Axes", joint: JointDiagnosis, title: str, ends: tuple[
         axes.axvspan(start - more, stop + more, label="contact", **look)
     axes.set_xlim(*ends)
     axes.set_xlabel("Time [s]")
+
+
+def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
+    """Fill a panel with the verdict on a joint that has nothing to draw there."""
+    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
+    sentence = plain_names(f"{joint.verdict.replace('_', ' ')}: {joint_message(joint).partition(';')[0]}")
+    parts.write_message(axes, sentence, characters=52 if parts.is_narrow(axes) else 36, instead=True)
+
+
+ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
+
+
+@theme.figure_style()
+def draw_ladder(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
+    """Draw the residual after each effect of one joint at column width, or of every joint tested on a sheet."""
+    joints, sheet, note = parts.choose(found.discrepancy.joints, joint, lambda one: one.ladder, "not testable")
+    heights = [0.45 + 0.21 * max(len(one.ladder), 3) for one in joints]
+    figure, panels = parts.grid(heights, sheet=sheet, across=2, head_in=0.75)
+    for axes, one in zip(panels, joints, strict=True):
+        _draw_steps(axes, one)
+    figure.supxlabel(f"Residual torque on held-out cycles, rms [N m]{note}")
+    return figure
+
+
+def draw_panel(axes: "Axes", found: "Diagnosis", joint: int) -> None:
+    """Draw the residual after each effect of one joint into axes, and name them."""
+    (one,) = parts.chosen_joints(found.discrepancy.joints, joint)
+    _draw_steps(axes, one)
+    axes.set_xlabel("Residual torque on held-out cycles, rms [N m]")
+
+
+def _draw_steps(axes: "Axes", joint: JointDiagnosis) -> None:
+    """Draw a bar per step, the largest on top, and a line at the noise floor."""
+    if not joint.ladder or joint.gap is None:
+        write_verdict(axes, joint)
+        return
+    steps = [plain_names(label) for label, _ in joint.ladder[1:-1]]
+    values = [value for _, value in joint.ladder]
+    places, last = np.arange(len(values)), len(values) - 1
+    colours = [NOMINAL, *(AUGMENTED for _ in steps), theme.SHADE]
+    axes.barh(places, values, height=0.66, color=colours, edgecolor=theme.MUTED, lw=0.4)
+    axes.axvline(values[last], color=theme.MUTED, lw=0.7, ls=":")
+    for place, value in zip(places, values, strict=True):
+        axes.annotate(f"{value:.3g}", (value, place), (2, 0), textcoords="offset points", va="center", fontsize=6.5)
+    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {explained_words(joint)}", across=4)
+    axes.set_ylim(len(values) - 0.5, -0.5)  # the first on top
+    axes.set_yticks(places, ["nominal model", *steps, "noise floor"])
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlim(0.0, ROOM * max(values))
+
+
+def explained_words(joint: JointDiagnosis) -> str:
+    """Return the share explained of what is above the noise floor, on how many cycles, and without what."""
+    gap = joint.gap
+    assert gap is not None
+    contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
+    cycles = f"on {gap.cycles} held-out cycles{contacts}"
+    if not joint.added:
+        return f"nothing added\n{cycles}"
+    if np.isnan(gap.shrink):
+        return f"at the noise floor from the start\n{cycles}"
+    error = f" ± {100 * gap.shrink_se:.1f}" if np.isfinite(gap.shrink_se) else ""
+    return f"{100 * gap.shrink:.1f}{error} % explained\n{cycles}"

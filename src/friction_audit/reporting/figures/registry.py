@@ -56,7 +56,7 @@ FIGURES = (
         draws="over_time.draw_coefficients",
         title="Coefficients over time",
         caption="Coefficients of a window of cycles that moves over the log, with their 95 % interval; dashed those of "
-        "the whole log with theirs. Intervals that are far wider than the rest are cut at the edge.",
+        "the whole log with theirs. Intervals that are far wider than the rest are clipped.",
     ),
     Figure(
         name="velocity-torque",
@@ -99,9 +99,9 @@ FIGURES = (
     Figure(
         name="ladder",
         result="diagnosis",
-        draws="verdicts.draw_ladder",
+        draws="profiles.draw_ladder",
         title="Residual torque after each effect",
-        panel="verdicts.draw_panel",
+        panel="profiles.draw_panel",
     ),
     Figure(
         name="residual",
@@ -127,7 +127,7 @@ FIGURES = (
     Figure(
         name="changes",
         result="drift",
-        draws="changes.draw_changes",
+        draws="sessions.draw_changes",
         title="Change of each joint",
         caption="Change from the reference to the last sessions with its 95 % interval. The grey bar holds the changes "
         "that this many sessions would not have shown with 90 % power.",
@@ -144,7 +144,7 @@ FIGURES = (
     Figure(
         name="control",
         result="drift",
-        draws="changes.draw_control",
+        draws="sessions.draw_control",
         title="Control chart",
         caption="Deviation of each session from the level of the reference. The grey band holds all sessions of a "
         "joint that does not change, together with 95 % probability; the panel cuts the band of uncertain sessions.",
@@ -160,13 +160,13 @@ FIGURES = (
     Figure(
         name="sides",
         result="diff",
-        draws="sides.draw_side_curves",
+        draws="drift.draw_side_curves",
         title="Velocity-torque curves before and after",
     ),
     Figure(
         name="law-change",
         result="diff",
-        draws="sides.draw_law_change",
+        draws="drift.draw_law_change",
         title="Change of the friction torque over the speed",
     ),
 )

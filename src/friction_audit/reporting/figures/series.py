@@ -135,7 +135,7 @@ def shade_cycles(axes: "Axes", series: JointSeries) -> None:
             look: Look = {"facecolor": "none", "edgecolor": REJECTED, "hatch": "/////", "label": "rejected cycle"}
             axes.axvspan(start, stop, linewidth=0, zorder=0, **look)
         elif row % 2 == 0:
-            axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0, label="cycle (every other)")
+            axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0, label="every other cycle")
 
 
 def shade_stretches(axes: "Axes", starts: Iterable[float], stops: Iterable[float], t: Float) -> None:

@@ -11,8 +11,8 @@ from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, write_verdict
 from friction_audit.reporting.figures.series import choose_series
-from friction_audit.reporting.figures.verdicts import AUGMENTED, NOMINAL, write_verdict
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ LEAST_ROOM = 0.17  # of the axis, from one cycle's label to the next, for a labe
 # a panel; there they are cut.
 FARTHEST_RAW, FARTHEST_NOMINAL = 0.5, 1.5
 SMALLEST = 0.001  # least height of a panel [N m or rad/s]
-LABELS = ("Torque [N m]", "Measured less\nmodel [N m]", "Velocity [rad/s]")
+LABELS = ("Torque [N m]", "Residual\ntorque [N m]", "Velocity [rad/s]")
 
 
 class Piece(NamedTuple):

@@ -12,8 +12,7 @@ from friction_audit.reporting.diagnosis_words import plain_names, verdict_words
 from friction_audit.reporting.figures.panels import label_in_unit, thin_extremes
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.html.page import Figure
-from friction_audit.reporting.html.svg import draw_inline
+from friction_audit.reporting.html.page import Figure, draw_inline
 from friction_audit.reporting.report import JointReport, LogReport, friction_words, removal_words
 from friction_audit.reporting.words import count_of, in_unit, joint_label
 

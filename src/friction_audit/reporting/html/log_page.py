@@ -48,7 +48,7 @@ from friction_audit.reporting.report import (
     verdict_word,
 )
 from friction_audit.reporting.table import Column, JointName, Record, Table, joint_column
-from friction_audit.reporting.words import count_of, format_start, in_unit, joint_label, joints_label
+from friction_audit.reporting.words import MARK, count_of, format_start, in_unit, joint_label, joints_label
 
 NO_FIGURES = Drawn(by_section={}, left_out={})
 WORDS = {
@@ -106,6 +106,8 @@ def log_page(report: LogReport, *, figures: bool = True) -> Page:
     drawn = draw_figures(report) if figures else NO_FIGURES
     topics = {"friction": _friction, "diagnosis": _missing, "compensator": _compensator, "recording": _recording}
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
+    warnings = notice_lines(report_notices(report))
+    listed = Text(lines=warnings or ("There are none.",), listed=bool(warnings), tone="unsure" if warnings else "")
     joints = Section(
         anchor="joints", title="Joints", sections=[_joint(report, one) for one in answered], on_paper=False
     )
@@ -117,7 +119,7 @@ def log_page(report: LogReport, *, figures: bool = True) -> Page:
             Section(anchor="verdicts", title="Friction and verdict", parts=tuple(_answer(report, answered, drawn))),
             *([joints] if answered else ()),
             *(topics[name](report, drawn) for name in report.sections if answered or name == "recording"),
-            _warnings(report),
+            Section(anchor="warnings", title="Warnings", parts=(listed,), folded=True, note=str(len(warnings))),
             Section(
                 anchor="words", title="How to read it", parts=(Terms(pairs=tuple(WORDS.items()), words=True),),
                 folded=True, on_paper=False,
@@ -148,7 +150,7 @@ def _answer(report: LogReport, answered: list[JointReport], drawn: Drawn) -> Ite
     joints = [one.friction for one in report.joints]
     _, physics = physics_of(estimate_notices(report.estimate), joints)
     if physics:
-        yield Text(lines=physics, listed=True, tone="unsure")
+        yield Text(lines=[line.removeprefix(f"{MARK} ") for line in physics], listed=True, tone="unsure")
     without = [in_unit(line, report.unit) for line in reason_lines(joints)]
     if without:
         yield Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
@@ -163,7 +165,7 @@ def _joint(report: LogReport, one: JointReport) -> Section:
     if found is not None:
         pairs |= terms_of(JOINT_DIAGNOSIS, found, unit).pairs
         pairs |= {"negligible": negligible_words(found)} if found.negligible else {}
-        pairs |= {"left without a name": remainder_words(found)} if found.checks else {}
+        pairs |= {"unexplained": remainder_words(found)} if found.checks else {}
     if one.replay is not None:
         pairs |= terms_of(JOINT_REPLAY, one.replay, unit).pairs
     own = [notice.message for notice in report_notices(report) if notice.joint == one.joint]
@@ -330,9 +332,3 @@ def _sign(report: LogReport) -> tuple[Table, ...]:
     rows = [(JointName(one.joint, names[one.joint - 1]), one) for one in choice.sign_evidence]
     caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
     return (SIGN.people(rows, caption=caption, folded=True, unit=report.unit),) if rows else ()
-
-
-def _warnings(report: LogReport) -> Section:
-    lines = notice_lines(report_notices(report))
-    note = Text(lines=lines, listed=True, tone="unsure") if lines else Text(lines=("There are none.",))
-    return Section(anchor="warnings", title="Warnings", parts=(note,), folded=True, note=str(len(lines)))

@@ -32,7 +32,7 @@
       button.type = "button";
       button.textContent = head.textContent;
       button.title = "Sort by this column";
-      for (const row of table.tBodies[0].rows) if (column) row.cells[column].dataset.head = head.textContent;
+      for (const row of table.tBodies[0].rows) row.cells[column].dataset.head = head.textContent;
       head.replaceChildren(button);
       button.addEventListener("click", () => sortBy(table, head, column));
     });
