@@ -25,6 +25,7 @@ RECORDING = (
     *("incomplete_channel", "empty_joint", "first_row", "first_part", "topic_chosen", "suffix_mismatch"),
     *("few_cycles", "model_not_used", "dq_other_clock", "cycles", "speed_spread", "reversals", "standstill", "holes"),
     *("channels_left_out", "log_left_out", "joint_on_one_side", "not_compared", "same_recording"),
+    *("joined", "not_joined", "wrong_shape"),
 )
 """Codes of what is about the recording: no number that stands means anything else by it."""
 AS_ASKED = ("torque_converted",)
