@@ -52,6 +52,7 @@ class ReportOptions:
         ),
     ] = ()  # type: ignore[assignment] # a dataclass takes no list
     min_effect: opt.MinEffect = 0.0
+    strict: opt.Strict = False
 
 
 def command(
@@ -68,7 +69,6 @@ def command(
         ),
     ] = None,
     export: opt.Exports = opt.NO_EXPORT,
-    strict: opt.Strict = False,
 ) -> None:
     """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice
@@ -114,7 +114,7 @@ def command(
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)
-    chain.conclude(recorded, made.report_notices(report), strict=strict)
+    chain.conclude(recorded, made.report_notices(report), strict=wanted.strict)
 
 
 def _lengths(sections: Sequence[str], written: int) -> list[float]:
