@@ -48,7 +48,8 @@ def law_of(function: str) -> Callable[..., Any]:
     """A formula of the simulator, in the family that has it."""
     families = ("velocity", "load_and_place", "sensors", "structure", "slow_and_events")
     modules = [import_module(f"friction_audit.simulation.effects.{name}") for name in families]
-    return next(getattr(module, function) for module in modules if hasattr(module, function))
+    law: Callable[..., Any] = next(getattr(module, function) for module in modules if hasattr(module, function))
+    return law
 
 
 def each(function: str, *signals: Float) -> Callable[[Any], Float]:

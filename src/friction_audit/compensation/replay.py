@@ -83,9 +83,9 @@ def replay(
     if hand_speed is not None:
         energy = settings.compensator
         energy = energy if isinstance(energy, EnergyCompensator) else EnergyCompensator()
-        signals = map(read_only, (interaction.t, hand_speed, interaction.dq))
+        t, hand, dq = map(read_only, (interaction.t, hand_speed, interaction.dq))
         thresholds = (float(cycles.initiation[0]), float(cycles.termination[0]))
-        cuts = hand_cuts(*signals, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
+        cuts = hand_cuts(t, hand, dq, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
     work = partial(_replay_joint, interaction, cycles, friction, settings, robot, cuts)
     numbers = interaction.joint_numbers
     columns = [column for column, number in enumerate(numbers) if joints is None or number in joints]

@@ -89,13 +89,14 @@ def _empty(motion: Motion) -> Tables:
 
 
 ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per_speed")
+APPENDED = ("path", "torque", "stiffness", "reach")
 
 
 def _add(one: Tables, other: Tables) -> Tables:
     added: dict[str, Any] = {name: getattr(one, name) + getattr(other, name) for name in ADDED}
-    (*arrays, damping_s), (*more, more_s) = one.bristles, other.bristles
-    joined = [np.append(a, b) for a, b in zip(arrays, more, strict=True)]
-    return one._replace(**added, bristles=Bristles(*joined, damping_s=damping_s + more_s))
+    own, more = one.bristles, other.bristles
+    joined: dict[str, Any] = {name: np.append(getattr(own, name), getattr(more, name)) for name in APPENDED}
+    return one._replace(**added, bristles=Bristles(**joined, damping_s=own.damping_s + more.damping_s))
 
 
 def _holds(share: Tables, term: Term, motion: Motion) -> bool:
