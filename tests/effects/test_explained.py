@@ -94,8 +94,8 @@ ROWS: list[Row] = [
         0.95,
         {"cable_spring": 1.0},
     ),
-    ("joint_limit_stop", DATA, 20.0 * np.maximum(Q - 0.85, 0.0), 0.99, {"cable_spring": 1.0}),
-    ("joint_limit_stop", DATA, -20.0 * np.maximum(-0.9 - Q, 0.0), 0.99, {"cable_spring": 1.0}),
+    ("joint_limit_stop", DATA, 20.0 * np.maximum(Q - 0.85, 0.0), 0.95, {"cable_spring": 1.0}),
+    ("joint_limit_stop", DATA, -20.0 * np.maximum(-0.9 - Q, 0.0), 0.95, {"cable_spring": 1.0}),
     ("joint_limit_stop", DATA, 100.0 * np.maximum(Q - 0.8, 0.0) ** 2, 0.95, {}),  # a tether that hardens is one too
     ("joint_limit_stop", DATA, (20.0 * (Q - 0.85) + 0.4 * V) * (Q > 0.85), 0.95, {"cable_spring": 1.0}),
     *(

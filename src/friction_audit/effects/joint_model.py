@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit import __version__
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.registry import near_names, term_of, terms
@@ -203,6 +202,8 @@ def load_model(path: Path) -> ArmModel:
 
 
 def _lines(model: ArmModel) -> Iterator[str]:
+    from friction_audit import __version__  # the package itself knows the simulator, which knows this module
+
     yield f"schema = {_text(SCHEMA)}"
     yield f"version = {_text(__version__)}"
     for name, joint in zip(model.names, model.joints, strict=True):

@@ -31,7 +31,8 @@ FORMS = ((-0.3, SMOOTH), (0.0, SMOOTH), (0.3, SMOOTH), (0.0, DEAD_BAND))  # skew
 def low_speeds(data: JointData, effect: Effect, count: int) -> list[float]:
     """Return speeds below which friction may fade, by those of the log and within the effect's first bounds."""
     (fast,), first = speeds(data, 95.0), effect.nonlinear[0]
-    return np.clip(np.geomspace(LOWEST * fast, HIGHEST * fast, count), first.lower, first.upper).tolist()
+    tried = np.geomspace(LOWEST * fast, HIGHEST * fast, count)
+    return [float(speed) for speed in np.clip(tried, first.lower, first.upper)]
 
 
 class Stribeck(Effect):
