@@ -351,7 +351,7 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     twice = replace(other, reason="gravity is in it. No regression either: one speed (condition 31)")
     assert reason_lines([twice, replace(twice, joint=6, reason=twice.reason.replace("31", "42.5"))]) == [
         "joints 5, 6: gravity is in it",
-        "joints 5, 6: No regression either: one speed (condition 31 to 42.5)",
+        "joints 5, 6: no regression either: one speed (condition 31 to 42.5)",
     ]
 
 

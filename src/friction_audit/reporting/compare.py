@@ -147,10 +147,7 @@ COMPARE = Document(
 
 
 def compare_document(
-    scene: Mapping[str, object],
-    methods: Sequence[Row],
-    sweeps: Sequence[Curve],
-    figures: Iterable[tuple[str, str]],
+    scene: Mapping[str, object], methods: Sequence[Row], sweeps: Sequence[Curve], figures: Iterable[tuple[str, str]]
 ) -> dict[str, Any]:
     """Return the document on a comparison.
 

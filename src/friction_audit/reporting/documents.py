@@ -83,10 +83,7 @@ OUTPUT = Record(
     )
 )
 CONVERT = Document(
-    "convert",
-    1,
-    "A log written in another format",
-    Record((SOURCE, Column("output", OUTPUT, "the new log"), WARNINGS)),
+    "convert", 1, "A log written in another format", Record((SOURCE, Column("output", OUTPUT, "the new log"), WARNINGS))
 )
 
 

@@ -206,8 +206,11 @@ def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
 
     Sentences that differ in the number of a joint only are one.
     """
-    sentences = ((one.joint, text) for one in joints for text in SENTENCES.split(one.reason) if text)
-    every = [Notice("not_determined", joint, text) for joint, text in sentences]
+    every = []
+    for one in joints:
+        first, *rest = SENTENCES.split(one.reason)
+        sentences = [first, *(text[:1].lower() + text[1:] for text in rest)]
+        every += [Notice("not_determined", one.joint, text) for text in sentences if text]
     alike = [OTHER.sub("another joint", one.message) for one in every]
     count = Counter(alike)
     return notice_lines(

@@ -310,11 +310,7 @@ class Document:
 
     def json(self, values: Mapping[str, Any], torque_unit: str = NEWTON_METRES) -> dict[str, Any]:
         """Return the document of values by name."""
-        return {
-            "schema": self.name,
-            "version": __version__,
-            **self.record.json(values, torque_unit),
-        }
+        return {"schema": self.name, "version": __version__, **self.record.json(values, torque_unit)}
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of the document."""

@@ -10,7 +10,7 @@ import numpy as np
 from friction_audit.diagnosis.profiles import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
-from friction_audit.reporting.diagnosis_words import effect_numbers, joint_message, plain_names
+from friction_audit.reporting.diagnosis_words import MOST_NUMBERS, effect_numbers, joint_message, plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
 
@@ -205,7 +205,7 @@ def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> No
     _draw_fitted(axes, traces, effect, along)
     axes.set_ylim(*limits_for(shown, curve))
     name_axis(axes, curve)
-    if parts.is_narrow(axes):
+    if parts.is_narrow(axes) and len(effect.parameters) <= MOST_NUMBERS:
         axes.annotate(
             fill(effect_numbers(effect), 56), (0.0, 0.0), (0.0, -28.0), xycoords="axes fraction",
             textcoords="offset points", va="top", fontsize=6.0, color=theme.MUTED,

@@ -118,12 +118,7 @@ FIGURES = (
         title="The effects named",
         caption="Each effect as the log shows it, over the quantity that shows most of it, and the fitted effect.",
     ),
-    Figure(
-        name="simulation",
-        result="diagnosis",
-        draws="simulation.draw_simulation",
-        title="Measured and simulated",
-    ),
+    Figure(name="simulation", result="diagnosis", draws="simulation.draw_simulation", title="Measured and simulated"),
     Figure(
         name="changes",
         result="drift",
@@ -158,10 +153,7 @@ FIGURES = (
         "range of its sessions, and the last session.",
     ),
     Figure(
-        name="sides",
-        result="diff",
-        draws="drift.draw_side_curves",
-        title="Velocity-torque curves before and after",
+        name="sides", result="diff", draws="drift.draw_side_curves", title="Velocity-torque curves before and after"
     ),
     Figure(
         name="law-change",

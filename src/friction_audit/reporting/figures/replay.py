@@ -115,7 +115,7 @@ def _draw_torque(axes: "Axes", joint: "JointReplay") -> None:
     parts.mark_zero(axes)
     shown, without = joint.replayed, joint.without
     if shown is not None and len(shown.t):
-        parts.draw_raw_and_filtered(axes, shown.t, shown.interaction_nm, POINTS, zorder=4)
+        parts.draw_raw_and_filtered(axes, shown.t, shown.interaction_nm, POINTS, zorder=4, label="with compensator")
     torque = parts.smooth(without.t, without.interaction_nm)
     parts.draw_curve(axes, without.t, torque, POINTS, lw=0.6, zorder=3, label="without compensator", **WITHOUT)
     reach = float(np.abs(without.interaction_nm).max())

@@ -127,8 +127,7 @@ def _number_sessions(axes: "Axes", arm: ArmDrift) -> None:
     dates = [format_date(arm.sessions[place - 1].start_s) for place in places]
     part = slice(None, 7) if len(_years(arm)) > 1 else slice(5, None)  # a tick has room for two of the three
     axes.set_xticks(
-        places,
-        [str(k) if date == NOTHING else f"{k}\n{date[part]}" for k, date in zip(places, dates, strict=True)],
+        places, [str(k) if date == NOTHING else f"{k}\n{date[part]}" for k, date in zip(places, dates, strict=True)]
     )
 
 

@@ -5,21 +5,13 @@ from collections.abc import Iterator, Mapping
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift_words
 from friction_audit.reporting.batch_drawings import draw, page_drawings
-from friction_audit.reporting.drift import (
-    COEFFICIENT,
-    FAILED,
-    BatchSummary,
-    CoefficientRow,
-    coefficient_rows,
-)
+from friction_audit.reporting.drift import COEFFICIENT, FAILED, BatchSummary, CoefficientRow, coefficient_rows
 from friction_audit.reporting.drift_text import sessions_text
 from friction_audit.reporting.figures.registry import figure_names
 from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
-from friction_audit.reporting.words import (
-    enumerate_words,
-)
+from friction_audit.reporting.words import enumerate_words
 
 # Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
