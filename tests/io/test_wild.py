@@ -119,3 +119,36 @@ def test_the_row_s_number_is_not_named_where_rows_were_left_out_before() -> None
 def test_nothing_of_a_sample_log_is_wild(name: str) -> None:
     log = read_log(Path(__file__).parents[2] / "sample_logs" / name)
     assert "wild_samples" not in codes(log)
+
+
+@pytest.mark.parametrize(
+    ("column", "rows"), [("q_1", (130, 190)), ("dq_1", (640, 700)), ("q_1", (0, 40)), ("q_1", (1170, 1200))]
+)
+def test_a_block_of_zeros_is_left_out(column: str, rows: tuple[int, int], tmp_path: Path) -> None:
+    table = rig()
+    table.loc[slice(rows[0], rows[1] - 1), column] = 0.0
+    table.to_csv(tmp_path / "rig.csv", index=False)
+    log = read_log(tmp_path / "rig.csv")
+    message = finding(log, "wild_samples").message
+    assert f"{rows[1] - rows[0]} rows left out" in message
+    assert len(log.t) == 1200 - (rows[1] - rows[0])
+
+
+def test_frames_of_zeros_are_left_out(tmp_path: Path) -> None:
+    table, lost = rig(), np.random.default_rng(3).choice(np.arange(1200), 60, replace=False)
+    lost = lost[np.abs(table.loc[lost, "q_1"]) > 0.1]
+    table.loc[lost, ["q_1", "dq_1", "tau_interaction_1"]] = 0.0
+    table.to_csv(tmp_path / "rig.csv", index=False)
+    kept = read_log(tmp_path / "rig.csv").q[:, 0]
+    assert np.count_nonzero(kept == 0.0) <= 1 + 0.1 * len(lost)
+
+
+def test_zeros_that_a_joint_can_have_are_kept(tmp_path: Path) -> None:
+    table = rig()
+    rest = table["dq_1"].abs() < 0.6  # a driver that takes slow motion for rest
+    table.loc[rest, "dq_1"] = 0.0
+    still = pd.concat([table.assign(q_1=0.0, dq_1=0.0, tau_interaction_1=0.0)[:300], table.assign(t=table["t"] + 3.0)])
+    later = table.assign(t=table["t"] + 30.0)[20:]  # a pause of the recording, in which the joint left zero
+    still = pd.concat([still, table.assign(t=table["t"] + 20.0, q_1=0.0, dq_1=0.0)[:100], later])
+    still.to_csv(tmp_path / "rig.csv", index=False)
+    assert "wild_samples" not in codes(read_log(tmp_path / "rig.csv"))

@@ -7,7 +7,7 @@ Impacts do that too. The channels of the joint decide: a joint that went to that
 dq arrives at another q, and a torque that large changes dq.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float, median_step
 from friction_audit.parallel import per_joint
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
@@ -122,6 +122,9 @@ _LEAST_TORQUE = 0.5
 _CALM = 3.0  # a velocity that changes by more than so many usual steps may be the effect of the torque
 MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
 _MOST_JUMPS = 0.01  # where more rows jump, the jumps are the channel's nature
+_LEAST_TO_ZERO = 0.1  # jump of q to or from zero that no noise of a joint at rest makes [rad]
+_NEAR_STEPS = 3.5  # a longer step is a gap, in which a joint may go anywhere
+_STILL_RAD = 1e-9  # way in a row below which a joint stands still
 _SHOWN = 3
 _BLOCK = 1 << 15  # samples whose steps are compared at a time
 
@@ -162,7 +165,45 @@ def leave_out_wild(recording: Recording, *, first_s: float, numbered: bool) -> R
 def _of_joint(recording: Recording, joint: int) -> list[_Run]:
     columns = {channel: array[:, joint] for channel, array in recording.channels.items()}
     found = (run for channel, column in columns.items() for run in _deviations(channel, column))
-    return [run for run in found if _is_impossible(run, columns, recording.t)]
+    wild = [run for run in found if _is_impossible(run, columns, recording.t)]
+    known = {(run.channel, run.first) for run in wild}
+    zeroed = (run for channel in ("q", "dq") for run in _zeroed(channel, columns, recording.t))
+    return [*wild, *(run for run in zeroed if (run.channel, run.first) not in known)]
+
+
+def _way_per_integral(q: Float, dq: Float, t: Float) -> float:
+    """Return what q usually changes by per integral of dq: 1, or 57 where q is in degrees; 0 if it never moves."""
+    every = max(len(q) // _MOST_SAMPLES, 1)
+    change, integral = np.abs(np.diff(q))[::every], (np.abs(dq[1:]) * np.diff(t))[::every]
+    moves = integral > _STILL_RAD
+    return max(float(np.median(change[moves] / integral[moves])), 1.0) if moves.any() else 0.0
+
+
+def _zeroed(channel: str, columns: Mapping[str, Float], t: Float) -> Iterator[_Run]:
+    """Yield runs of zeros, of any length, that the motion contradicts: numbers that a lost block of a file had."""
+    column, dq, last = columns[channel], columns["dq"], len(t) - 1
+    zero = column == 0.0
+    if not zero.any() or zero.all():
+        return
+    first, end = np.flatnonzero(np.diff(zero, prepend=False, append=False)).reshape(-1, 2).T
+    before, after = np.maximum(first - 1, 0), np.minimum(end, last)
+    usual = np.where(first == 0, column[after], np.where(end > last, column[before], 0.0))
+    begin, stop = np.where(first == 0, usual, column[before]), np.where(end > last, usual, column[after])
+    if channel == "q":  # no joint that was there a row ago can be at zero by now
+        scale = _way_per_integral(column, dq, t)
+        kept = np.zeros(len(first), dtype=np.bool_)
+        for one, other in ((before, np.minimum(first, last)), (end - 1, after)):
+            way = np.maximum(np.abs(dq[one]), np.abs(dq[other])) * (t[other] - t[one])
+            jump, near = np.abs(column[other] - column[one]), t[other] - t[one] < _NEAR_STEPS * median_step(t)
+            kept |= (jump > _LEAST_TO_ZERO) & near & (scale > 0.0) & (scale * way < 0.5 * jump)
+    else:  # a driver may take slow motion for rest, but then the joint does not get far
+        kept = np.minimum(np.abs(begin), np.abs(stop)) > _LEAST["dq"]
+        kept &= np.abs(columns["q"][after] - columns["q"][before]) > _LEAST["q"]
+    for place in map(int, np.flatnonzero(kept)):
+        rows = {"first": int(first[place]), "last": int(end[place]) - 1}
+        run = _Run(channel=channel, **rows, value=0.0, usual=float(begin[place] + stop[place]) / 2.0)
+        if channel == "q" or _is_impossible(run, columns, t):
+            yield run
 
 
 def _deviations(channel: str, column: Float) -> list[_Run]:
