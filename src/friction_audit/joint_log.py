@@ -3,7 +3,7 @@
 Holding a ``JointLog`` is the proof that its invariants hold; they are checked in its constructor alone.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
+from friction_audit.parallel import ahead
 
 Float = NDArray[np.float64]
 MINIMUM_SAMPLES = 2
@@ -185,6 +186,10 @@ class JointLog(Recording):
         """Yield the log in parts that follow each other: one that is in memory is one part."""
         yield LogPart(t=self.t, **self.channels(), joint_names=self.joint_names, source=self.source, first=0)
 
+    def blocks_of(self, channel: str) -> "Iterator[tuple[int, Float, Float]]":
+        """Yield the same parts of one channel: number of the first sample, time, values."""
+        yield 0, self.t, getattr(self, channel)
+
     def gaps_longer_than(self, limit_s: float) -> Float:
         """Return the gaps: number of the sample before each, its time and that of the sample after it, shape (k, 3)."""
         rows = np.flatnonzero(np.diff(self.t) > limit_s)
@@ -246,7 +251,7 @@ class LogInBlocks(LogPart):
         numbers: Number of each mean among those of the whole log, shape (m,).
         clock: Number of samples, time of the last one [s], median step [s].
         gaps: Number of the sample before each gap, its time and that of the sample after it, shape (k, 3).
-        read: Yields the blocks.
+        read: Yields the clock of each block, and those of its channels that are asked for.
         read_whole: Reads the log into memory.
     """
 
@@ -254,7 +259,7 @@ class LogInBlocks(LogPart):
     numbers: NDArray[np.int64]
     clock: tuple[int, float, float]
     gaps: Float
-    read: Callable[[], Iterator[LogPart]]
+    read: Callable[[Collection[str]], Iterator[tuple[Float, dict[str, Float]]]]
     read_whole: Callable[[], JointLog]
 
     @property
@@ -274,7 +279,17 @@ class LogInBlocks(LogPart):
 
     def blocks(self) -> Iterator[LogPart]:
         """Read the log in parts that follow each other."""
-        return self.read()
+        first = 0
+        for t, channels in ahead(self.read(self.channels())):
+            yield LogPart(t=t, **channels, joint_names=self.joint_names, source=self.source, first=first)
+            first += len(t)
+
+    def blocks_of(self, channel: str) -> Iterator[tuple[int, Float, Float]]:
+        """Read the same parts of one channel: number of the first sample, time, values."""
+        first = 0
+        for t, channels in ahead(self.read((channel,))):
+            yield first, t, channels[channel]
+            first += len(t)
 
     def gaps_longer_than(self, limit_s: float) -> Float:
         """Return the gaps: number of the sample before each, its time and that of the sample after it, shape (k, 3)."""

@@ -133,12 +133,12 @@ def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]"
     every, done = max(samples // MOST_SAMPLES, 1), 0
     before = [np.empty(0) for _ in port.columns]
     found: list[list[tuple[Float, Float]]] = [[] for _ in port.columns]
-    for block in port.log.blocks():
-        first, end = block.first - len(before[0]), block.first + len(block.t)
+    for number, t, signal in port.log.blocks_of("dq"):
+        first, end = number - len(before[0]), number + len(t)
         stop = end if end == samples else max(end - margin, done)
         thin = slice(done - first + -done % every, stop - first, every)
 
-        def work(k: int, dq: Float = block.dq, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
+        def work(k: int, dq: Float = signal, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
             measured = dq[:, port.columns[k]]
             measured = np.concatenate([before[k], measured]) if len(before[k]) else measured
             filtered = filter_velocity(measured, rate_hz=rate_hz, cutoff_hz=cycles.cutoff_hz)

@@ -36,7 +36,7 @@ def examine_in_blocks(recording: Recording, blocks: Blocks, path: str) -> Record
     try:
         last_s, median, rough = _look_at_clock(blocks)
         survey = _Survey(recording, blocks.rows, median, rough)
-        for t, channels in ahead(blocks.read(channels=True)):
+        for t, channels in ahead(blocks.read(recording.channels)):
             survey.take(t, channels)
         means = survey.means(recording)
         found = _judge(survey, means, path)
@@ -70,7 +70,7 @@ def _look_at_clock(blocks: Blocks) -> tuple[float, float, float]:
     far = np.arange(reach, rows, every)
     picked = [_Picked(one) for one in (places, places + 1, far - reach, far)]
     row, last = 0, -np.inf
-    for t, _ in ahead(blocks.read(channels=False)):
+    for t, _ in ahead(blocks.read(())):
         if not (np.isfinite(t).all() and t[0] > last and np.all(t[1:] > t[:-1])):
             raise WholeLogError
         for one in picked:

@@ -3,7 +3,7 @@
 import json
 import os
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -179,8 +179,8 @@ class ParquetTable(ColumnTable):
         origin = stamps[:1].tolist()
         clock = to_clock(stamps, self._unit(time), path=path)
 
-        def read(*, channels: bool) -> Iterator[tuple[Float, dict[str, Float]]]:
-            wanted = columns.channels if channels else {}
+        def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+            wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
             for parts in self._batches([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
                 raw = self._stamps(parts[: len(time.cells)], time)
                 values = iter(parts[len(time.cells) :])
