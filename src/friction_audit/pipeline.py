@@ -9,7 +9,8 @@ import numpy as np
 
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.joint_log import Float, JointLog, LogInBlocks, Recording
+from friction_audit.joint_log import Float, JointLog, Recording
+from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.joint_log import Float, JointLog, LogInBlocks, Source, median_step
+from friction_audit.joint_log import Float, JointLog, Source, median_step
+from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing import segmentation
 from friction_audit.preprocessing.energy_cycles import EnergyCycles

@@ -10,7 +10,7 @@ import pytest
 
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers.reader import InBlocks
-from friction_audit.joint_log import LogInBlocks
+from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.reporting.estimate import estimate_document

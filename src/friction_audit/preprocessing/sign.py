@@ -17,7 +17,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog, LogInBlocks, block_means, median_step, samples_per_mean
+from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.log_in_blocks import LogInBlocks, block_means, samples_per_mean
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 

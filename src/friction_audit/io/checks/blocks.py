@@ -15,7 +15,8 @@ from friction_audit.io.checks.stale import drop_stale_samples
 from friction_audit.io.checks.torque import check_torque
 from friction_audit.io.checks.wild import LAG, MOST_SAMPLES, scale_of, usual_change
 from friction_audit.io.recording import Blocks, Recording
-from friction_audit.joint_log import MINIMUM_SAMPLES, Float, block_means, samples_per_mean, step_places
+from friction_audit.joint_log import MINIMUM_SAMPLES, Float, step_places
+from friction_audit.log_in_blocks import block_means, samples_per_mean
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.

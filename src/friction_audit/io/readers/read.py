@@ -22,7 +22,8 @@ from friction_audit.io.readers.motor_current import convert_torque
 from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Blocks, Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, LogInBlocks, Source, find_window
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
+from friction_audit.log_in_blocks import LogInBlocks
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
