@@ -107,11 +107,15 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
     port = choose_torque(log, settings.torque, joints=settings.joints)
     joints = [_JointPass(port.log, settings, column, own) for column, own in enumerate(_thresholds(port, settings))]
-    part = None
+    part: Interaction | None = None
     for block in port.log.blocks():
         new = port.interaction(block)
         part = new if part is None else part.followed_by(new, min(one.needed for one in joints))
-        per_joint(lambda column, part=part: joints[column].take(part), len(joints))  # type: ignore[misc]
+
+        def advance(column: int, part: Interaction = part) -> None:
+            joints[column].take(part)
+
+        per_joint(advance, len(joints))
     assert part is not None
     found = [one.search.cycles() for one in joints]
     friction = friction_of(part, [one.gathered for one in joints], found, settings.friction, dead_torque)

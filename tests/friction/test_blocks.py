@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator
 from dataclasses import fields
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,6 +57,7 @@ def recorded(seed: int) -> JointLog:
 
 def in_blocks(log: JointLog, borders: list[int]) -> LogInBlocks:
     coarse = coarse_log(log)
+    means: dict[str, Any] = {name: coarse.mean(array) for name, array in log.channels().items()}
 
     def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
         for first, stop in pairwise([0, *borders, len(log.t)]):
@@ -63,7 +65,7 @@ def in_blocks(log: JointLog, borders: list[int]) -> LogInBlocks:
 
     return LogInBlocks(
         t=coarse.t,
-        **{name: coarse.mean(array) for name, array in log.channels().items()},
+        **means,
         joint_names=log.joint_names,
         source=log.source,
         first=0,

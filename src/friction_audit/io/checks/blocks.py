@@ -89,7 +89,8 @@ class _Survey:
         joints, names = len(recording.joint_names), list(recording.channels)
         usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
         self.mean_of = samples_per_mean(median, rows)
-        self.steps, self.gaps, self.short = StepSums(median), [], 0
+        self.steps, self.short = StepSums(median), 0
+        self.gaps: list[tuple[int, float, float]] = []
         self.sample_t = _Picked(usual)
         self.sample = {name: _Picked(usual, joints) for name in names}
         self.change = {name: (_Picked(late - LAG, joints), _Picked(late, joints)) for name in names}
