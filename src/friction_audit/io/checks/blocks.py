@@ -126,9 +126,9 @@ class _Survey:
                 self.jump[name][joint] = max(self.jump[name][joint], steps.max(), -steps.min())
             for picked in (self.sample[name], *self.change[name]):
                 picked.take(self._row, new)
-        border = {name: np.concatenate([old[name], new[:1]]) for name, new in channels.items()} if self._last else {}
-        for near in filter(None, (channels, border)):
-            if drop_stale_samples(replace(self._recording, t=t[: len(near["q"])], channels=near)).findings:
+        pair = {name: np.concatenate([old[name], new[:1]]) for name, new in {"t": t, **channels}.items()}
+        for near in ({"t": t, **channels}, pair) if self._last else ({"t": t, **channels},):
+            if drop_stale_samples(replace(self._recording, t=near.pop("t"), channels=near)).findings:
                 raise WholeLogError
         self._last = {"t": t[-1:], **{name: new[-1:].copy() for name, new in channels.items()}}
         self._add_means({"t": t[:, None], **channels})
