@@ -13,6 +13,7 @@ from friction_audit.io.readers.reader import InBlocks
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.robot import load_arm
 from tests.io.synthetic_recordings import motion
@@ -139,3 +140,19 @@ def test_lists_and_exact_clocks_are_read_in_blocks(frame: pd.DataFrame, tmp_path
     parts = list(log.blocks())
     np.testing.assert_array_equal(np.concatenate([part.t for part in parts]), usual.t)
     np.testing.assert_array_equal(np.concatenate([part.dq for part in parts]), usual.dq)
+
+
+@pytest.mark.parametrize("rows", [1, 7, 33, 1999, 25_000])
+def test_means_are_those_of_the_whole_whatever_the_blocks(
+    frame: pd.DataFrame, tmp_path: Path, rows: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.parquet._BATCH_ROWS", rows)
+    few = frame.iloc[:2000] if rows < 100 else frame
+    path = written(few, tmp_path, "q", "dq", "tau_interaction")
+    log = read_log(path, InBlocks())
+    assert isinstance(log, LogInBlocks)
+    whole = coarse_log(read_log(path))
+    found = coarse_log(log)
+    np.testing.assert_array_equal(found.t, whole.t)
+    np.testing.assert_array_equal(found.dq, whole.dq)
+    np.testing.assert_array_equal(found.whole, whole.whole)
