@@ -156,3 +156,30 @@ def test_means_are_those_of_the_whole_whatever_the_blocks(
     np.testing.assert_array_equal(found.t, whole.t)
     np.testing.assert_array_equal(found.dq, whole.dq)
     np.testing.assert_array_equal(found.whole, whole.whole)
+
+
+def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
+    frame: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("friction_audit.io.checks.blocks.MOST_MEANS", 600)
+    monkeypatch.setattr("friction_audit.io.checks.blocks.STRETCH", 100)
+    path = written(frame, tmp_path, "q", "dq", "tau_interaction")
+    usual, log = read_log(path), read_log(path, InBlocks())
+    assert isinstance(log, LogInBlocks)
+    every = coarse_log(usual)
+    found = coarse_log(log)
+    assert log.numbers.tolist() == [
+        *range(100),
+        *range(300, 400),
+        *range(600, 700),
+        *range(900, 1000),
+        *range(1200, 1235),
+    ]
+    np.testing.assert_array_equal(found.dq, every.dq[log.numbers])
+    ends = np.flatnonzero(np.diff(log.numbers) > 1)
+    assert not found.whole[ends].any()
+    assert not found.whole[ends + 1].any()
+    one, other = (estimate_log(log, AuditSettings()) for log in (usual, log))
+    assert other.interaction.choice.sign_proved
+    for own, same_joint in zip(other.friction.joints, one.friction.joints, strict=True):
+        assert own.coulomb.value == pytest.approx(same_joint.coulomb.value, rel=1e-9, nan_ok=True)
