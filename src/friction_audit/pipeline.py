@@ -11,7 +11,7 @@ from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float, JointLog, Recording
 from friction_audit.log_in_blocks import LogInBlocks
-from friction_audit.parallel import per_joint
+from friction_audit.parallel import per_joint, release_memory
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import PortTorque, choose_torque, extract_interaction
@@ -117,13 +117,20 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
 
         per_joint(advance, len(joints))
     assert part is not None
-    found = [one.search.cycles() for one in joints]
-    friction = friction_of(part, [one.gathered for one in joints], found, settings.friction, dead_torque)
-    if isinstance(port.log, LogInBlocks):  # of a day, parts of cycles would take most of the memory
-        part = part.rows(part.first, part.first)
-        found = [replace(one, parts=one.parts.rows(np.zeros(0, np.int64))) for one in found]
-    cycles = join_cycles(found)
-    return Estimate(log=log, interaction=part, cycles=cycles, friction=friction, settings=settings)
+    in_blocks = isinstance(port.log, LogInBlocks)
+    found: dict[int, EnergyCycles] = {}
+
+    def cycles_of(column: int) -> EnergyCycles:
+        own = found[column] = joints[column].search.cycles()
+        if in_blocks:  # of a day, parts of cycles would take most of the memory
+            release_memory()
+            found[column] = replace(own, parts=own.parts.rows(np.zeros(0, np.int64)))
+        return own
+
+    friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)
+    interaction = part.rows(part.first, part.first) if in_blocks else part
+    cycles = join_cycles([found[column] for column in range(len(joints))])
+    return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
 
 
 def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]":
