@@ -48,14 +48,11 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     yield "# Speed and memory"
     yield f"Made by `python benchmarks/bench_speed.py --hours {hours} --messages {messages} --runs {runs}`."
     yield f"Machine: {machine()}"
-    yield (
-        "Every run is a process of its own; the programs compared take turns. Times are medians. Peaks are resident "
-        "memory, interpreter and libraries included."
-    )
+    yield ("Every run is a process of its own, in turns. Times are medians. Peaks include interpreter and libraries.")
     yield "## `estimate` and a bare read of Parquet"
     yield (
         "The script checks the estimates against the friction written. *Peak / arrays*: peak memory over the size of "
-        "the columns read."
+        "the columns read. A first pass over blocks checks the log and proves the sign, a second one estimates."
     )
     yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
     yield "## Replay and estimate"

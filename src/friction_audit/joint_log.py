@@ -3,7 +3,7 @@
 Holding a ``JointLog`` is the proof that its invariants hold; they are checked in its constructor alone.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
@@ -15,7 +15,6 @@ from friction_audit.errors import InputError, UsageError
 Float = NDArray[np.float64]
 MINIMUM_SAMPLES = 2
 _MOST_STEPS = 10_000  # of which the median step is taken
-COARSE_HZ = 50.0  # of the means by which the sign of a torque is proved: above the motion, and cheap for hours of log
 
 # Channels with one column per joint, in the order in which they are written to files.
 JOINT_CHANNELS = (
@@ -196,6 +195,10 @@ class JointLog(Recording):
         """Yield the log in parts that follow each other: one that is in memory is one part."""
         yield LogPart(t=self.t, **self.channels(), joint_names=self.joint_names, source=self.source, first=0)
 
+    def blocks_of(self, channel: str) -> "Iterator[tuple[int, Float, Float]]":
+        """Yield the same parts of one channel: number of the first sample, time, values."""
+        yield 0, self.t, getattr(self, channel)
+
     def gaps_longer_than(self, limit_s: float) -> Float:
         """Return the gaps: number of the sample before each, its time and that of the sample after it, shape (k, 3)."""
         rows = np.flatnonzero(np.diff(self.t) > limit_s)
@@ -245,53 +248,6 @@ class LogPart(JointLog):
         """Prove nothing: a part is as its log is."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class LogInBlocks(LogPart):
-    """A log that is not kept in memory: its samples are read in blocks, anew for every pass.
-
-    Its arrays are means over ``mean_of`` samples each, of all of the log or, of a long one, of stretches spread evenly
-    over it.
-
-    Attributes, in addition to those of a ``LogPart``:
-        mean_of: Samples per mean.
-        numbers: Number of each mean among those of the whole log, shape (m,).
-        clock: Number of samples, time of the last one [s], median step [s].
-        gaps: Number of the sample before each gap, its time and that of the sample after it, shape (k, 3).
-        read: Yields the blocks.
-        read_whole: Reads the log into memory.
-    """
-
-    mean_of: int
-    numbers: NDArray[np.int64]
-    clock: tuple[int, float, float]
-    gaps: Float
-    read: Callable[[], Iterator[LogPart]]
-    read_whole: Callable[[], JointLog]
-
-    @property
-    def samples(self) -> int:
-        """Number of samples n."""
-        return self.clock[0]
-
-    @property
-    def duration_s(self) -> float:
-        """Time from the first to the last sample. [s]"""
-        return self.clock[1]
-
-    @property
-    def rate_hz(self) -> float:
-        """Sampling rate, from the median time step. [Hz]"""
-        return 1.0 / self.clock[2]
-
-    def blocks(self) -> Iterator[LogPart]:
-        """Read the log in parts that follow each other."""
-        return self.read()
-
-    def gaps_longer_than(self, limit_s: float) -> Float:
-        """Return the gaps: number of the sample before each, its time and that of the sample after it, shape (k, 3)."""
-        return self.gaps[self.gaps[:, 2] - self.gaps[:, 1] > limit_s]
-
-
 def find_window(t: Float, start_s: float | None, stop_s: float | None, path: str) -> slice:
     """Return the samples with start_s <= t < stop_s.
 
@@ -318,17 +274,6 @@ def median_step(t: Float) -> float:
 def step_places(samples: int) -> NDArray[np.int64]:
     """Return the samples before the steps of which the median is taken."""
     return np.linspace(0, samples - 2, min(samples - 1, _MOST_STEPS)).astype(np.int64)
-
-
-def samples_per_mean(step_s: float, samples: int) -> int:
-    """Return how many samples of a log are in a mean at COARSE_HZ."""
-    return max(1, min(round(1.0 / step_s / COARSE_HZ), samples // 2))
-
-
-def block_means(column: Float, samples: int) -> Float:
-    """Return the means of neighbouring blocks of samples, shape (n,) -> (n // samples,)."""
-    blocks = len(column) // samples
-    return np.asarray(column[: blocks * samples].reshape(blocks, samples).mean(axis=1))
 
 
 def read_only(numbers: Float) -> Float:

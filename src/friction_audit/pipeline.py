@@ -9,8 +9,9 @@ import numpy as np
 
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.joint_log import Float, JointLog, LogInBlocks, Recording
-from friction_audit.parallel import per_joint
+from friction_audit.joint_log import Float, JointLog, Recording
+from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.parallel import per_joint, release_memory
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import PortTorque, choose_torque, extract_interaction
@@ -106,19 +107,30 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
     port = choose_torque(log, settings.torque, joints=settings.joints)
     joints = [_JointPass(port.log, settings, column, own) for column, own in enumerate(_thresholds(port, settings))]
-    part = None
+    part: Interaction | None = None
     for block in port.log.blocks():
         new = port.interaction(block)
         part = new if part is None else part.followed_by(new, min(one.needed for one in joints))
-        per_joint(lambda column, part=part: joints[column].take(part), len(joints))  # type: ignore[misc]
+
+        def advance(column: int, part: Interaction = part) -> None:
+            joints[column].take(part)
+
+        per_joint(advance, len(joints))
     assert part is not None
-    found = [one.search.cycles() for one in joints]
-    friction = friction_of(part, [one.gathered for one in joints], found, settings.friction, dead_torque)
-    if isinstance(port.log, LogInBlocks):  # of a day, parts of cycles would take most of the memory
-        part = part.rows(part.first, part.first)
-        found = [replace(one, parts=one.parts.rows(np.zeros(0, np.int64))) for one in found]
-    cycles = join_cycles(found)
-    return Estimate(log=log, interaction=part, cycles=cycles, friction=friction, settings=settings)
+    in_blocks = isinstance(port.log, LogInBlocks)
+    found: dict[int, EnergyCycles] = {}
+
+    def cycles_of(column: int) -> EnergyCycles:
+        own = found[column] = joints[column].search.cycles()
+        if in_blocks:  # of a day, parts of cycles would take most of the memory
+            release_memory()
+            found[column] = replace(own, parts=own.parts.rows(np.zeros(0, np.int64)))
+        return own
+
+    friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)
+    interaction = part.rows(part.first, part.first) if in_blocks else part
+    cycles = join_cycles([found[column] for column in range(len(joints))])
+    return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
 
 
 def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]":
@@ -133,12 +145,12 @@ def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]"
     every, done = max(samples // MOST_SAMPLES, 1), 0
     before = [np.empty(0) for _ in port.columns]
     found: list[list[tuple[Float, Float]]] = [[] for _ in port.columns]
-    for block in port.log.blocks():
-        first, end = block.first - len(before[0]), block.first + len(block.t)
+    for number, t, signal in port.log.blocks_of("dq"):
+        first, end = number - len(before[0]), number + len(t)
         stop = end if end == samples else max(end - margin, done)
         thin = slice(done - first + -done % every, stop - first, every)
 
-        def work(k: int, dq: Float = block.dq, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
+        def work(k: int, dq: Float = signal, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
             measured = dq[:, port.columns[k]]
             measured = np.concatenate([before[k], measured]) if len(before[k]) else measured
             filtered = filter_velocity(measured, rate_hz=rate_hz, cutoff_hz=cycles.cutoff_hz)

@@ -1,15 +1,17 @@
 """The estimate does not depend on the blocks in which a log is read."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import fields
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.joint_log import Float, JointLog, LogInBlocks, LogPart, Source, median_step
+from friction_audit.joint_log import Float, JointLog, Source, median_step
+from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing import segmentation
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
@@ -55,15 +57,15 @@ def recorded(seed: int) -> JointLog:
 
 def in_blocks(log: JointLog, borders: list[int]) -> LogInBlocks:
     coarse = coarse_log(log)
+    means: dict[str, Any] = {name: coarse.mean(array) for name, array in log.channels().items()}
 
-    def read() -> Iterator[LogPart]:
+    def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
         for first, stop in pairwise([0, *borders, len(log.t)]):
-            own = {name: np.asfortranarray(array[first:stop]) for name, array in log.channels().items()}
-            yield LogPart(t=log.t[first:stop], **own, joint_names=log.joint_names, source=log.source, first=first)
+            yield log.t[first:stop], {name: np.asfortranarray(getattr(log, name)[first:stop]) for name in names}
 
     return LogInBlocks(
         t=coarse.t,
-        **{name: coarse.mean(array) for name, array in log.channels().items()},
+        **means,
         joint_names=log.joint_names,
         source=log.source,
         first=0,

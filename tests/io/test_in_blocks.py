@@ -10,9 +10,10 @@ import pytest
 
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers.reader import InBlocks
-from friction_audit.joint_log import LogInBlocks
+from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.robot import load_arm
 from tests.io.synthetic_recordings import motion
@@ -139,3 +140,46 @@ def test_lists_and_exact_clocks_are_read_in_blocks(frame: pd.DataFrame, tmp_path
     parts = list(log.blocks())
     np.testing.assert_array_equal(np.concatenate([part.t for part in parts]), usual.t)
     np.testing.assert_array_equal(np.concatenate([part.dq for part in parts]), usual.dq)
+
+
+@pytest.mark.parametrize("rows", [1, 7, 33, 1999, 25_000])
+def test_means_are_those_of_the_whole_whatever_the_blocks(
+    frame: pd.DataFrame, tmp_path: Path, rows: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.parquet._BATCH_ROWS", rows)
+    few = frame.iloc[:2000] if rows < 100 else frame
+    path = written(few, tmp_path, "q", "dq", "tau_interaction")
+    log = read_log(path, InBlocks())
+    assert isinstance(log, LogInBlocks)
+    whole = coarse_log(read_log(path))
+    found = coarse_log(log)
+    np.testing.assert_array_equal(found.t, whole.t)
+    np.testing.assert_array_equal(found.dq, whole.dq)
+    np.testing.assert_array_equal(found.whole, whole.whole)
+
+
+def test_a_long_log_is_judged_by_stretches_that_are_spread_over_it(
+    frame: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("friction_audit.io.checks.blocks.MOST_MEANS", 600)
+    monkeypatch.setattr("friction_audit.io.checks.blocks.STRETCH", 100)
+    path = written(frame, tmp_path, "q", "dq", "tau_interaction")
+    usual, log = read_log(path), read_log(path, InBlocks())
+    assert isinstance(log, LogInBlocks)
+    every = coarse_log(usual)
+    found = coarse_log(log)
+    assert log.numbers.tolist() == [
+        *range(100),
+        *range(300, 400),
+        *range(600, 700),
+        *range(900, 1000),
+        *range(1200, 1235),
+    ]
+    np.testing.assert_array_equal(found.dq, every.dq[log.numbers])
+    ends = np.flatnonzero(np.diff(log.numbers) > 1)
+    assert not found.whole[ends].any()
+    assert not found.whole[ends + 1].any()
+    one, other = (estimate_log(log, AuditSettings()) for log in (usual, log))
+    assert other.interaction.choice.sign_proved
+    for own, same_joint in zip(other.friction.joints, one.friction.joints, strict=True):
+        assert own.coulomb.value == pytest.approx(same_joint.coulomb.value, rel=1e-9, nan_ok=True)

@@ -11,10 +11,10 @@ from hypothesis.extra.numpy import arrays
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing import cycle_sums
-from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL
+from friction_audit.preprocessing.energy_cycles import GAP, KEPT, LONG, ONE_WAY, OPEN, SMALL
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
-from tests.synthetic_interaction import interaction, strokes
+from tests.synthetic_interaction import RATE_HZ, interaction, strokes
 
 COULOMB, VISCOUS, INERTIA = 0.3, 0.07, 0.5
 DEFAULT = CycleSettings()
@@ -47,6 +47,17 @@ def test_parts_add_up_to_their_cycle() -> None:
     for name in ("work_j", "path_rad", "square_speed_rad2_s", "displacement_rad", "half_square_speed_change"):
         np.testing.assert_allclose(getattr(cycles.parts, name).sum(axis=1), getattr(cycles.sums, name), atol=1e-12)
     np.testing.assert_allclose(cycles.parts.gravity_x_rad.sum(axis=1), cycles.sums.gravity_x_rad, atol=1e-12)
+
+
+def test_a_cycle_of_more_than_five_minutes_does_not_count() -> None:
+    lengths, durations = [0.8, -0.5, 0.6, -0.6], [1.2, 0.9, 1.0, 1.1]
+    _, v, torque = rubbed(lengths, durations)
+    rest = int(np.flatnonzero(np.abs(v) > 0.05)[-1]) + 100  # after the last stroke
+    wait = int(301 * RATE_HZ)
+    v, torque = (np.concatenate([x[:rest], np.zeros(wait), x[300:]]) for x in (v, torque))
+    cycles = segment_cycles(interaction(np.arange(len(v)) / RATE_HZ, v, torque), DEFAULT)
+    assert cycles.reason.tolist() == [KEPT] * 4 + [LONG] + [KEPT] * 3
+    np.testing.assert_allclose(cycles.sums.path_rad, np.abs(lengths * 2), rtol=1e-5)
 
 
 def test_the_gravity_columns_are_the_work_of_a_pendulum() -> None:

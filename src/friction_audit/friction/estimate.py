@@ -1,6 +1,6 @@
 """The friction of every joint: from its energy cycles, or from a torque regression where too few of them count."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -74,20 +74,20 @@ def estimate_friction(
         return found
 
     every = per_joint(gathered, len(interaction.joint_numbers))
-    return friction_of(interaction, every, [cycles.alone(k) for k in range(len(every))], settings, dead_torque)
+    return friction_of(interaction, every, cycles.alone, settings, dead_torque)
 
 
 def friction_of(
     port: Interaction,
     every: Sequence[Gathered],
-    cycles: Sequence[EnergyCycles],
+    cycles_of: Callable[[int], EnergyCycles],
     settings: FrictionSettings,
     dead_torque: frozenset[int],
 ) -> FrictionHistory:
-    """Estimate the friction of every joint from what was gathered of it and its own cycles."""
+    """Estimate the friction of every joint (0-based) from what was gathered of it and its own cycles."""
 
     def work(column: int) -> Found:
-        return _estimate_joint(port, column, every, cycles[column], settings, dead_torque)
+        return _estimate_joint(port, column, every, cycles_of(column), settings, dead_torque)
 
     found = per_joint(work, len(every))
     return FrictionHistory(

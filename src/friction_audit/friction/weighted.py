@@ -134,14 +134,18 @@ def fit_windows(equations: Equations, window: int) -> Fit:
     """
     normal, right = (_sliding_sum(blocks, window) for blocks in (equations.normal, equations.right))
     windows = len(normal)
+    value = _solve(normal, right)
     if windows == 1:
-        without = _solve(normal - equations.normal, right - equations.right)[:, None]
-    else:
-        places = [slice(first, first + windows) for first in range(window)]
-        without = np.stack([_solve(normal - equations.normal[p], right - equations.right[p]) for p in places])
-    error = np.sqrt((window - 1) * without.var(axis=0)) / equations.scale
-    value = _solve(normal, right) / equations.scale
-    return Fit(names=equations.names, value=value, error=error, freedom=max(window - 1, 1))
+        variance = _solve(normal - equations.normal, right - equations.right).var(axis=0)[None]
+    else:  # of a day's cycles one place in all windows at a time
+        total, square = np.zeros_like(value), np.zeros_like(value)
+        for first in range(window):
+            place = slice(first, first + windows)
+            change = _solve(normal - equations.normal[place], right - equations.right[place]) - value
+            total, square = total + change, square + change**2
+        variance = (square / window - (total / window) ** 2).clip(min=0.0)
+    error = np.sqrt((window - 1) * variance) / equations.scale
+    return Fit(names=equations.names, value=value / equations.scale, error=error, freedom=max(window - 1, 1))
 
 
 def _sliding_sum(blocks: Float, window: int) -> Float:

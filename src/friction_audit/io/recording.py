@@ -1,6 +1,6 @@
 """A recording as a reader returns it, before its faults are looked for."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,12 +16,12 @@ class Blocks:
 
     Attributes:
         rows: Number of samples.
-        read: Yields clock and channels of each block, or with ``channels=False`` the clock alone.
+        read: Yields the clock of each block, and those of its channels that are asked for.
         clock, gaps, mean_of, numbers: What the checks found, as in ``LogInBlocks``.
     """
 
     rows: int
-    read: Callable[..., Iterator[tuple[Float, dict[str, Float]]]]
+    read: Callable[[Collection[str]], Iterator[tuple[Float, dict[str, Float]]]]
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
     gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
     mean_of: int = 1

@@ -42,12 +42,8 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
     return (Caution(code="model_not_used", message=message),)
 
 
-def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> tuple[Caution, ...]:
+def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
     """Say what the energy shows about the sign, and that inertia is still in the torque."""
-    return tuple(_sign_cautions(log, balance, settings, turned=turned))
-
-
-def _sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
     evidence = balance.evidence
     if turned:
         yield Caution(code="sign_turned", message=_turned(balance))

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 
+SIGNALS = ("t", "q", "dq", "torque", "compensation")
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SignEvidence:
@@ -135,10 +137,8 @@ class Interaction:
     def rows(self, first: int, stop: int) -> "Interaction":
         """Return the samples of these numbers in the log, as a part of it."""
         own = slice(first - self.first, stop - self.first)
-        names = ("t", "q", "dq", "torque", "compensation")
-        signals: dict[str, Any] = {
-            name: None if getattr(self, name) is None else getattr(self, name)[own] for name in names
-        }
+        pairs = ((name, getattr(self, name)) for name in SIGNALS)
+        signals: dict[str, Any] = {name: signal[own] for name, signal in pairs if signal is not None}
         index, direction = self.gravity_index, self.gravity_direction
         if index is not None and direction is not None:
             places = slice(*np.searchsorted(index, (own.start, own.stop)).tolist())
@@ -148,14 +148,8 @@ class Interaction:
     def followed_by(self, other: "Interaction", first: int) -> "Interaction":
         """Return the samples from this number on, and those of the part that follows."""
         mine = self.rows(first, self.first + len(self.t))
-        index, direction = mine.gravity_index, mine.gravity_direction
-        if index is not None and other.gravity_index is not None:
-            index = np.append(index, other.gravity_index + len(mine.t))
-            direction = np.concatenate([direction, other.gravity_direction])  # type: ignore[list-item]
-
-        def joined(name: str) -> Any:  # noqa: ANN401
-            own, more = getattr(mine, name), getattr(other, name)
-            return None if own is None else np.concatenate([own, more])
-
-        signals = {name: joined(name) for name in ("t", "q", "dq", "torque", "compensation")}
-        return replace(mine, **signals, gravity_index=index, gravity_direction=direction)
+        pairs = ((name, getattr(mine, name), getattr(other, name)) for name in (*SIGNALS, "gravity_direction"))
+        signals: dict[str, Any] = {name: np.concatenate([own, more]) for name, own, more in pairs if own is not None}
+        if mine.gravity_index is not None and other.gravity_index is not None:
+            signals["gravity_index"] = np.append(mine.gravity_index, other.gravity_index + len(mine.t))
+        return replace(mine, **signals)

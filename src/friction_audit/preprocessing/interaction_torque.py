@@ -15,7 +15,7 @@ from friction_audit.preprocessing.interaction import Caution, Interaction, Torqu
 from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, position_on, velocity_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog, coarse_log, prove_sign
-from friction_audit.preprocessing.torque_source import CHANNELS, Plan, arm_for_hand, make_plan, removed_command
+from friction_audit.preprocessing.torque_source import CHANNELS, Plan, arm_for_hand, make_plan
 from friction_audit.preprocessing.velocity import on_time
 
 # Ratio of mean squares: friction, inertia and noise alone move it by less about 1 where the model hardly matters.
@@ -69,8 +69,8 @@ class PortTorque:
         if arm is None:
             return None, None
         index = np.arange(-part.first % self.stride, samples, self.stride)
-        if part.first + samples == self.log.samples and index[-1:] != samples - 1:
-            index = np.append(index, samples - 1)
+        if part.first + samples == self.log.samples:
+            index = np.union1d(index, samples - 1)
         return index, arm.gravity_direction(part.q[index])[:, self.columns]
 
 
@@ -124,7 +124,7 @@ def choose_torque(
         columns=columns,
         stride=max(round(log.rate_hz / settings.model_rate_hz), 1),
         choice=_choice(balance, settings, turned=turned),
-        warnings=plan.warnings + late + unused + sign_cautions(log, balance, settings, turned=turned),
+        warnings=(*plan.warnings, *late, *unused, *sign_cautions(log, balance, settings, turned=turned)),
     )
     direction = None if plan.arm is None else plan.arm.gravity_direction(coarse.q)[:, columns]
     return replace(port, warnings=port.warnings + gravity_cautions(log, coarse, balance, columns, direction))
@@ -206,11 +206,12 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
     rms = [" ".join(f"{value:.2f}" for value in np.std(torque, axis=0)) for torque in (left, measured)]
     joints = ", ".join(str(number + 1) for number in np.flatnonzero(alive))
     without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None, payload=None)
+    removed = settings.command(where, torque="auto", gravity="removed", inertia="auto")
     raise UsageError(
         f"{where}: the model of {plan.arm.name if plan.arm else 'the arm'} is further from the torque than no model: "
         f"tau_J less the model has {rms[0]} N m rms about its mean on joints {joints}, tau_J alone {rms[1]} N m. If "
         f"it is another arm: {without}, or give its --urdf. If gravity is already removed from tau_J: "
-        f"{removed_command(log, settings)}. If the base does not stand upright, give its --gravity-vector"
+        f"{removed}. If the base does not stand upright, give its --gravity-vector"
     )
 
 

@@ -127,13 +127,11 @@ def _along(
     """Interpolate a channel, or its integral from the beginning of each grid, at times along each grid: (k, j) each."""
     joints = len(log.joint_names)
     found, done = [np.empty((len(t), joints)) for t in times], [0] * len(grids)
-    gone, before = np.zeros(joints), None
-    for part in log.blocks():
-        # The last sample of the block before comes along: there is no motion between blocks otherwise.
-        first = part.first - (before is not None)
-        signal = getattr(part, channel)
-        t = part.t if before is None else np.append(before[0], part.t)
-        signal = signal if before is None else np.concatenate([before[1], signal])
+    gone = np.zeros(joints)
+    before: tuple[Float, Float] | None = None
+    for first, t, signal in log.blocks_of(channel):
+        if before is not None:  # the last sample of the block before comes along, or there were no motion from it on
+            first, t, signal = first - 1, np.append(before[0], t), np.concatenate([before[1], signal])  # noqa: PLW2901
         for number, (grid, wanted) in enumerate(zip(grids, times, strict=True)):
             rows = slice(max(grid.rows.start - first, 0), min(grid.rows.stop - first, len(t)))
             if rows.start >= rows.stop:

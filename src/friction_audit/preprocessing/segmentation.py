@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from typing import Any
 
 import numpy as np
 
@@ -179,6 +180,7 @@ class CycleSearch:
         reason[is_open & inside] = OPEN
         # At a low rate a single lost sample is no hole: its neighbours still describe the motion in between.
         reason[longest_step > max(settings.maximum_gap_s, LONGEST_STEP / self._rate_hz)] = GAP
+        later: dict[str, Any] = {name: np.empty(0) for name in PER_JOINT}
         return EnergyCycles(
             joint=np.full(len(start), self._column),
             start=start,
@@ -191,7 +193,7 @@ class CycleSearch:
             open=is_open,
             reason=reason,
             speed_unit="rad/s" if self._hand is None else "m/s",
-            **{name: np.empty(0) for name in PER_JOINT},
+            **later,
         )
 
     def _sums(self, part: Interaction, edges: Int) -> EnergySums:

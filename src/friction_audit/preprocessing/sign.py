@@ -17,7 +17,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog, LogInBlocks, block_means, median_step, samples_per_mean
+from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.log_in_blocks import LogInBlocks, block_means, samples_per_mean
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 
@@ -60,16 +61,16 @@ class CoarseLog:
 
 def coarse_log(log: JointLog) -> CoarseLog:
     """Return block means of a log at about COARSE_HZ."""
-    in_blocks = isinstance(log, LogInBlocks)
-    samples = log.mean_of if in_blocks else samples_per_mean(median_step(log.t), len(log.t))
-    t, q, dq = (a if in_blocks else _block_mean(a, samples) for a in (log.t[:, None], log.q, log.dq))
-    numbers = log.numbers if in_blocks else np.arange(len(t))
+    means = log if isinstance(log, LogInBlocks) else None
+    samples = means.mean_of if means else samples_per_mean(median_step(log.t), len(log.t))
+    t, q, dq = (a if means else _block_mean(a, samples) for a in (log.t[:, None], log.q, log.dq))
+    numbers = means.numbers if means else np.arange(len(t))
     holes = log.gaps_longer_than(max(BRIDGED_S, 3.0 / log.rate_hz))[:, 0].astype(np.int64)
     # Means of two stretches that are far apart are no neighbours.
     ends = np.flatnonzero(np.diff(numbers) > 1)
     cut = np.append(holes, holes + 1) // samples, numbers[np.append(ends, ends + 1)]
     whole = ~np.isin(numbers, np.concatenate(cut))
-    return CoarseLog(samples=samples, t=t[:, 0], q=q, dq=dq, whole=whole, of_means=in_blocks)
+    return CoarseLog(samples=samples, t=t[:, 0], q=q, dq=dq, whole=whole, of_means=means is not None)
 
 
 def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:

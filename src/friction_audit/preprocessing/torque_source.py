@@ -238,11 +238,6 @@ def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
     return (panda if len(log.joint_names) == PANDA_JOINTS else "") + other
 
 
-def removed_command(log: JointLog, settings: TorqueSettings) -> str:
-    """Return the command that reads tau_J as a torque from which gravity is removed already."""
-    return settings.command(log.source.path, torque="auto", gravity="removed", inertia="auto")
-
-
 def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
     """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths.
 

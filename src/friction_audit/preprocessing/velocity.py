@@ -10,7 +10,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog, LogInBlocks
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog
 

@@ -11,7 +11,8 @@ from friction_audit.io.checks.motion import LARGEST_Q_RAD, TRAVELLED, check_moti
 from friction_audit.io.checks.torque import check_torque, drop_stale_samples
 from friction_audit.io.checks.values import ABSURD, LAG, MOST_SAMPLES, scale_of, usual_change
 from friction_audit.io.recording import Blocks, Recording
-from friction_audit.joint_log import MINIMUM_SAMPLES, Float, block_means, samples_per_mean, step_places
+from friction_audit.joint_log import MINIMUM_SAMPLES, Float, step_places
+from friction_audit.log_in_blocks import block_means, samples_per_mean
 from friction_audit.parallel import ahead
 
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
@@ -32,7 +33,7 @@ def examine_in_blocks(recording: Recording, blocks: Blocks, path: str) -> Record
     try:
         last_s, median, rough = _look_at_clock(blocks)
         survey = _Survey(recording, blocks.rows, median, rough)
-        for t, channels in ahead(blocks.read(channels=True)):
+        for t, channels in ahead(blocks.read(recording.channels)):
             survey.take(t, channels)
         means = survey.means(recording)
         found = _judge(survey, means, path)
@@ -66,7 +67,7 @@ def _look_at_clock(blocks: Blocks) -> tuple[float, float, float]:
     far = np.arange(reach, rows, every)
     picked = [_Picked(one) for one in (places, places + 1, far - reach, far)]
     row, last = 0, -np.inf
-    for t, _ in ahead(blocks.read(channels=False)):
+    for t, _ in ahead(blocks.read(())):
         if not (np.isfinite(t).all() and t[0] > last and np.all(t[1:] > t[:-1])):
             raise WholeLogError
         for one in picked:
@@ -84,7 +85,8 @@ class _Survey:
         joints, names = len(recording.joint_names), list(recording.channels)
         usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
         self.mean_of = samples_per_mean(median, rows)
-        self.steps, self.gaps, self.short = StepSums(median), [], 0
+        self.steps, self.short = StepSums(median), 0
+        self.gaps: list[tuple[int, float, float]] = []
         self.sample_t = _Picked(usual)
         self.sample = {name: _Picked(usual, joints) for name in names}
         self.change = {name: (_Picked(late - LAG, joints), _Picked(late, joints)) for name in names}
@@ -120,9 +122,9 @@ class _Survey:
                 self.jump[name][joint] = max(self.jump[name][joint], steps.max(), -steps.min())
             for picked in (self.sample[name], *self.change[name]):
                 picked.take(self._row, new)
-        border = {name: np.concatenate([old[name], new[:1]]) for name, new in channels.items()} if self._last else {}
-        for near in filter(None, (channels, border)):
-            if drop_stale_samples(replace(self._recording, t=t[: len(near["q"])], channels=near)).findings:
+        pair = {name: np.concatenate([old[name], new[:1]]) for name, new in {"t": t, **channels}.items()}
+        for near in ({"t": t, **channels}, pair) if self._last else ({"t": t, **channels},):
+            if drop_stale_samples(replace(self._recording, t=near.pop("t"), channels=near)).findings:
                 raise WholeLogError
         self._last = {"t": t[-1:], **{name: new[-1:].copy() for name, new in channels.items()}}
         self._add_means({"t": t[:, None], **channels})

@@ -3,7 +3,7 @@
 import json
 import os
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -142,6 +142,21 @@ class ParquetTable(ColumnTable):
         self._read_cells(zip(time.cells, parts, strict=True), None)
         return self._to_clock(parts, time)
 
+    def first_stamps(self, time: TimeColumn, options: ReadOptions) -> Clock:
+        """Read the stamps up to the end of the part asked for."""
+        found: list[NDArray[Any]] = []
+        unit, path, (_, stop) = self._unit(time), str(self.path), options.window_of_clock()
+        try:
+            for parts in self._batches(time.cells):
+                found.append(self._stamps(parts, time))
+                clock = to_clock(found[-1].copy(), unit, path=path, origin=found[0][0].item())
+                unit = clock.unit
+                if clock.t[-1] > stop:
+                    return to_clock(np.concatenate(found), unit, path=path)
+        except InputError:
+            pass
+        return self.read_clock(time)  # which leaves out what is damaged
+
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
         """Read the channels, in the rows of a mask or in all."""
         channels, pairs = self._channel_arrays(columns, len(clock.t))
@@ -164,8 +179,8 @@ class ParquetTable(ColumnTable):
         origin = stamps[:1].tolist()
         clock = to_clock(stamps, self._unit(time), path=path)
 
-        def read(*, channels: bool) -> Iterator[tuple[Float, dict[str, Float]]]:
-            wanted = columns.channels if channels else {}
+        def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+            wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
             for parts in self._batches([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
                 raw = self._stamps(parts[: len(time.cells)], time)
                 values = iter(parts[len(time.cells) :])
@@ -261,10 +276,11 @@ class ParquetTable(ColumnTable):
     ) -> None:
         import pyarrow as pa
 
-        start = filled = 0
+        start, filled, samples = 0, 0, sum(self._sizes)
+        asked = np.ones(samples, np.bool_) if rows is None else np.append(rows, np.zeros(samples - len(rows), np.bool_))
         with _open(self.path, self._file.metadata) as file:  # each thread has a file object of its own
             for group, size in enumerate(self._sizes):
-                kept = np.ones(size, dtype=np.bool_) if rows is None else rows[start : start + size]
+                kept = asked[start : start + size]
                 count = int(np.count_nonzero(kept))
                 done, place = 0, filled
                 try:
@@ -275,6 +291,8 @@ class ParquetTable(ColumnTable):
                             self._refuse_missing_stamps(column, own, target)
                             target[place : place + len(own)] = own if element is None else own[:, element]
                         done, place = done + len(values), place + len(own)
+                        if place == filled + count:  # no row of the rest is asked for
+                            break
                 except MemoryError:
                     raise
                 except (pa.ArrowException, OSError) as error:

@@ -3,7 +3,7 @@
 A format is added by writing one file with ``recognises``, ``read`` and ``topics``, and its line in READERS.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -31,17 +31,8 @@ from friction_audit.io.readers.reader import (
 )
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Blocks, Recording
-from friction_audit.joint_log import (
-    TORQUE_CHANNELS,
-    Finding,
-    Joined,
-    JointLog,
-    LogInBlocks,
-    LogPart,
-    Source,
-    find_window,
-)
-from friction_audit.parallel import ahead
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source, find_window
+from friction_audit.log_in_blocks import LogInBlocks
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
@@ -175,25 +166,17 @@ def _log_in_blocks(
     sha256: str,
     format: str,  # noqa: A002
 ) -> LogInBlocks:
-    source, names = _source(recording, 0.0, path=path, sha256=sha256, format=format), recording.joint_names
-
-    def read() -> Iterator[LogPart]:
-        row = 0
-        for t, channels in ahead(blocks.read(channels=True)):
-            yield LogPart(t=t, **channels, joint_names=names, source=source, first=row)
-            row += len(t)
-
     return LogInBlocks(
         t=recording.t,
         **recording.channels,
-        joint_names=names,
-        source=source,
+        joint_names=recording.joint_names,
+        source=_source(recording, 0.0, path=path, sha256=sha256, format=format),
         first=0,
         mean_of=blocks.mean_of,
         numbers=blocks.numbers,
         clock=blocks.clock,
         gaps=blocks.gaps,
-        read=read,
+        read=blocks.read,
         read_whole=partial(_read_log, path, ReadOptions.of(options)),
     )
 

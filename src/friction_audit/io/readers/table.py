@@ -94,7 +94,7 @@ class ColumnTable(Table):
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
         if not is_part:
             return self.read_all(columns)
-        clock = self.read_clock(columns.time)
+        clock = self.read_clock(columns.time) if options.hashed else self.first_stamps(columns.time, options)
         clock, kept, first_s = take_part(clock, options, path=str(self.path))
         refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
         return replace(self.read_rows(columns, clock, kept), first_s=first_s)
@@ -106,6 +106,10 @@ class ColumnTable(Table):
     @abstractmethod
     def read_clock(self, time: TimeColumn) -> Clock:
         """Read all stamps."""
+
+    def first_stamps(self, time: TimeColumn, options: ReadOptions) -> Clock:  # noqa: ARG002
+        """Read at least the stamps up to the end of the part asked for, of a clock in order."""
+        return self.read_clock(time)
 
     @abstractmethod
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:

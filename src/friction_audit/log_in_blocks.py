@@ -1,0 +1,80 @@
+"""LogInBlocks: a log of any length, of which only means and a block of samples are in memory."""
+
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float, JointLog, LogPart
+from friction_audit.parallel import ahead
+
+COARSE_HZ = 50.0  # of the means by which the sign of a torque is proved: above the motion, and cheap for hours of log
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class LogInBlocks(LogPart):
+    """A log that is not kept in memory: its samples are read in blocks, anew for every pass.
+
+    Its arrays are means over ``mean_of`` samples each, of all of the log or, of a long one, of stretches spread evenly
+    over it.
+
+    Attributes, in addition to those of a ``LogPart``:
+        mean_of: Samples per mean.
+        numbers: Number of each mean among those of the whole log, shape (m,).
+        clock: Number of samples, time of the last one [s], median step [s].
+        gaps: Number of the sample before each gap, its time and that of the sample after it, shape (k, 3).
+        read: Yields the clock of each block, and those of its channels that are asked for.
+        read_whole: Reads the log into memory.
+    """
+
+    mean_of: int
+    numbers: NDArray[np.int64]
+    clock: tuple[int, float, float]
+    gaps: Float
+    read: Callable[[Collection[str]], Iterator[tuple[Float, dict[str, Float]]]]
+    read_whole: Callable[[], JointLog]
+
+    @property
+    def samples(self) -> int:
+        """Number of samples n."""
+        return self.clock[0]
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first to the last sample. [s]"""
+        return self.clock[1]
+
+    @property
+    def rate_hz(self) -> float:
+        """Sampling rate, from the median time step. [Hz]"""
+        return 1.0 / self.clock[2]
+
+    def blocks(self) -> Iterator[LogPart]:
+        """Read the log in parts that follow each other."""
+        first = 0
+        for t, channels in ahead(self.read(self.channels())):
+            yield LogPart(t=t, **channels, joint_names=self.joint_names, source=self.source, first=first)
+            first += len(t)
+
+    def blocks_of(self, channel: str) -> Iterator[tuple[int, Float, Float]]:
+        """Read the same parts of one channel: number of the first sample, time, values."""
+        first = 0
+        for t, channels in ahead(self.read((channel,))):
+            yield first, t, channels[channel]
+            first += len(t)
+
+    def gaps_longer_than(self, limit_s: float) -> Float:
+        """Return the gaps: number of the sample before each, its time and that of the sample after it, shape (k, 3)."""
+        return self.gaps[self.gaps[:, 2] - self.gaps[:, 1] > limit_s]
+
+
+def samples_per_mean(step_s: float, samples: int) -> int:
+    """Return how many samples of a log are in a mean at COARSE_HZ."""
+    return max(1, min(round(1.0 / step_s / COARSE_HZ), samples // 2))
+
+
+def block_means(column: Float, samples: int) -> Float:
+    """Return the means of neighbouring blocks of samples, shape (n,) -> (n // samples,)."""
+    blocks = len(column) // samples
+    return np.asarray(column[: blocks * samples].reshape(blocks, samples).mean(axis=1))
