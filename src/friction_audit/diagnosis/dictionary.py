@@ -157,9 +157,9 @@ class Dictionary:
     ) -> Iterator[tuple[int, Float]]:
         """Yield place and columns on the samples, shape (p, m), each link with a nominal model of its own.
 
-        That is fitted with the link to a response, shape (m,). Two of three links keep the columns that follow from the
-        given one: because they cannot be (safe screening; L. El Ghaoui, V. Viallon, T. Rabbani, Pacific J. Optimization
-        8 (2012) 667), or because their own one is hardly another.
+        That is fitted with the link to a response, shape (m,). Half of the links keep the columns of the given one:
+        they cannot be (safe screening; L. El Ghaoui, V. Viallon, T. Rabbani, Pacific J. Optimization 8 (2012) 667), or
+        their own one is hardly another.
         """
         data, nominals, again = self.problem.data, [baseline] * len(shapes), list(range(len(shapes)))
         if effect.transmits:

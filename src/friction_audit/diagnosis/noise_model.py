@@ -112,8 +112,8 @@ def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Flo
         row[:] = own
         for j in range(order):
             share, late, early = predictors[order, j], row[j + 1 :], own[: n - 1 - j]
-            for i in range(len(late)):
-                late[i] -= share * early[i]
+            for m in range(len(late)):
+                late[m] -= share * early[m]
         row *= scales[order]
         for i in young:
             total = own[i]

@@ -84,7 +84,8 @@ def _empty(motion: Motion) -> Tables:
     margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
     nothing = np.zeros((2, 1))  # a table of one entry is level
     steps: dict[str, Any] = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
-    torques: dict[str, Any] = dict.fromkeys(("speed", "place", "place_per_speed", "time", "time_per_speed"), nothing)
+    torques: dict[str, Any] = dict.fromkeys(("place", "place_per_speed", "time", "time_per_speed"), nothing)
+    torques["speed"] = np.zeros((2, n))
     return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, bristles=NO_BRISTLES)
 
 

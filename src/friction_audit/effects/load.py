@@ -107,7 +107,7 @@ PLACES = np.concatenate([np.arange(where.start, where.stop) for where in OF_LINK
 LEAST_GAIN = 0.01
 # What is less per kg or kg m is no weight. [N m]
 ROUNDING = 1e-9
-AT_ONCE = 8192  # samples of a QR decomposition
+AT_ONCE = 8192  # samples
 MOST_KG = 10.0  # and kg m: what columns that nearly cancel may make of a link is no body
 
 
@@ -162,21 +162,22 @@ class GravityError(Effect):
 def independent(data: JointData) -> NDArray[np.bool_]:
     """Return which columns of several links are linearly independent, shape (12,); none without a model of the arm.
 
-    By QR with pivoting: of columns that nearly depend on each other the larger one stays (P. Businger, G. H. Golub,
-    Linear least squares solutions by Householder transformations, Numerische Mathematik 7 (1965) 269).
+    By Cholesky decomposition with pivoting of their products: of columns that nearly depend on each other the larger
+    one stays (N. J. Higham, Accuracy and Stability of Numerical Algorithms, 2002, section 10.3).
     """
-    from scipy.linalg import qr
+    from scipy.linalg.lapack import dpstrf
 
     found = np.zeros(len(PLACES), bool)
     if data.rigid is None or not data.used.any():
         return found
     pulls, used = data.rigid.on(data.t).weight.reshape(len(data.t), -1), np.flatnonzero(data.used)
-    factor = np.zeros((0, pulls.shape[1]))
+    products = np.zeros((pulls.shape[1],) * 2)
     for some in np.array_split(used, len(used) // AT_ONCE + 1):  # one after the other, for that takes less memory
-        factor = np.linalg.qr(np.vstack([factor, pulls[some]]), mode="r")
-    factor, order = qr(factor / np.sqrt(len(used)), mode="r", pivoting=True)
-    adds = np.abs(np.diag(factor))
-    found[order[: len(adds)]] = adds > max(LEAST_GAIN * adds[0], ROUNDING)
+        few = pulls[some].astype(np.float64)
+        products += few.T @ few / len(used)
+    factor, order, rank, _ = dpstrf(products)
+    adds = np.diag(factor)[:rank]
+    found[order[:rank] - 1] = adds > max(LEAST_GAIN * adds.max(initial=0.0), ROUNDING)
     return found
 
 

@@ -173,7 +173,7 @@ def _of_joint(recording: Recording, joint: int) -> list[_Run]:
 
 def _way_per_integral(q: Float, dq: Float, t: Float) -> float:
     """Return what q usually changes by per integral of dq: 1, or 57 where q is in degrees; 0 if it never moves."""
-    every = max(len(q) // _MOST_SAMPLES, 1)
+    every = max(len(q) // MOST_SAMPLES, 1)
     change, integral = np.abs(np.diff(q))[::every], (np.abs(dq[1:]) * np.diff(t))[::every]
     moves = integral > _STILL_RAD
     return max(float(np.median(change[moves] / integral[moves])), 1.0) if moves.any() else 0.0
