@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from friction_audit.compensation.compensators import FixedCompensation
+from friction_audit.io.writers.tables import Writer
 from friction_audit.io.writers.write_log import WRITERS, write_log
-from friction_audit.io.writers.writer import Writer
 from friction_audit.joint_log import JointLog
 from friction_audit.simulation import PANDA_SENSORS, BenchSettings, HandGuidedPanda, JointParameters, Operator, simulate
 from friction_audit.simulation.motion import StopAndGo

@@ -1,9 +1,11 @@
 """What a model of the arm tells of the load, against the arm's own dynamics."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.joint_log import Float, JointLog, Source
@@ -90,6 +92,6 @@ def test_inertia_that_a_model_removed_is_the_mean_diagonal_of_the_mass_matrix() 
     assert not known_inertias(None, ROBOT, q).any()
 
 
-def _unexplained(columns: Float, torque: Float) -> float:
+def _unexplained(columns: NDArray[np.floating[Any]], torque: Float) -> float:
     left = torque - columns @ np.linalg.lstsq(columns, torque)[0]
     return float(np.linalg.norm(left) / np.linalg.norm(torque))

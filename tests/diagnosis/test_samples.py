@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.diagnosis.samples import LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filtered, make_samples
+from friction_audit.diagnosis.samples import LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, make_samples
 from friction_audit.effects.joint_data import CORNER_HZ
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import LowPass
+from friction_audit.preprocessing.even_grid import LowPass, filtered
 from tests.diagnosis.moved_joint import moved_joint
 from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
 

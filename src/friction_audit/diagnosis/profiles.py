@@ -18,11 +18,11 @@ from friction_audit.diagnosis.result import (
     Profile,
     Traces,
 )
-from friction_audit.diagnosis.samples import filtered
 from friction_audit.diagnosis.screening import Screening
 from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import filtered
 
 BINS = 12
 FEWEST_ROWS = 5

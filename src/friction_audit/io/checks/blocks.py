@@ -160,7 +160,7 @@ class _Survey:
     def numbers(self) -> NDArray[np.int64]:
         """Return the number of each mean that was kept among all."""
         numbers = np.arange(self._all)
-        return numbers[(numbers // STRETCH) % self._every == 0]
+        return np.asarray(numbers[(numbers // STRETCH) % self._every == 0])
 
     def means(self, recording: Recording) -> Recording:
         """Return the recording of the means."""
