@@ -1,5 +1,6 @@
 """Faults of the data of one joint, with which no effect may be named, and limits of what the data can show."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -7,6 +8,7 @@ import numpy as np
 
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData
 from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.even_grid import fresh_samples, gaps
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
@@ -100,6 +102,12 @@ class DataFinding:
     bound: float
     verdict: str
     message: str
+
+
+def audit_joints(log: JointLog, interaction: Interaction, joints: Sequence[JointData]) -> list[tuple[DataFinding, ...]]:
+    """Look for faults of each joint's data."""
+    clock = audit_clock(log)
+    return per_joint(lambda k: audit_data(log, interaction, joints[k], clock), len(joints))
 
 
 def audit_data(

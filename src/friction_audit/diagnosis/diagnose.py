@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from friction_audit.diagnosis.data_audit import audit_clock, audit_data
+from friction_audit.diagnosis.data_audit import audit_joints
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
 from friction_audit.diagnosis.prepare import prepare
@@ -65,16 +65,14 @@ def subjects_of(
     """
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
     prepared = prepare(interaction, cycles, log, arm)
-    clock = audit_clock(log)
-    findings = per_joint(lambda k: audit_data(log, interaction, prepared[k], clock), len(prepared))
-    for data, found_in_data in zip(prepared, findings, strict=True):
+    for data, findings in zip(prepared, audit_joints(log, interaction, prepared), strict=True):
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(
                 data=replace(data, logged_dq=None),  # the audit alone has looked at it
                 number=number,
                 name=interaction.joint_names[data.joint],
-                findings=found_in_data,
+                findings=findings,
                 from_energy={"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous},
                 model=None if settings.model is None else settings.model.joints[number - 1],
                 known_inertia_kg_m2=float(inertias[number - 1]),

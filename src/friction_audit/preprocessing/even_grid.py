@@ -85,18 +85,22 @@ def filtered(rows: Float, kernel: Float, centre: NDArray[np.int64]) -> Float:
 
 
 class EvenSpline:
-    """The cubic B-spline through evenly spaced samples, the ends held.
+    """The cubic B-spline through evenly spaced samples.
 
     M. Unser, IEEE Signal Processing Magazine 16(6) (1999) 22. It reads all values at once that are equally far from a
     sample, where ``CubicSpline`` looks for the place of each.
     """
 
-    def __init__(self, values: NDArray[np.floating[Any]]) -> None:
-        """Find the coefficients of values, shape (n, ...)."""
+    def __init__(self, values: NDArray[np.floating[Any]], *, held: bool) -> None:
+        """Find the coefficients of values, shape (n, ...), that are held beyond the ends, or go on as they end."""
         from scipy.ndimage import spline_filter1d
 
-        held = np.pad(values, [(HELD, HELD), *[(0, 0)] * (values.ndim - 1)], mode="edge")
-        self.coefficients = spline_filter1d(held, 3, axis=0, mode="mirror")
+        n, beyond = len(values), np.arange(1, min(HELD, len(values) - 1) + 1)
+        before, after = (np.repeat(values[[end]], HELD, axis=0).astype(np.float64) for end in (0, -1))
+        if not held:  # turned about the last value: as a natural spline ends
+            before[HELD - beyond] = 2.0 * values[0] - values[beyond]
+            after[beyond - 1] = 2.0 * values[-1] - values[n - 1 - beyond]
+        self.coefficients = spline_filter1d(np.concatenate([before, values, after]), 3, axis=0, mode="mirror")
 
     def ahead(self, samples: float) -> Float:
         """Values so many samples later, or earlier if below zero, shape (n, ...)."""
@@ -126,7 +130,7 @@ def on_finer_grid(values: NDArray[np.floating[Any]], every: int, n: int) -> Floa
     """Return values at n samples, shape (n, ...), from those at every so many of them, by a cubic spline."""
     if every == 1:
         return np.asarray(values, np.float64)
-    spline, out = EvenSpline(values), np.empty((n, *values.shape[1:]))
+    spline, out = EvenSpline(values, held=False), np.empty((n, *values.shape[1:]))
     for k in range(every):
         out[k::every] = spline.ahead(k / every)[: len(out[k::every])]
     return out
