@@ -27,8 +27,8 @@ def recorded(seed: int) -> JointLog:
     rng = np.random.default_rng(seed)
     joints = []
     for joint in range(2):
-        pieces = []
-        while sum(map(len, pieces)) < 60 * RATE_HZ:
+        pieces: list[Float] = []
+        while sum(len(piece) for piece in pieces) < 60 * RATE_HZ:
             length, kind = int(rng.uniform(0.3, 4.0) * RATE_HZ), rng.integers(0, 5)
             speed = rng.uniform(0.3, 1.5) * rng.choice((-1.0, 1.0))
             shape = np.sin(np.pi * np.arange(length) / length)
@@ -96,8 +96,8 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
         for name in ("coulomb", "viscous"):
             one, same = getattr(own, name), getattr(other, name)
             np.testing.assert_allclose((one.value, one.low, one.high), (same.value, same.low, same.high), rtol=1e-9)
-            values: list[Float] = [np.array(joint.history.of(name)) for joint in (own, other)]
-            np.testing.assert_allclose(*values, rtol=1e-9, atol=1e-12)
+            of_own, of_other = (np.array(joint.history.of(name)) for joint in (own, other))
+            np.testing.assert_allclose(of_own, of_other, rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.parametrize("gravity", ["logged", "in-torque"])
@@ -128,8 +128,8 @@ def test_memory_is_bounded_where_a_joint_rests_or_never_does(monkeypatch: pytest
     kept = []
 
     class Watched(segmentation.CycleSearch):
-        def take(self, *arguments: object, **options: bool) -> None:
-            super().take(*arguments, **options)  # type: ignore[arg-type]
+        def take(self, *arguments: Any, **options: Any) -> None:
+            super().take(*arguments, **options)
             kept.append(len(self._signal))
 
     monkeypatch.setattr(segmentation, "CycleSearch", Watched)
