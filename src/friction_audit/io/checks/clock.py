@@ -149,8 +149,8 @@ class StepSums:
         """Yield what is to be noticed."""
         median = self.median
         if self.long:
-            places = f"{self.long} places (median step {median * 1e3:.3g} ms)"
-            text = f"{self.dropped:.0f} samples dropped at {places}"
+            step = f"median step {median * 1e3:.3g} ms"
+            text = f"{self.dropped:.0f} samples dropped at {self.long} places ({step})"
             yield Finding(code="dropped_samples", message=text, amount=self.dropped)
         if self.gaps:
             text = f"{self.gaps} gaps longer than {self.threshold_s:.3g} s, the longest {self.longest:.3g} s"
