@@ -174,8 +174,8 @@ def _formula_error(block: Block) -> float:
 def accepted(state: State, active: Sequence[Block]) -> list[Block]:
     """Effects that predict held-out cycles and are no error of a larger effect's formula, completed by forward steps.
 
-    What is refused may have kept others out: without the last steps an injected delay of nnfm_slow, 640 of evidence,
-    had no name.
+    What is refused may have kept others out: of the second half of a Panda's log, joint 4 is unexplained without the
+    last steps. Six more answers on measured logs differ by them, mostly by one name more (benchmarks/README.md).
     """
     kept = standing(state, active)
     if len(kept) == len(active):
