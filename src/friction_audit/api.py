@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
@@ -159,16 +160,20 @@ def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
 
     Args:
         path: A file, or the directory of a ROS 2 bag.
-        options: How it is read: ``topic``, ``mapping`` of channels to names in the file, ``robot``, ``time_scale``,
-            ``allow_short``, and the part from ``t_start_s`` to ``t_end_s``.
+        options: How it is read: ``topic``, ``mapping`` of channels to names in the file, ``join`` of further files,
+            ``robot``, ``time_scale``, ``allow_short``, and the part from ``t_start_s`` to ``t_end_s``.
 
     Returns:
         The log, in SI units; what was noticed about it is in ``log.source.findings``.
 
     Raises:
+        UsageError: If it is no path.
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
     check_names("read_log", options, ReadingOptions)
+    if not isinstance(path, str | PathLike):
+        found = type(path).__name__
+        raise UsageError(f"read_log: found a {found}, expected a path; log_from_frame reads frames and arrays")
     return ingest.read_log(path, ingest.ReadOptions(**options))
 
 

@@ -97,3 +97,8 @@ def test_an_empty_frame_is_refused(frame: pd.DataFrame) -> None:
     short = {str(name): frame[name].to_numpy()[: 500 if name == frame.columns[1] else 800] for name in frame}
     with pytest.raises(InputError, match=r"has 500 samples, .* has 800; expected one row per sample"):
         friction_audit.log_from_frame(short)
+
+
+def test_a_frame_is_no_path() -> None:
+    with pytest.raises(UsageError, match="found a dict, expected a path; log_from_frame"):
+        friction_audit.read_log({})  # type: ignore[arg-type]
