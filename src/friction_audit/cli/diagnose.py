@@ -30,8 +30,9 @@ LENGTH = 10.0  # of the diagnosis, compared with reading
 LOADED = (
     "friction_audit.friction.estimate",
     "friction_audit.diagnosis.diagnose",
-    "scipy.linalg",
     "scipy.ndimage",
+    "scipy.interpolate",
+    "scipy.signal",
     "friction_audit.reporting.diagnosis",
 )
 

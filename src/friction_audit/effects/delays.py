@@ -6,7 +6,6 @@ from math import exp
 
 import numpy as np
 
-from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
 from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
@@ -58,14 +57,12 @@ class FrictionalLag(BatchedEffect):
         return bool(0.0 < coefficients[0] <= LARGEST_SHARE)
 
 
-@compiled()
 def lagged(signal: Float, step_s: float, lag_s: float) -> Float:
     """Return a signal behind a first-order delay, from its first value on, shape (n,)."""
-    keep, last, out = exp(-step_s / lag_s), signal[0], np.empty(len(signal))
-    for i in range(len(signal)):
-        last = (1.0 - keep) * signal[i] + keep * last
-        out[i] = last
-    return out
+    from scipy.signal import lfilter
+
+    keep = exp(-step_s / lag_s)
+    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * signal[0]])[0])
 
 
 FRICTIONAL_LAG = FrictionalLag(
