@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.diagnosis import residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.problem import FOLDS
-from friction_audit.diagnosis.procedure import State, nominal, sizes, standing
+from friction_audit.diagnosis.procedure import State, accepted, nominal, sizes
 from friction_audit.diagnosis.result import ResidualCheck, Verdict
 from friction_audit.diagnosis.validation import Gain, gains
 
@@ -122,7 +122,7 @@ def _stable(state: State) -> None:
         if not unsteady:
             return
         kept = [b for b in state.active if b not in unsteady]
-        state.active = standing(state, kept)
+        state.active = accepted(state, kept)
 
 
 def _with_gains(state: State) -> list[tuple[Block, Gain, float]]:

@@ -172,28 +172,6 @@ def _formula_error(block: Block) -> float:
 
 
 def accepted(state: State, active: Sequence[Block]) -> list[Block]:
-    """Effects that predict held-out cycles and are no error of a larger effect's formula, completed by forward steps.
-
-    What is refused may have kept others out: of the second half of a Panda's log, joint 4 is unexplained without the
-    last steps. Six more answers on measured logs differ by them, mostly by one name more (benchmarks/README.md).
-    """
-    kept = standing(state, active)
-    if len(kept) == len(active):
-        return kept
-    for _ in range(selection.MOST_EFFECTS):
-        tries = (
-            [*kept, score.block]
-            for score in state.search.best(kept)
-            if score.evidence >= selection.PRIOR and state.search.allowed([*kept, score.block])
-        )
-        better = next((trial for trial in tries if len(standing(state, trial)) == len(trial)), None)
-        if better is None:
-            break
-        kept = better
-    return kept
-
-
-def standing(state: State, active: Sequence[Block]) -> list[Block]:
     """Without effects that do not predict held-out cycles, or may be what a larger effect's formula lacks."""
     kept = list(active)
     while kept:
