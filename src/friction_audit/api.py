@@ -156,7 +156,7 @@ def _own(given: Mapping[str, Any], settings: Any) -> dict[str, Any]:  # noqa: AN
 
 
 def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
-    """Read a recorded joint log, whatever its format, and vet it.
+    """Read a recorded joint log of any format, and check it.
 
     Args:
         path: A file, or the directory of a ROS 2 bag.

@@ -33,7 +33,7 @@ def compiled(signature: str | None = None, *, any_order: bool = False) -> Callab
     """Compile a loop; it gives the interpreter away while it runs.
 
     With a signature, importing the module compiles it (or loads it from the cache) instead of the first call. In an
-    installation that nobody may write to, without a home for the cache, it is compiled anew in every process. Sums in
+    installation that is read-only, without a home for the cache, it is compiled anew in every process. Sums in
     any order are several times as fast, and differ in their rounding.
     """
     freedom = ANY_ORDER if any_order else False

@@ -152,7 +152,7 @@ class Ledger:
         return {sha256: tuple(faults.values()) for sha256, faults in found.items()}
 
     def name_sessions(self, named: Iterable[tuple[Session, str]], settings: str) -> None:
-        """Write which arm sessions are of, and when they were, beside their numbers; each with its topic."""
+        """Write which arm sessions are of, and when they were, with their numbers; each with its topic."""
         query = """UPDATE sessions SET path = :path, robot = :robot, start_s = :start_s, start_from = :start_from,
             payload = :payload, temperature_c = :temperature_c, note = :note
             WHERE sha256 = :sha256 AND settings = :settings AND topic = :topic AND (path, robot, start_s, start_from,

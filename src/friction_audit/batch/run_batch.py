@@ -131,7 +131,7 @@ def catch_up(
         ledger: What is known, and where it is kept.
         executor: What runs the work.
         watch: Called with the progress at the beginning and after every log.
-        backwards: Begin with the last one: beside another run, so that the two meet halfway.
+        backwards: Begin with the last one: in parallel with another run, so that the two meet halfway.
     """
     key = settings.key()
     hashes = _hashes(logs, ledger)
@@ -175,7 +175,7 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
 def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
     """Return the hash of every log whose content may have been seen before, by its place.
 
-    Where a log is not known by its size and its time, content of a size that nobody has seen is new, and so are logs of
+    Where a log is not known by its size and its time, content of an unknown size is new, and so are logs of
     one size whose ends differ: they are hashed when they are read. Of other logs the hash is taken here.
     """
     known = {log.place: sha256 for log in logs if (sha256 := ledger.known_hash(log)) is not None}

@@ -43,7 +43,7 @@ class Task:
 
 
 def work_on(settings: BatchSettings, task: Task) -> Worked:
-    """Estimate every arm of a log; whatever is wrong with the log, or with the program, is part of the result."""
+    """Estimate every arm of a log; a fault of the log, or of the program, is part of the result."""
     try:
         with _at_hand(task) as path, one_joint_at_a_time():
             return _renamed(_work_on(settings, path), str(path), task.path)

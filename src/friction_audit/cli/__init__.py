@@ -49,7 +49,7 @@ def main(argv: list[str] | None = None) -> None:
             raise
         _fail(reason)
     finally:
-        gc.freeze()  # the process ends: nobody needs to search the libraries' objects for garbage first
+        gc.freeze()  # the process ends: a search of the libraries' objects for garbage is of no use
 
 
 def _fail(error: FrictionAuditError) -> None:

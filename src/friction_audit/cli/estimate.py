@@ -53,7 +53,7 @@ def command(
         if not json:
             chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
         chain.require_an_estimate(result)
-        # The history of a day has 200 000 cycles: their text is not made where nobody asks for it.
+        # The history of a day has 200 000 cycles: their text is made only on request.
         asked = json or folder is not None
         text = write_document(estimate_document(result, chain.reading_settings(options))) if asked else ""
         out.write_text(DOCUMENT, text)

@@ -5,11 +5,11 @@ Res. 88 (1983) 10359): after a rest of length T the excess is F_e (1 - exp(-T / 
 over the path x since the onset. What a joint at rest could have borne is in this torque only where its velocity,
 however small, already has the sign of the motion that follows: at break-away. Before, it bears what it is asked to.
 
-The moments of break-away, and the torque that it took: at rest friction is whatever holds the joint; at its last moment
-it is the most that it can hold, in the direction of the motion that follows. That moment is told by the position, not
-by the torque: without stiction a torque that rises steadily moves the joint as the cube of the time since. With
-stiction the joint starts faster, and the moment is told too early, so that the torque, still rising, is told too low; a
-smooth start is never told too high.
+Break-away and its torque: at rest, friction balances the applied torque. At the last moment of rest it is at its limit,
+in the direction of the motion that follows. That moment is found from the position, not from the torque: without
+stiction a torque that rises steadily moves the joint as the cube of the time since. With stiction the joint starts
+faster, and the moment is found too early, so that the torque, still rising, is too low; a smooth start never gives too
+high a torque.
 
 A joint that creeps before it moves, on bristles or on a spring, has no such moment. One whose torque jumps, as where a
 controller starts it, has one, but some milliseconds too early or late the torque is another: it tells nothing, but

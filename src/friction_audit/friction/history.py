@@ -126,8 +126,8 @@ class JointFriction:
         moving_s: Time above the initiation threshold. [s]
         coulomb: Over the whole log. [N m]
         viscous: Over the whole log. [N m s/rad]
-        offset_nm: Torque offset found beside them, NaN if not fitted. [N m]
-        gravity_error_nm: Amplitude of the gravity error found beside them, NaN if not fitted. [N m]
+        offset_nm: Torque offset fitted with them, NaN if not fitted. [N m]
+        gravity_error_nm: Amplitude of the gravity error fitted with them, NaN if not fitted. [N m]
         condition_number: Of the scaled regression matrix.
         correlation: Between the Coulomb and the viscous coefficient.
         regression: The torque-domain comparison, or None.

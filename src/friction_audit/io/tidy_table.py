@@ -32,7 +32,7 @@ class JointRows:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class TidyTable:
-    """A table: one row per joint and whatever its name says.
+    """A table: one row per joint and the quantity of its name.
 
     Attributes:
         name: What a file of it is called.

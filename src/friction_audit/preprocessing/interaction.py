@@ -26,7 +26,7 @@ class SignEvidence:
             ``"no_torque"`` (its torque channel is dead).
         moving_s: Time for which the joint moves. [s]
         path_rad: How far it moves in that time, both directions added. [rad]
-        against_motion_nm: Part of F_m + u that goes with the direction of motion; NaN where it cannot be told. [N m]
+        against_motion_nm: Part of F_m + u that goes with the direction of motion; NaN where it is undetermined. [N m]
         standard_error_nm: Its standard error, strokes taken as independent. [N m]
     """
 
@@ -39,7 +39,7 @@ class SignEvidence:
 
     @property
     def score(self) -> float:
-        """Torque against the motion in standard errors; NaN where it cannot be told."""
+        """Torque against the motion in standard errors; NaN where it is undetermined."""
         return self.against_motion_nm / self.standard_error_nm if self.standard_error_nm else float("nan")
 
 
@@ -109,7 +109,7 @@ class Interaction:
         torque: Interaction torque F_m, positive when it drives the joint towards positive velocity, (n, j). [N m]
         compensation: Torque u of everything a logged compensator did (its passivity controller included),
             shape (n, j), or None. [N m]
-        hand_speed: Speed of the end effector, shape (n,), or None when nobody asked for it. [m/s]
+        hand_speed: Speed of the end effector, shape (n,), or None where it was not requested. [m/s]
         gravity_direction: x and y of the direction of gravity in each joint's own frame (z along the axis), at the
             samples of ``gravity_index``, shape (g, j, 2), or None when the arm's kinematics are not known.
         gravity_index: Samples at which the direction was evaluated, from 0 to n - 1, shape (g,), or None.

@@ -139,7 +139,7 @@ def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
 
 
 def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np.int64]) -> tuple[float, float]:
-    """Regress the torque on a column beside others (Frisch, Waugh and Lovell); the error is clustered by stroke."""
+    """Regress the torque on a column, given others (Frisch, Waugh and Lovell); the error is clustered by stroke."""
     scaled = others / np.linalg.norm(others, axis=0).clip(min=np.finfo(float).tiny)
     both = np.column_stack([column, torque])
     # The normal equations will do: what the cut-off leaves out of the other columns is too small to matter.

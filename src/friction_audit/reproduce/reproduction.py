@@ -69,7 +69,7 @@ class Reproduction:
     compare: "Callable[[int, Progress | None], Any] | None" = None
 
 
-SMALLEST_PERCENT = 0.001  # below this, nobody needs the digits
+SMALLEST_PERCENT = 0.001  # below this, digits have no meaning
 
 
 def relative(share: float) -> str:
@@ -80,7 +80,7 @@ def relative(share: float) -> str:
     return f"{float(f'{percent:.2g}'):.6f}".rstrip("0").rstrip(".") + " %"
 
 
-Progress = Callable[[float], None]  # told the share that is done, 0 to 1
+Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 
 
 def simulate_figures(

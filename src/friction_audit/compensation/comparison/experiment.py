@@ -45,7 +45,7 @@ from friction_audit.compensation.compensators import (
 from friction_audit.errors import UsageError
 from friction_audit.simulation.scenarios import simulate
 
-Progress = Callable[[float], None]  # told the share that is done, 0 to 1
+Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 FIRST_TUNING_SEED = 10_000  # the sweeps are made for other persons than those that are reported
 MARGIN_TRIALS = 6  # simulations that a stability margin takes, about
 
@@ -255,7 +255,9 @@ def choose_best(method: Method, curves: Sequence[Curve]) -> Candidate:
     return Candidate(method, best.tuning, BEST, best.losses)
 
 
-LARGEST = 32.0  # stability margin: by which factor the gain may grow before the loop is lost; nobody asks for more
+LARGEST = (
+    32.0  # stability margin: by which factor the gain may grow before the loop is unstable; more is of no interest
+)
 HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 
 

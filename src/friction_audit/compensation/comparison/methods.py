@@ -31,7 +31,7 @@ PAPER, FULL, BEST, OTHER = "paper", "full", "best", "other"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Joint:
-    """What a method may be told about a joint."""
+    """What a method may know of a joint."""
 
     column: int  # which joint of the arm, counted from 0
     parameters: JointParameters  # motor and friction, as the link truly sees them
@@ -284,7 +284,7 @@ class Plan:
     tuning_seeds: int  # persons for whom the sweeps are made; none of them is reported
     most_values: int  # of the values of a sweep, at most so many are tried, evenly chosen
     sweeps: int  # so many sweeps of a method are made
-    with_others: bool  # whether tunings beside the paper's kind and the best one are reported
+    with_others: bool  # whether tunings other than the paper's kind and the best one are reported
     margin_seeds: int  # of the persons who are reported, those whose stability margins are looked for
     margin_share: float  # of the length of a trial, what looking for a stability margin takes
 
@@ -302,7 +302,7 @@ class Scene:
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """What methods may be told about the joints."""
+        """What methods may know of the joints."""
         settings = self.settings
         both = zip(settings.joints, settings.hidden, strict=True)
         return tuple(panda_joint(column, one, hidden.joint_elasticity) for column, (one, hidden) in enumerate(both))

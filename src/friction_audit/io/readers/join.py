@@ -145,6 +145,6 @@ def _interpolated(t: Float, stamps: Float, values: Float, longest: float) -> Flo
         return np.full(len(t), np.nan)
     found: Float = np.interp(t, stamps, values, left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(stamps, t, side="right"), 1, len(stamps) - 1)
-    met = stamps[np.clip(np.searchsorted(stamps, t), 0, len(stamps) - 1)] == t  # a sample, whatever follows it
+    met = stamps[np.clip(np.searchsorted(stamps, t), 0, len(stamps) - 1)] == t  # a sample, also before a gap
     found[(stamps[after] - stamps[after - 1] > longest) & ~met] = np.nan
     return found

@@ -14,7 +14,7 @@ AMBIENT, SELF_HEATING = range(2)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class WarmUp(HiddenEffect):
-    """Friction of a warm joint beside a cold one; warmth is 0 where cold and 1 where warm."""
+    """Friction of a warm joint over that of a cold one; warmth is 0 where cold and 1 where warm."""
 
     summary = "friction falls while the joint gets warm"
     forms = ("ambient", "self_heating")

@@ -172,7 +172,7 @@ class Presliding(HiddenEffect):
 
 @compiled()
 def presliding_stiffness(group: Record, coulomb_nm: float) -> float:
-    """Return the stiffness at rest, constant whatever the present level; takes a displacement > 0. [N m/rad]"""
+    """Return the stiffness at rest, constant at any level; takes a displacement > 0. [N m/rad]"""
     return float(coulomb_nm / group.displacement_rad)
 
 
@@ -323,7 +323,7 @@ def frictional_lag_speed(group: Record, memory: Float, speed: float, h: float) -
 
 @compiled()
 def remember(memory: Float, speed: float, h: float) -> None:
-    """Keep a sample of the speed every 0.5 ms, whatever the steps; between two calls the speed is linear in time."""
+    """Keep a sample of the speed every 0.5 ms, for any steps; between two calls the speed is linear in time."""
     memory[AGE] += h
     while memory[AGE] >= SAMPLE_S:
         memory[AGE] -= SAMPLE_S
