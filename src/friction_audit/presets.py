@@ -19,34 +19,21 @@ TORQUES = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Preset:
-    """An arm of a make.
+    """An arm of a make."""
 
-    Attributes:
-        label: Make and model.
-        pattern: Regular expression of what precedes the joints in their names and says this arm.
-        joints: Names of the joints, base to tip.
-        low_rad, high_rad: Ends of the range of each joint, infinite where it turns without end. [rad]
-        speed_rad_s: Highest speed of each. [rad/s]
-        torque_nm: Highest torque of each. [N m]
-        torque: What its torque signal is, a key of TORQUES.
-        source: Where the figures were published.
-        shared: Regular expression of joint names that this arm has in common with other models of the make.
-        acceleration_rad_s2: Highest acceleration of each; empty where it is not published. [rad/s^2]
-        torque_rate_nm_s: Fastest change of a commanded torque. [N m/s]
-    """
-
-    label: str
-    pattern: str
-    joints: tuple[str, ...]
-    low_rad: tuple[float, ...]
+    label: str  # make and model
+    pattern: str  # regular expression of what precedes the joints in their names and says this arm
+    joints: tuple[str, ...]  # names of the joints, base to tip
+    low_rad: tuple[float, ...]  # ends of the range of each joint, infinite where it turns without end [rad]
     high_rad: tuple[float, ...]
-    speed_rad_s: tuple[float, ...]
-    torque_nm: tuple[float, ...]
-    torque: str
-    source: str
-    shared: str = ""
+    speed_rad_s: tuple[float, ...]  # highest speed of each [rad/s]
+    torque_nm: tuple[float, ...]  # highest torque of each [N m]
+    torque: str  # what its torque signal is, a key of TORQUES
+    source: str  # where the figures were published
+    shared: str = ""  # regular expression of joint names that this arm has in common with other models of the make
+    # highest acceleration of each; empty where it is not published [rad/s^2]
     acceleration_rad_s2: tuple[float, ...] = ()
-    torque_rate_nm_s: float = inf
+    torque_rate_nm_s: float = inf  # fastest change of a commanded torque [N m/s]
 
     def says(self, prefix: str) -> bool:
         """Return True if the prefix of a joint's name, such as ``left_ur10e_``, says this arm."""

@@ -58,12 +58,9 @@ class LocalExecutor:
 
     A process that dies breaks the pool. What was under way is tried again, one task at a time and at most twice, with
     nothing else running (most often memory was short); a task whose process dies then is lost, and no other.
-
-    Attributes:
-        workers: How many of them.
     """
 
-    workers: int = field(default_factory=lambda: len(os.sched_getaffinity(0)))
+    workers: int = field(default_factory=lambda: len(os.sched_getaffinity(0)))  # how many of them
     _pool: ProcessPoolExecutor | None = field(default=None, init=False)
     _open: ExitStack = field(default_factory=ExitStack, init=False)
     _team: list[BaseProcess] = field(default_factory=list, init=False)
@@ -157,20 +154,12 @@ def _how_it_ended(code: int) -> str:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DaskExecutor:
-    """A Dask cluster.
+    """A Dask cluster."""
 
-    Attributes:
-        address: Of its scheduler, ``tcp://host:port``.
-    """
-
-    address: str
+    address: str  # of its scheduler, ``tcp://host:port``
 
     def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
-        """Yield what came of each task, in any order; the scheduler gives the work of a lost worker to others.
-
-        Raises:
-            UsageError: If there is no scheduler or worker, or they run another version.
-        """
+        """Yield what came of each task, in any order; the scheduler gives the work of a lost worker to others."""
         client = _connect(self.address)
         pool: Pool = client.get_executor(pure=False)
         waiting, pending = iter(tasks), dict[Future[Done], Asked]()

@@ -37,44 +37,27 @@ SUFFIXES = tuple(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ManifestRow:
-    """What a manifest says of a log; None or empty where it says nothing.
+    """What a manifest says of a log; None or empty where it says nothing."""
 
-    Attributes:
-        path: The log.
-        start_s: Unix time of the start. [s]
-        robot: Which arm.
-        temperature_c: Temperature of the session. [degC]
-        payload: What the arm carried.
-        note: For people.
-    """
-
-    path: str
-    start_s: float | None = None
-    robot: str = ""
-    temperature_c: float | None = None
-    payload: str = ""
-    note: str = ""
+    path: str  # the log
+    start_s: float | None = None  # Unix time of the start [s]
+    robot: str = ""  # which arm
+    temperature_c: float | None = None  # temperature of the session [degC]
+    payload: str = ""  # what the arm carried
+    note: str = ""  # for people
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LogFile:
-    """One log: a file, the directory of a ROS 2 bag, or the URL of either.
+    """One log: a file, the directory of a ROS 2 bag, or the URL of either."""
 
-    Attributes:
-        path: As found, for people: bytes of a name that are no UTF-8 are written out.
-        place: Where a worker finds it: an absolute path, or a URL.
-        folders: Names of the folders that it lies in, the innermost first, no further than what the user named.
-        size: Bytes, of all files of a bag; -1 where it is not known.
-        changed: When it was last changed, in the words of its file system; empty where it is not known.
-        row: What the manifest says of it, or None.
-    """
-
-    path: str
-    place: str
+    path: str  # as found, for people: bytes of a name that are no UTF-8 are written out
+    place: str  # where a worker finds it: an absolute path, or a URL
+    # names of the folders that it lies in, the innermost first, no further than what the user named
     folders: tuple[str, ...]
-    size: int
-    changed: str
-    row: ManifestRow | None = None
+    size: int  # bytes, of all files of a bag; -1 where it is not known
+    changed: str  # when it was last changed, in the words of its file system; empty where it is not known
+    row: ManifestRow | None = None  # what the manifest says of it, or None
 
     @property
     def is_remote(self) -> bool:
@@ -96,9 +79,6 @@ def find_logs(
         names: Files, folders (searched to the bottom), globs and URLs.
         rows: Rows of the manifest by the place of their log.
         leave_out: Files and folders that are no logs: the manifest itself, the folder of the results.
-
-    Raises:
-        InputError: If a name leads nowhere, or there is no log at all.
     """
     closed = {os.path.realpath(path) for path in leave_out}
     found: dict[str, LogFile] = {}
@@ -200,12 +180,7 @@ def _nothing(name: str) -> str:
 
 
 def _logs_at(url: str) -> list[LogFile]:
-    """Return the logs at a URL: the file itself, or those in a folder or that match a glob.
-
-    Raises:
-        InputError: If the place cannot be reached.
-        UsageError: If what it takes to reach it is not installed.
-    """
+    """Return the logs at a URL: the file itself, or those in a folder or that match a glob."""
     system, path = _open(url)
     try:
         if any(mark in path for mark in "*["):
@@ -219,12 +194,7 @@ def _logs_at(url: str) -> list[LogFile]:
 
 @contextmanager
 def fetched(place: str) -> Iterator[Path]:
-    """Yield a local copy of a log, under its own name; it is gone after the block.
-
-    Raises:
-        InputError: If it cannot be fetched.
-        UsageError: If what it takes is not installed.
-    """
+    """Yield a local copy of a log, under its own name; it is gone after the block."""
     system, path = _open(place)
     with tempfile.TemporaryDirectory(prefix="friction-audit-") as folder:
         copy = Path(folder) / path.rstrip("/").rpartition("/")[2]

@@ -13,52 +13,33 @@ _EPISODE = re.compile(r"^episode_\d+")  # of a data set: its episodes are of the
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Recorded:
-    """One arm of a log, estimated.
+    """One arm of a log, estimated."""
 
-    Attributes:
-        session: Its summary. ``robot`` is what the log itself calls the arm, empty if nothing; ``start_s`` is that of
-            the log's clock; nothing of a manifest is in it.
-        topic: What ``--topic`` would have to say to read this arm of several; empty where the log holds one.
-        kind: Name of a preset, or ``"unknown"``.
-        named_by_serial: True if the log's name for the arm is a serial number, which no other arm has.
-    """
-
+    # its summary. ``robot`` is what the log itself calls the arm, empty if nothing; ``start_s`` is that of the log's
+    # clock; nothing of a manifest is in it.
     session: Session
-    topic: str
-    kind: str
-    named_by_serial: bool = False
+    topic: str  # what ``--topic`` would have to say to read this arm of several; empty where the log holds one
+    kind: str  # name of a preset, or ``"unknown"``
+    named_by_serial: bool = False  # True if the log's name for the arm is a serial number, which no other arm has
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Fault:
-    """One arm of a log, or the whole of it, that no summary could be made of.
+    """One arm of a log, or the whole of it, that no summary could be made of."""
 
-    Attributes:
-        message: Why; printed after the name of the log.
-        topic: Which arm, as in ``Recorded``.
-        lasting: True if the log itself is to blame: the same log with the same settings will fail again.
-        detail: Where in the program it happened, if the program is to blame.
-    """
-
-    message: str
-    topic: str = ""
-    lasting: bool = True
-    detail: str = ""
+    message: str  # why; printed after the name of the log
+    topic: str = ""  # which arm, as in ``Recorded``
+    lasting: bool = True  # True if the log itself is to blame: the same log with the same settings will fail again
+    detail: str = ""  # where in the program it happened, if the program is to blame
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Worked:
-    """What came of a log.
+    """What came of a log."""
 
-    Attributes:
-        sha256: Hash of its content; empty where it could not be read at all.
-        recorded: Its arms.
-        faults: Arms without a summary.
-    """
-
-    sha256: str
-    recorded: tuple[Recorded, ...] = ()
-    faults: tuple[Fault, ...] = ()
+    sha256: str  # hash of its content; empty where it could not be read at all
+    recorded: tuple[Recorded, ...] = ()  # its arms
+    faults: tuple[Fault, ...] = ()  # arms without a summary
 
 
 _DATE = r"(?P<year>(?:19|20)\d\d)(?P<s>[-_.]?)(?P<month>0[1-9]|1[0-2])(?P=s)(?P<day>0[1-9]|[12]\d|3[01])"
@@ -122,15 +103,11 @@ def _unix_time(found: re.Match[str]) -> float | None:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Identified:
-    """Sessions, each of a robot, in order.
+    """Sessions, each of a robot, in order."""
 
-    Attributes:
-        sessions: By robot, each robot's in the order of their starts, or of their names where starts are not known.
-        warnings: One sentence each.
-    """
-
+    # by robot, each robot's in the order of their starts, or of their names where starts are not known
     sessions: tuple[Session, ...]
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...]  # one sentence each
 
 
 def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:

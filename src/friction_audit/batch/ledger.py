@@ -32,9 +32,6 @@ class Ledger:
 
     Args:
         path: The file, made if it is not there.
-
-    Raises:
-        InputError: If it is no ledger, or of a version that this program does not know, or it cannot be written to.
     """
 
     def __init__(self, path: Path) -> None:
@@ -279,11 +276,7 @@ class Ledger:
 
 
 def move_aside(path: Path) -> Path | None:
-    """Give a ledger another name, so that a new one can be begun; return that name, or None if there was none.
-
-    Raises:
-        InputError: If it cannot be renamed.
-    """
+    """Give a ledger another name, so that a new one can be begun; return that name, or None if there was none."""
     if not path.exists():
         return None
     names = (path.with_name(f"{path.stem}-{number}{path.suffix}") for number in count(1))

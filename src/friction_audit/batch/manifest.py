@@ -29,11 +29,7 @@ RESULTS_VERSION = 12  # raised with every change after which the same log gives 
 
 
 def read_manifest(manifest: Path) -> dict[str, ManifestRow]:
-    """Return the rows of a manifest by the place of their log: an absolute path, or a URL.
-
-    Raises:
-        InputError: If it cannot be read as one; all that is wrong with it is said at once.
-    """
+    """Return the rows of a manifest by the place of their log: an absolute path, or a URL."""
     lines = csv.reader(io.StringIO(_text(manifest)), skipinitialspace=True)
     header = [name.strip().lower() for name in next(lines, [])]
     _check_header(manifest, header)
@@ -120,17 +116,11 @@ def _row(values: Mapping[str, str]) -> ManifestRow:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BatchSettings:
-    """What is done with each log of a batch.
+    """What is done with each log of a batch."""
 
-    Attributes:
-        audit: The chain.
-        reading: How logs are read.
-        diagnosis: What is asked of a diagnosis, or None for none.
-    """
-
-    audit: AuditSettings = field(default_factory=AuditSettings)
-    reading: ReadOptions = field(default_factory=ReadOptions)
-    diagnosis: "DiagnosisSettings | None" = None
+    audit: AuditSettings = field(default_factory=AuditSettings)  # the chain
+    reading: ReadOptions = field(default_factory=ReadOptions)  # how logs are read
+    diagnosis: "DiagnosisSettings | None" = None  # what is asked of a diagnosis, or None for none
 
     def text(self) -> str:
         """Return all that the numbers depend on, apart from the log, as JSON in a fixed order."""

@@ -33,9 +33,6 @@ def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor
         sessions: Of any arms, in any order.
         settings: How drift is looked for.
         executor: What runs the work; a single arm is analysed here, where its sessions are.
-
-    Raises:
-        AnalysisError: If an arm is not finished.
     """
     arms = arms_of(sessions)
     if len(arms) == 1:
@@ -71,42 +68,26 @@ class Progress:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BatchResult:
-    """What came of a batch.
+    """What came of a batch."""
 
-    Attributes:
-        sessions: By robot, in order.
-        failed: Logs without a session, in the order of their names.
-        new: How many logs were worked on in this run.
-        known: How many were known before.
-        warnings: What was noticed about the logs as a whole, one sentence each.
-    """
-
-    sessions: tuple[Session, ...]
-    failed: tuple[Failed, ...]
-    new: int
-    known: int
-    warnings: tuple[str, ...]
+    sessions: tuple[Session, ...]  # by robot, in order
+    failed: tuple[Failed, ...]  # logs without a session, in the order of their names
+    new: int  # how many logs were worked on in this run
+    known: int  # how many were known before
+    warnings: tuple[str, ...]  # what was noticed about the logs as a whole, one sentence each
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Standing:
-    """How a batch stands once nothing new is left to be worked on.
+    """How a batch stands once nothing new is left to be worked on."""
 
-    Attributes:
-        logs: The logs, copies left out.
-        hashes: Hash of each log's content by its place; none of logs that could not be read.
-        passing: What went wrong in this run without being the log's fault, by the log's place.
-        new: How many logs were worked on in this run.
-        known: How many were known before.
-        warnings: Which logs are copies, one sentence each.
-    """
-
-    logs: tuple[LogFile, ...]
-    hashes: Mapping[str, str]
+    logs: tuple[LogFile, ...]  # the logs, copies left out
+    hashes: Mapping[str, str]  # hash of each log's content by its place; none of logs that could not be read
+    # what went wrong in this run without being the log's fault, by the log's place
     passing: Mapping[str, tuple[Fault, ...]]
-    new: int
-    known: int
-    warnings: tuple[str, ...]
+    new: int  # how many logs were worked on in this run
+    known: int  # how many were known before
+    warnings: tuple[str, ...]  # which logs are copies, one sentence each
 
     def digest(self) -> str:
         """Return a fingerprint of all that the sessions depend on, apart from the settings."""

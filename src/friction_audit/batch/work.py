@@ -190,11 +190,7 @@ def recording_of(estimate: Estimate) -> Recording:
 
 
 def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
-    """Return what is compared of a document of ``estimate``; it holds no curves, speeds and temperatures.
-
-    Raises:
-        InputError: If a key is missing or holds something else.
-    """
+    """Return what is compared of a document of ``estimate``; it holds no curves, speeds and temperatures."""
     try:
         source, settings = document["source"], document["settings"]
         chosen, friction = settings["torque_chosen"], settings["friction"]

@@ -205,12 +205,7 @@ def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -
 
 
 def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "ReplaySettings":
-    """Return the settings.
-
-    Raises:
-        UsageError: If a value cannot be used.
-        InputError: If the file of a model is none.
-    """
+    """Return the settings."""
     from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
     from friction_audit.effects.joint_model import load_model
 
@@ -260,11 +255,7 @@ def _compensator(options: ReplayOptions, cycles: opt.CycleOptions) -> "EnergyCom
 
 
 def parse_coefficients(text: str) -> "Coefficients":
-    """Return the coefficients of ``"coulomb=0.2,viscous=0.1"``; one left out is zero.
-
-    Raises:
-        UsageError: If the text is anything else.
-    """
+    """Return the coefficients of ``"coulomb=0.2,viscous=0.1"``; one left out is zero."""
     from friction_audit.compensation.compensators import Coefficients
 
     values: dict[str, float] = {}

@@ -180,12 +180,7 @@ def _choose_output(
 
 
 def changed(settings: Any, change: opt.ChangeOptions, model: Path | None = None, **asked: float | None) -> Any:  # noqa: ANN401 - of any scenario
-    """Return settings of a simulation, changed as asked for.
-
-    Raises:
-        InputError: If the file is none.
-        UsageError: If the scenario cannot take a change, or two contradict each other.
-    """
+    """Return settings of a simulation, changed as asked for."""
     from friction_audit.effects.joint_model import load_model
     from friction_audit.simulation.assign import assign_texts
     from friction_audit.simulation.hide import hide, with_model

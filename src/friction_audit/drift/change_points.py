@@ -42,19 +42,12 @@ ALIKE = 0.5  # a session whose neighbour in time is off by this share of the sam
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Step:
-    """A step, by places in a series.
+    """A step, by places in a series."""
 
-    Attributes:
-        place: First session after it.
-        low: First place that is possible.
-        high: Last one.
-        p_value: Among the steps of this series (Holm).
-    """
-
-    place: int
-    low: int
-    high: int
-    p_value: float
+    place: int  # first session after it
+    low: int  # first place that is possible
+    high: int  # last one
+    p_value: float  # among the steps of this series (Holm)
 
 
 def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> tuple[Step, ...]:

@@ -43,27 +43,16 @@ QUANTILE = 0.99  # of the largest statistic, about where the test of an arm deci
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Directions:
-    """What the tests look along, whitened: every session's error is 1.
+    """What the tests look along, whitened: every session's error is 1."""
 
-    Attributes:
-        split: First session after the step, shape (k,); 0 for a ramp.
-        back: First session after the step back, shape (k,); n where there is none.
-        direction: Unit vectors, orthogonal to level and temperature, shape (n, k); 0 where nothing is left of one.
-        length: Length of each shape given level and temperature, before it was made a unit vector, shape (k,).
-        base: Orthonormal basis of level and temperature, shape (n, b).
-        residual: What level and temperature leave of y, shape (n,).
-        weight: One over the standard error with scatter, shape (n,).
-        ramp: Ramps as they are, shape (n, r); the last r of the directions.
-    """
-
-    split: NDArray[np.int64]
-    back: NDArray[np.int64]
-    direction: Float
-    length: Float
-    base: Float
-    residual: Float
-    weight: Float
-    ramp: Float
+    split: NDArray[np.int64]  # first session after the step, shape (k,); 0 for a ramp
+    back: NDArray[np.int64]  # first session after the step back, shape (k,); n where there is none
+    direction: Float  # unit vectors, orthogonal to level and temperature, shape (n, k); 0 where nothing is left of one
+    length: Float  # length of each shape given level and temperature, before it was made a unit vector, shape (k,)
+    base: Float  # orthonormal basis of level and temperature, shape (n, b)
+    residual: Float  # what level and temperature leave of y, shape (n,)
+    weight: Float  # one over the standard error with scatter, shape (n,)
+    ramp: Float  # ramps as they are, shape (n, r); the last r of the directions
 
     @property
     def freedom(self) -> int:

@@ -41,21 +41,13 @@ CERTAIN = 30.0  # statistic beyond which the noise of the numerator of t is negl
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Verdict:
-    """What the test of the arm says of one series.
+    """What the test of the arm says of one series."""
 
-    Attributes:
-        p_value: Family-wise.
-        ramp_p_value: The same of a straight trend alone.
-        p_without_temperature: As if no temperature were known; the same as ``p_value`` where none is used.
-        critical: Score that the test asks for.
-        autocorrelation: Of the scatter.
-    """
-
-    p_value: float
-    ramp_p_value: float
-    p_without_temperature: float
-    critical: float
-    autocorrelation: Autocorrelation
+    p_value: float  # family-wise
+    ramp_p_value: float  # the same of a straight trend alone
+    p_without_temperature: float  # as if no temperature were known; the same as ``p_value`` where none is used
+    critical: float  # score that the test asks for
+    autocorrelation: Autocorrelation  # of the scatter
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

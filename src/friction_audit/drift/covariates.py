@@ -32,17 +32,11 @@ LIKE: tuple[tuple[str, Callable[[Session], object]], ...] = (
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Comparable:
-    """Which sessions are compared.
+    """Which sessions are compared."""
 
-    Attributes:
-        compared: Their indices.
-        left_out: Index of each other one, with the reason.
-        warnings: What limits the comparison.
-    """
-
-    compared: tuple[int, ...]
-    left_out: tuple[tuple[int, str], ...]
-    warnings: tuple[str, ...]
+    compared: tuple[int, ...]  # their indices
+    left_out: tuple[tuple[int, str], ...]  # index of each other one, with the reason
+    warnings: tuple[str, ...]  # what limits the comparison
 
 
 def choose_comparable(order: Order) -> Comparable:
@@ -122,17 +116,11 @@ def speed_warnings(sessions: Sequence[Session]) -> list[str]:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LikeTemperature:
-    """A series with what can be done about its temperature.
+    """A series with what can be done about its temperature."""
 
-    Attributes:
-        series: Without the sessions that cannot be compared; its temperature is None where it is not taken out.
-        unknown: Sessions set aside, indices into all sessions of the arm.
-        warning: What limits the comparison; empty if nothing.
-    """
-
-    series: Series
-    unknown: tuple[int, ...] = ()
-    warning: str = ""
+    series: Series  # without the sessions that cannot be compared; its temperature is None where it is not taken out
+    unknown: tuple[int, ...] = ()  # sessions set aside, indices into all sessions of the arm
+    warning: str = ""  # what limits the comparison; empty if nothing
 
 
 def use_temperature(series: Series) -> LikeTemperature:
@@ -176,20 +164,13 @@ def shared(column: Float, other: Float) -> float:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Recording:
-    """A session with what a comparison of two needs besides.
+    """A session with what a comparison of two needs besides."""
 
-    Attributes:
-        session: Its coefficients, conditions and curves.
-        joints: Number of joints of its log, also those that were not estimated.
-        unit: Of the torque: ``"N m"``, ``"A"`` or ``"mA"``.
-        method: Estimator and friction model.
-        correlation: Between the two coefficients, by number of the joint.
-    """
-
-    session: Session
-    joints: int
-    unit: str
-    method: str
+    session: Session  # its coefficients, conditions and curves
+    joints: int  # number of joints of its log, also those that were not estimated
+    unit: str  # of the torque: ``"N m"``, ``"A"`` or ``"mA"``
+    method: str  # estimator and friction model
+    # between the two coefficients, by number of the joint
     correlation: Mapping[int, float] = field(default_factory=dict)
 
 

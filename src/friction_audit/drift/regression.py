@@ -71,21 +71,13 @@ def robust_weight(series: Series) -> Float:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Fit:
-    """A linear model of y over the sessions.
+    """A linear model of y over the sessions."""
 
-    Attributes:
-        value: Coefficients of the model, shape (p,).
-        covariance: Of them, autocorrelation included, shape (p, p).
-        freedom: Sessions minus parameters.
-        scatter: Standard deviation between sessions beyond the errors of the estimates.
-        scale: Standard deviation of the whitened residuals; 1 if errors and scatter are right.
-    """
-
-    value: Float
-    covariance: Float
-    freedom: int
-    scatter: float
-    scale: float
+    value: Float  # coefficients of the model, shape (p,)
+    covariance: Float  # of them, autocorrelation included, shape (p, p)
+    freedom: int  # sessions minus parameters
+    scatter: float  # standard deviation between sessions beyond the errors of the estimates
+    scale: float  # standard deviation of the whitened residuals; 1 if errors and scatter are right
 
     def interval(self, weights: Float) -> Coefficient:
         """Return a combination of the coefficients with its 95 % interval."""
@@ -134,19 +126,12 @@ def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Model:
-    """Columns of a model of the drift and what is asked of it.
+    """Columns of a model of the drift and what is asked of it."""
 
-    Attributes:
-        columns: Levels and slope first, the temperature last where it is used, shape (n, p).
-        level: Combination that is the reference's level, shape (p,).
-        change: Combination that is the change from the reference to the last sessions, shape (p,).
-        free: Parameters that were chosen by the data (places and sizes of steps, size of a ramp).
-    """
-
-    columns: Float
-    level: Float
-    change: Float
-    free: int
+    columns: Float  # levels and slope first, the temperature last where it is used, shape (n, p)
+    level: Float  # combination that is the reference's level, shape (p,)
+    change: Float  # combination that is the change from the reference to the last sessions, shape (p,)
+    free: int  # parameters that were chosen by the data (places and sizes of steps, size of a ramp)
 
 
 def steps_model(series: Series, places: Sequence[int], reference: Collection[int]) -> Model:

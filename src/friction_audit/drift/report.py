@@ -24,119 +24,76 @@ EXPECTED = "expected e.g. coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ChangePoint:
-    """A step between two sessions.
+    """A step between two sessions."""
 
-    Attributes:
-        session: Index into ``ArmDrift.sessions`` of the first one after the step.
-        low: First session that may be the first one after the step, same index, 95 % interval.
-        high: Last one.
-        before: Level before it, with interval.
-        after: Level after it.
-        relative: Change over the level before it, with interval; NaN where that level is near zero.
-        p_value: Family-wise over joints and coefficients of the arm.
-    """
-
-    session: int
-    low: int
-    high: int
-    before: Coefficient
-    after: Coefficient
-    relative: Coefficient
-    p_value: float
+    session: int  # index into ``ArmDrift.sessions`` of the first one after the step
+    low: int  # first session that may be the first one after the step, same index, 95 % interval
+    high: int  # last one
+    before: Coefficient  # level before it, with interval
+    after: Coefficient  # level after it
+    relative: Coefficient  # change over the level before it, with interval; NaN where that level is near zero
+    p_value: float  # family-wise over joints and coefficients of the arm
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ControlPoint:
-    """One session against the reference.
+    """One session against the reference."""
 
-    Attributes:
-        session: Index into ``ArmDrift.sessions``.
-        deviation: Deviation from the reference's level; its interval is where a session without drift would lie, 0 in
-            its middle (family-wise over the sessions). Unit of the coefficient.
-        relative: The same over the reference's level; NaN where that is near zero.
-        outside: Whether the deviation lies outside of the limits.
-    """
-
-    session: int
+    session: int  # index into ``ArmDrift.sessions``
+    # deviation from the reference's level; its interval is where a session without drift would lie, 0 in its middle
+    # (family-wise over the sessions). Unit of the coefficient.
     deviation: Coefficient
-    relative: Coefficient
-    outside: bool
+    relative: Coefficient  # the same over the reference's level; NaN where that is near zero
+    outside: bool  # whether the deviation lies outside of the limits
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CoefficientDrift:
-    """One coefficient of one joint over the sessions; every interval is of 95 %.
+    """One coefficient of one joint over the sessions; every interval is of 95 %."""
 
-    Attributes:
-        coefficient: ``"coulomb_nm"`` or ``"viscous_nms_per_rad"``.
-        sessions: Indices into ``ArmDrift.sessions`` of those that were compared.
-        values: The coefficient in each of them, as compared (at like temperature), with its own interval.
-        isolated: Those of ``sessions`` that none of their neighbours comes near: shown, but not counted as drift.
-        level: Level in the reference. Unit of the coefficient.
-        shape: What describes it: one of ``SHAPES``.
-        p_value: That nothing changes, family-wise over joints and coefficients of the arm.
-        temperature_slope: Relative change per degree that was taken out, NaN where none could be. [1/K]
-        temperature_c: Temperature that the values are compared at, NaN where none could be. [degC]
-        trend_per_session: Robust slope, unit of the coefficient per session.
-        trend_per_day: The same per day; NaN where starts are not known.
-        trend_p_value: That there is no straight trend, family-wise.
-        change_points: Steps, in order; empty where a ramp describes it.
-        control: Every session against the reference.
-        change: From the reference to the last sessions, unit of the coefficient.
-        total: The same over the reference's level; NaN where that is near zero.
-        scatter: Standard deviation between sessions beyond the intervals of the estimates, over the level (in the unit
-            of the coefficient where the level is near zero).
-        smallest_change: Straight change, start to end, that so many sessions would have shown with 90 % power, unit of
-            the coefficient.
-        smallest_drift: The same over the level; NaN where that is near zero.
-        within: Relative change within a session (warm-up), over all sessions that have one; no part of the drift.
-        drift: Whether there is any.
-        warmer_k: Rise of the temperature from the first to the last sessions, NaN where it is not known. [K]
-        by_temperature: Whether there is a change that the temperature explains.
-        speed_ratio: Speed of motion at the end of a change over its start, where it went with it, else NaN.
-        reasons: Why sessions have no estimate, where there are too few.
-    """
-
-    coefficient: str
-    sessions: tuple[int, ...]
+    coefficient: str  # ``"coulomb_nm"`` or ``"viscous_nms_per_rad"``
+    sessions: tuple[int, ...]  # indices into ``ArmDrift.sessions`` of those that were compared
+    # the coefficient in each of them, as compared (at like temperature), with its own interval
     values: tuple[Coefficient, ...]
+    # those of ``sessions`` that none of their neighbours comes near: shown, but not counted as drift
     isolated: tuple[int, ...] = ()
-    level: Coefficient = UNDETERMINED
-    shape: str = "none"
-    p_value: float = 1.0
+    level: Coefficient = UNDETERMINED  # level in the reference. Unit of the coefficient.
+    shape: str = "none"  # what describes it: one of ``SHAPES``
+    p_value: float = 1.0  # that nothing changes, family-wise over joints and coefficients of the arm
+    # relative change per degree that was taken out, NaN where none could be [1/K]
     temperature_slope: Coefficient = UNDETERMINED
-    temperature_c: float = float("nan")
-    trend_per_session: Coefficient = UNDETERMINED
-    trend_per_day: Coefficient = UNDETERMINED
-    trend_p_value: float = 1.0
-    change_points: tuple[ChangePoint, ...] = ()
-    control: tuple[ControlPoint, ...] = ()
-    change: Coefficient = UNDETERMINED
-    total: Coefficient = UNDETERMINED
+    temperature_c: float = float("nan")  # temperature that the values are compared at, NaN where none could be [degC]
+    trend_per_session: Coefficient = UNDETERMINED  # robust slope, unit of the coefficient per session
+    trend_per_day: Coefficient = UNDETERMINED  # the same per day; NaN where starts are not known
+    trend_p_value: float = 1.0  # that there is no straight trend, family-wise
+    change_points: tuple[ChangePoint, ...] = ()  # steps, in order; empty where a ramp describes it
+    control: tuple[ControlPoint, ...] = ()  # every session against the reference
+    change: Coefficient = UNDETERMINED  # from the reference to the last sessions, unit of the coefficient
+    total: Coefficient = UNDETERMINED  # the same over the reference's level; NaN where that is near zero
+    # standard deviation between sessions beyond the intervals of the estimates, over the level (in the unit of the
+    # coefficient where the level is near zero)
     scatter: float = float("nan")
+    # straight change, start to end, that so many sessions would have shown with 90 % power, unit of the coefficient
     smallest_change: float = float("nan")
-    smallest_drift: float = float("nan")
+    smallest_drift: float = float("nan")  # the same over the level; NaN where that is near zero
+    # relative change within a session (warm-up), over all sessions that have one; no part of the drift
     within: Coefficient = UNDETERMINED
-    drift: bool
+    drift: bool  # whether there is any
+    # rise of the temperature from the first to the last sessions, NaN where it is not known [K]
     warmer_k: float = float("nan")
-    by_temperature: bool = False
+    by_temperature: bool = False  # whether there is a change that the temperature explains
+    # speed of motion at the end of a change over its start, where it went with it, else NaN
     speed_ratio: float = float("nan")
-    reasons: tuple[str, ...] = ()
+    reasons: tuple[str, ...] = ()  # why sessions have no estimate, where there are too few
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointDrift:
-    """One joint over the sessions.
+    """One joint over the sessions."""
 
-    Attributes:
-        joint: Number for people.
-        name: Its name.
-        coefficients: What became of each coefficient.
-    """
-
-    joint: int
-    name: str
-    coefficients: tuple[CoefficientDrift, ...]
+    joint: int  # number for people
+    name: str  # its name
+    coefficients: tuple[CoefficientDrift, ...]  # what became of each coefficient
 
     @property
     def drift(self) -> bool:
@@ -146,29 +103,18 @@ class JointDrift:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ArmDrift:
-    """One arm.
+    """One arm."""
 
-    Attributes:
-        robot: Which arm.
-        sessions: All its sessions in the order of their starts (of their names where starts are not known).
-        compared: Indices of those that were compared.
-        reference: Indices of the sessions of the reference.
-        left_out: Index of each session that was not compared, with the reason.
-        joints: What became of each joint.
-        ordered_by: ``"start"`` or ``"name"``.
-        autocorrelation: Of one session's scatter with the next one's, over all joints.
-        warnings: What limits the comparison, one sentence each.
-    """
-
-    robot: str
+    robot: str  # which arm
+    # all its sessions in the order of their starts (of their names where starts are not known)
     sessions: tuple[Session, ...]
-    compared: tuple[int, ...]
-    reference: tuple[int, ...]
-    left_out: tuple[tuple[int, str], ...]
-    joints: tuple[JointDrift, ...]
-    ordered_by: str
-    autocorrelation: float
-    warnings: tuple[str, ...] = ()
+    compared: tuple[int, ...]  # indices of those that were compared
+    reference: tuple[int, ...]  # indices of the sessions of the reference
+    left_out: tuple[tuple[int, str], ...]  # index of each session that was not compared, with the reason
+    joints: tuple[JointDrift, ...]  # what became of each joint
+    ordered_by: str  # ``"start"`` or ``"name"``
+    autocorrelation: float  # of one session's scatter with the next one's, over all joints
+    warnings: tuple[str, ...] = ()  # what limits the comparison, one sentence each
 
     @property
     def drift(self) -> bool:
@@ -190,29 +136,17 @@ class DriftReport:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Limit:
-    """How far a coefficient may go from the reference.
+    """How far a coefficient may go from the reference."""
 
-    Attributes:
-        joint: Number for people, or None for all joints.
-        coefficient: Which one, or None for each.
-        size: Largest change, either way: relative to the reference's level, or in the unit of the coefficient.
-        relative: Which of the two.
-        text: As the user wrote it.
-    """
-
-    joint: int | None
-    coefficient: str | None
-    size: float
-    relative: bool
-    text: str
+    joint: int | None  # number for people, or None for all joints
+    coefficient: str | None  # which one, or None for each
+    size: float  # largest change, either way: relative to the reference's level, or in the unit of the coefficient
+    relative: bool  # which of the two
+    text: str  # as the user wrote it
 
 
 def parse_limit(text: str) -> Limit:
-    """Return the limit of ``"coulomb=15%"``, ``"viscous=0.05"``, ``"joint3.coulomb=10%"`` or ``"any=20%"``.
-
-    Raises:
-        UsageError: If the text is anything else.
-    """
+    """Return the limit of ``"coulomb=15%"``, ``"viscous=0.05"``, ``"joint3.coulomb=10%"`` or ``"any=20%"``."""
     where = f"--fail-on {text}"
     found = PATTERN.fullmatch(text.strip().lower())
     if found is None or found["name"] not in COEFFICIENT_OF:

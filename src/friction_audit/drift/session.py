@@ -26,17 +26,11 @@ BY_REGRESSION = (
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpeedCurve:
-    """Torque against speed, the mean in bins of speed; kept as arrays, for a batch holds thousands of curves.
+    """Torque against speed, the mean in bins of speed; kept as arrays, for a batch holds thousands of curves."""
 
-    Attributes:
-        speed_rad_s: Mean speed in each bin, rising, both directions. [rad/s]
-        torque_nm: Mean interaction torque in it. [N m]
-        spread_nm: Standard deviation of the torque in it. [N m]
-    """
-
-    speed_rad_s: Numbers = ()
-    torque_nm: Numbers = ()
-    spread_nm: Numbers = ()
+    speed_rad_s: Numbers = ()  # mean speed in each bin, rising, both directions [rad/s]
+    torque_nm: Numbers = ()  # mean interaction torque in it [N m]
+    spread_nm: Numbers = ()  # standard deviation of the torque in it [N m]
 
     def __post_init__(self) -> None:
         """Keep eight bytes a number."""
@@ -46,108 +40,63 @@ class SpeedCurve:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointSummary:
-    """One joint in one session.
+    """One joint in one session."""
 
-    Attributes:
-        joint: Number for people, 1..n.
-        name: Name in the log.
-        coefficients: Estimate with 95 % interval by ``"coulomb_nm"`` and ``"viscous_nms_per_rad"``; NaN where the log
-            cannot give one.
-        cycles: Energy cycles that count.
-        moving_s: Time in motion. [s]
-        speed_rad_s: Lower quartile, median and upper quartile of the speed in motion. [rad/s]
-        temperature_c: Mean of the logged temperature, or None. [degC]
-        within: Relative change of each coefficient from the first to the last third of the session, with interval:
-            warm-up, kept apart from drift between sessions. NaN where the session is too short.
-        curve: Torque against speed.
-        reason: Why there is no estimate; empty if there is one.
-        verdict: What ``diagnose`` says, or None if it was not asked.
-        effects: Names of the effects that it found.
-    """
-
-    joint: int
-    name: str
+    joint: int  # number for people, 1..n
+    name: str  # name in the log
+    # estimate with 95 % interval by ``"coulomb_nm"`` and ``"viscous_nms_per_rad"``; NaN where the log cannot give one
     coefficients: Mapping[str, Coefficient]
-    cycles: int
-    moving_s: float
-    speed_rad_s: tuple[float, float, float]
-    temperature_c: float | None = None
+    cycles: int  # energy cycles that count
+    moving_s: float  # time in motion [s]
+    speed_rad_s: tuple[float, float, float]  # lower quartile, median and upper quartile of the speed in motion [rad/s]
+    temperature_c: float | None = None  # mean of the logged temperature, or None [degC]
+    # relative change of each coefficient from the first to the last third of the session, with interval: warm-up, kept
+    # apart from drift between sessions. NaN where the session is too short.
     within: Mapping[str, Coefficient] = field(default_factory=dict)
-    curve: SpeedCurve = field(default_factory=SpeedCurve)
-    reason: str = ""
-    verdict: str | None = None
-    effects: tuple[str, ...] = ()
+    curve: SpeedCurve = field(default_factory=SpeedCurve)  # torque against speed
+    reason: str = ""  # why there is no estimate; empty if there is one
+    verdict: str | None = None  # what ``diagnose`` says, or None if it was not asked
+    effects: tuple[str, ...] = ()  # names of the effects that it found
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Conditions:
-    """Under what a session was recorded and read; sessions that differ here are not compared silently.
+    """Under what a session was recorded and read; sessions that differ here are not compared silently."""
 
-    Attributes:
-        drive: ``"hand"`` or ``"robot"``.
-        torque: Channel that the interaction torque came from.
-        gravity: Where gravity came from.
-        inertia: Where the inertial torque came from.
-        payload: What the manifest says of the payload; empty if nothing.
-        rate_hz: Rate of the samples. [Hz]
-    """
-
-    drive: str
-    torque: str
-    gravity: str
-    inertia: str
-    payload: str = ""
-    rate_hz: float = 1000.0
+    drive: str  # ``"hand"`` or ``"robot"``
+    torque: str  # channel that the interaction torque came from
+    gravity: str  # where gravity came from
+    inertia: str  # where the inertial torque came from
+    payload: str = ""  # what the manifest says of the payload; empty if nothing
+    rate_hz: float = 1000.0  # rate of the samples [Hz]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Session:
-    """One recording of one arm.
+    """One recording of one arm."""
 
-    Attributes:
-        path: As found.
-        sha256: Content hash.
-        robot: Which arm, as distinguished by serial, namespace, manifest or folder.
-        start_s: Unix time of the start, or None where it is not known. [s]
-        start_from: ``"manifest"``, ``"log"``, ``"name"`` or ``"nothing"``.
-        duration_s: Length. [s]
-        conditions: Under what it was recorded.
-        temperature_c: From the manifest, or None. [degC]
-        note: From the manifest.
-        joints: One summary per joint.
-        warnings: What was noticed, one sentence each.
-        codes: Their codes, and those of what was noticed while the friction was estimated.
-        damaged: Whether part of the file was left out.
-    """
-
-    path: str
-    sha256: str
-    robot: str
-    start_s: float | None
-    start_from: str
-    duration_s: float
-    conditions: Conditions
-    joints: tuple[JointSummary, ...]
-    temperature_c: float | None = None
-    note: str = ""
-    warnings: tuple[str, ...] = ()
-    codes: tuple[str, ...] = ()
-    damaged: bool = False
+    path: str  # as found
+    sha256: str  # content hash
+    robot: str  # which arm, as distinguished by serial, namespace, manifest or folder
+    start_s: float | None  # Unix time of the start, or None where it is not known [s]
+    start_from: str  # ``"manifest"``, ``"log"``, ``"name"`` or ``"nothing"``
+    duration_s: float  # length [s]
+    conditions: Conditions  # under what it was recorded
+    joints: tuple[JointSummary, ...]  # one summary per joint
+    temperature_c: float | None = None  # from the manifest, or None [degC]
+    note: str = ""  # from the manifest
+    warnings: tuple[str, ...] = ()  # what was noticed, one sentence each
+    codes: tuple[str, ...] = ()  # their codes, and those of what was noticed while the friction was estimated
+    damaged: bool = False  # whether part of the file was left out
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Order:
-    """Sessions in order.
+    """Sessions in order."""
 
-    Attributes:
-        sessions: All of them.
-        by: ``"start"`` or ``"name"``.
-        left_out: Index of each one that has no place among the others, with the reason.
-    """
-
-    sessions: tuple[Session, ...]
-    by: str
-    left_out: tuple[tuple[int, str], ...] = ()
+    sessions: tuple[Session, ...]  # all of them
+    by: str  # ``"start"`` or ``"name"``
+    left_out: tuple[tuple[int, str], ...] = ()  # index of each one that has no place among the others, with the reason
 
 
 def put_in_order(sessions: Sequence[Session]) -> Order:
@@ -175,32 +124,19 @@ class Series:
 
     Drift is looked for in y: the logarithm of the coefficient where it is positive and certain enough, so that changes
     are relative and temperature, which acts on viscous friction exponentially, is linear; else the coefficient itself.
-
-    Attributes:
-        joint: Number for people.
-        coefficient: Which one.
-        session: Indices into all sessions of the arm, shape (n,).
-        place: Places among those compared, from 0, shape (n,).
-        day: Days since the first session, shape (n,), or None where starts are not known. [d]
-        value: Estimates, shape (n,).
-        error: Their standard errors, shape (n,).
-        temperature: Of the joint, shape (n,), or None where it cannot be used. [degC]
-        speed: Median speed in motion, shape (n,). [rad/s]
-        logarithmic: Whether y is the logarithm.
-        kept: Which sessions count: False for an isolated one, shape (n,).
     """
 
-    joint: int
-    coefficient: str
-    session: NDArray[np.int64]
-    place: Float
-    day: Float | None
-    value: Float
-    error: Float
-    temperature: Float | None
-    speed: Float
-    logarithmic: bool
-    kept: NDArray[np.bool_]
+    joint: int  # number for people
+    coefficient: str  # which one
+    session: NDArray[np.int64]  # indices into all sessions of the arm, shape (n,)
+    place: Float  # places among those compared, from 0, shape (n,)
+    day: Float | None  # days since the first session, shape (n,), or None where starts are not known [d]
+    value: Float  # estimates, shape (n,)
+    error: Float  # their standard errors, shape (n,)
+    temperature: Float | None  # of the joint, shape (n,), or None where it cannot be used [degC]
+    speed: Float  # median speed in motion, shape (n,) [rad/s]
+    logarithmic: bool  # whether y is the logarithm
+    kept: NDArray[np.bool_]  # which sessions count: False for an isolated one, shape (n,)
 
     @property
     def y(self) -> Float:

@@ -11,21 +11,15 @@ FEWEST_SESSIONS = 4
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DriftSettings:
-    """How drift is looked for.
+    """How drift is looked for."""
 
-    Attributes:
-        baseline: Sessions of the reference: so many first ones, or their indices in the order of the starts, from 0.
-        alpha: Probability that an arm on which nothing changes is said to drift, over all joints and coefficients.
-        power: Probability with which the smallest drift is found.
-        permutations: Orders of the sessions that the tests are judged by.
-        seed: Of the permutations: the same sessions give the same answer.
-    """
-
+    # sessions of the reference: so many first ones, or their indices in the order of the starts, from 0
     baseline: int | tuple[int, ...] = 5
+    # probability that an arm on which nothing changes is said to drift, over all joints and coefficients
     alpha: float = 0.05
-    power: float = 0.9
-    permutations: int = 1999
-    seed: int = 0
+    power: float = 0.9  # probability with which the smallest drift is found
+    permutations: int = 1999  # orders of the sessions that the tests are judged by
+    seed: int = 0  # of the permutations: the same sessions give the same answer
 
     def __post_init__(self) -> None:
         """Check the ranges."""
@@ -41,11 +35,7 @@ class DriftSettings:
 
 
 def parse_baseline(text: str) -> int | tuple[int, ...]:
-    """Return the reference of ``"5"`` (the first five sessions) or ``"3-8,10"`` (those, counted from 1).
-
-    Raises:
-        UsageError: If the text is anything else.
-    """
+    """Return the reference of ``"5"`` (the first five sessions) or ``"3-8,10"`` (those, counted from 1)."""
     word = text.strip()
     if word.isdecimal() and int(word) > 0:
         return int(word)

@@ -26,20 +26,13 @@ TOP_SPEED_RAD_S = 1.0  # of the law where no side has a curve: that of a hand
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CoefficientChange:
-    """One coefficient of one joint on both sides.
+    """One coefficient of one joint on both sides."""
 
-    Attributes:
-        before: With its 95 % interval; of several recordings their random-effects mean.
-        after: Likewise.
-        freedom: Degrees of freedom of the difference (Welch-Satterthwaite).
-        single_p_value: Of this test alone; that of ``found`` is adjusted over all joints and coefficients (Holm).
-        found: Change, relative change, p value, smallest detectable change; the reference is the side before.
-    """
-
-    before: Coefficient
-    after: Coefficient
-    freedom: float
-    single_p_value: float
+    before: Coefficient  # with its 95 % interval; of several recordings their random-effects mean
+    after: Coefficient  # likewise
+    freedom: float  # degrees of freedom of the difference (Welch-Satterthwaite)
+    single_p_value: float  # of this test alone; that of ``found`` is adjusted over all joints and coefficients (Holm)
+    # change, relative change, p value, smallest detectable change; the reference is the side before
     found: CoefficientDrift
 
 
@@ -67,23 +60,14 @@ class JointChange:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class TwoSides:
-    """What changed from one side to the other.
+    """What changed from one side to the other."""
 
-    Attributes:
-        before: Recordings of the first side.
-        after: Of the second side.
-        joints: Joints that both sides have.
-        one_sided: Number of each other joint, and whether it is on the first side.
-        conditions: What differs.
-        twice: Paths of recordings that are on both sides.
-    """
-
-    before: tuple[Recording, ...]
-    after: tuple[Recording, ...]
-    joints: tuple[JointChange, ...]
-    one_sided: tuple[tuple[int, bool], ...]
-    conditions: tuple[Condition, ...]
-    twice: tuple[str, ...]
+    before: tuple[Recording, ...]  # recordings of the first side
+    after: tuple[Recording, ...]  # of the second side
+    joints: tuple[JointChange, ...]  # joints that both sides have
+    one_sided: tuple[tuple[int, bool], ...]  # number of each other joint, and whether it is on the first side
+    conditions: tuple[Condition, ...]  # what differs
+    twice: tuple[str, ...]  # paths of recordings that are on both sides
 
     @property
     def unit(self) -> str:
@@ -137,10 +121,6 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
     Args:
         before: At least one recording.
         after: Likewise.
-
-    Raises:
-        UsageError: If they are of different arms or in different units.
-        AnalysisError: If no coefficient of a joint is known on both sides.
     """
     _check_alike([*before, *after])
     numbers = [{joint.joint for one in side for joint in one.session.joints} for side in (before, after)]

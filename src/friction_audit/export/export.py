@@ -77,11 +77,7 @@ class ExportSettings:
 
 
 def choose_target(out: Path) -> Target:
-    """Return the target whose suffix a file has.
-
-    Raises:
-        UsageError: If there is none.
-    """
+    """Return the target whose suffix a file has."""
     found = next((target for target in TARGETS if out.suffix.lower() in target.suffixes), None)
     if found is None:
         known = ", ".join(f"{' or '.join(target.suffixes)} ({target.name})" for target in TARGETS)
@@ -90,12 +86,7 @@ def choose_target(out: Path) -> Target:
 
 
 def read_into(target: Target, path: Path) -> XmlText:
-    """Read the user's file that friction is written into.
-
-    Raises:
-        UsageError: If the format takes no such file.
-        InputError: If it cannot be read or is no XML.
-    """
+    """Read the user's file that friction is written into."""
     if target.joints_of is None:
         takers = ", ".join(one.suffixes[0] for one in TARGETS if one.joints_of is not None)
         raise UsageError(f"--into {path}: {target.name} makes a new file; --into is for {takers}")
@@ -124,10 +115,6 @@ def export_friction(
         into: The user's file of the robot: the output is a copy of it with the friction in its joints.
         estimate: The estimate of the log that the models come from, or None: it gives the speeds over which a curve is
             fitted, and the motion that is simulated.
-
-    Raises:
-        UsageError: If a joint is not in the source or in the user's file, or the output cannot be written.
-        AnalysisError: If no joint has friction to export.
     """
     numbers = [number for number, *_ in joints.models]
     speeds = speeds_of(estimate) if estimate else {}

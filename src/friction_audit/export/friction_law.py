@@ -93,9 +93,6 @@ def friction_law(joint: int, name: str, model: JointModel, speeds: Float, *, arm
 
     ``speeds``, shape (n,) [rad/s], are those over which it is to hold; ``armature``: the inertia of the model is the
     reflected inertia of the motor.
-
-    Raises:
-        AnalysisError: If the model has no friction that follows from the velocity, or friction below zero at a speed.
     """
     terms = tuple(term for term in model.terms if term.effect.friction and term.effect.speed_only)
     if not terms:

@@ -40,12 +40,7 @@ def result_file(source: Path) -> Path | None:
 
 
 def read_result(path: Path, arm: str | None = None) -> Joints:
-    """Read a model file, or the document of an estimate or of a batch, of which the reference of an arm is taken.
-
-    Raises:
-        InputError: If it is none of these.
-        UsageError: If it is not certain which arm of a batch is meant.
-    """
+    """Read a model file, or the document of an estimate or of a batch, of which the reference of an arm is taken."""
     is_model = path.suffix.lower() == ".toml"
     document = {} if is_model else read_document(path, ("estimate", "batch"), OTHERWISE)
     if str(document.get("schema")).startswith("friction-audit/batch/"):
@@ -90,10 +85,6 @@ def laws_of(
         speeds: Speeds by number of the joint; a joint that is not there is fitted over SPEEDS. [rad/s]
         wanted: Numbers of the joints to export, None for all.
         armature: Whether the inertia is exported.
-
-    Raises:
-        UsageError: If a joint that is wanted is not there.
-        AnalysisError: If no joint has friction to export.
     """
     asked = None if wanted is None else set(wanted)
     there = {number for number, *_ in joints.models} | {number for number, _ in joints.lacking}

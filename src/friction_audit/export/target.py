@@ -48,9 +48,6 @@ def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], w
     """Return the name of each joint in the user's file, and whether the order of the joints gave it.
 
     ``count`` is the number of joints of the source; ``found`` are those that turn, in the order of the file.
-
-    Raises:
-        UsageError: If a joint is not in the file by its name, and the file has another number of joints.
     """
     own = [law.name for law in laws]
     if all(name in found for name in own):

@@ -58,9 +58,6 @@ class XmlText:
     Args:
         text: Content of the file.
         where: The file, for the messages.
-
-    Raises:
-        InputError: If it is no XML, or in an encoding whose bytes are no characters.
     """
 
     def __init__(self, text: bytes, where: str) -> None:

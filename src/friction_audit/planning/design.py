@@ -67,9 +67,6 @@ def information_of(
     """Simulate the joint along all candidates once, and take apart what the columns of the effects say of each.
 
     One of the ``truths`` is there, by name, and the ``certain`` effects in any case.
-
-    Raises:
-        AnalysisError: If no candidate shows any effect.
     """
 
     def torque_of(terms: Iterable[FittedTerm]) -> Float:

@@ -30,11 +30,7 @@ LEAST_RANGE_RAD = 0.02  # below it no candidate motion has a certain direction f
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Limits:
-    """Limits of one joint.
-
-    Raises:
-        UsageError: If no motion keeps them.
-    """
+    """Limits of one joint."""
 
     start_rad: float  # where the motion starts and ends
     low_rad: float
@@ -77,9 +73,6 @@ def limits_of(
 
     The arm is that of a URDF, or a preset, or unknown. The range is relative to the start; speed, acceleration and jerk
     are asked for by the names of ``Limits``, None where the arm decides.
-
-    Raises:
-        UsageError: If the URDF has no such joint or no motion keeps the limits.
     """
     low, high, speed = -inf, inf, inf
     acceleration, jerk, source = (*USUAL[1:], "usual of arms")
@@ -141,11 +134,7 @@ class Candidate:
 
 
 def candidates_of(limits: Limits) -> list[Candidate]:
-    """Return the candidate excursions.
-
-    Raises:
-        UsageError: If the limits leave hardly any speed.
-    """
+    """Return the candidate excursions."""
     low, high = limits.low_rad - limits.start_rad, limits.high_rad - limits.start_rad
     fast, slowest = _stroke(high - low, np.inf, limits).speed_rad_s, limits.slowest_rad_s
     if fast < 4.0 * slowest:

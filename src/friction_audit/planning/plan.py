@@ -120,10 +120,6 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     usual size; for Coulomb and viscous friction it is D-optimal.
 
     The check simulates the motion and what `diagnose` or `estimate` would answer.
-
-    Raises:
-        AnalysisError: If the time is too short.
-        UsageError: If no motion keeps the limits.
     """
     joint, candidates = task.joint, candidates_of(limits)
     if task.purpose == "estimate":

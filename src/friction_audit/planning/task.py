@@ -99,11 +99,7 @@ class Arm(NamedTuple):
 
 
 def arm_of(robot: str, joints: int, start: Sequence[float] | None, names: Mapping[int, str]) -> Arm:
-    """Return an arm by the names of its joints that are known; it starts in the Panda's ready pose, or at zero.
-
-    Raises:
-        UsageError: If the start has another number of joints.
-    """
+    """Return an arm by the names of its joints that are known; it starts in the Panda's ready pose, or at zero."""
     preset = PRESETS.get(robot)
     usual = READY_RAD if robot in FRANKA and joints == len(READY_RAD) else (0.0,) * joints
     place = usual if start is None else tuple(map(float, start))
@@ -126,10 +122,6 @@ def tasks_of(
     """Return the arm of a document of `diagnose` or `estimate`, and what each joint needs, or those that are wanted.
 
     Where the log is there, the names of all joints are known, and the joints as they were prepared and diagnosed.
-
-    Raises:
-        InputError: If keys are missing; it names the path.
-        UsageError: If the start has another number of joints.
     """
     try:
         source, hand = document["source"], document["settings"]["torque_chosen"]["drive"] == "hand"
