@@ -272,9 +272,9 @@ def test_the_ledger_is_read_without_this_program(rig: Path, batch: Batch, tmp_pa
     result = batch(rig)
     with sqlite3.connect(tmp_path / "out" / "ledger.sqlite") as database:
         rows = database.execute("SELECT robot, start, value FROM friction WHERE coefficient = 'coulomb_nm'").fetchall()
-        curve = json.loads(database.execute("SELECT curve FROM joints").fetchone()[0])
+        content = json.loads(database.execute("SELECT content FROM sessions").fetchone()[0])
     database.close()
     assert rows == [
         ("rig", f"2026-03-{day:02d} 00:00:00", coulomb(session)) for day, session in enumerate(result.sessions, start=1)
     ]
-    assert set(curve) == {"speed_rad_s", "torque_nm", "spread_nm"}
+    assert set(content["session"]["joints"][0]["curve"]) == {"speed_rad_s", "torque_nm", "spread_nm"}

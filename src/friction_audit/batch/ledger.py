@@ -4,22 +4,51 @@ Every log is one transaction, so that a run that is killed at any moment loses n
 by side on one ledger only find each other's work done.
 """
 
+import hashlib
+import json
 import sqlite3
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from itertools import count
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
-from friction_audit.batch import ledger_rows as rows
 from friction_audit.batch.find_logs import LogFile, as_text
 from friction_audit.batch.identity import Fault, Recorded, Worked
-from friction_audit.batch.ledger_rows import APPLICATION_ID, SCHEMA_VERSION
 from friction_audit.batch.manifest import BatchSettings
-from friction_audit.drift.session import Session
+from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError
+from friction_audit.friction.history import Coefficient
 
+APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
+SCHEMA_VERSION = 4  # in user_version; raised with every change below
+# A session is kept whole as JSON, which alone is read back. The columns ``path``, ``robot`` and ``start_s`` are written
+# anew with every manifest; they and the coefficients are for people who open the file.
+TABLES = (
+    "CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
+    "CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, text TEXT NOT NULL)",
+    """CREATE TABLE IF NOT EXISTS files (
+        place TEXT PRIMARY KEY, size INTEGER NOT NULL, changed TEXT NOT NULL, sha256 TEXT NOT NULL)""",
+    "CREATE INDEX IF NOT EXISTS files_by_size ON files (size)",
+    """CREATE TABLE IF NOT EXISTS sessions (
+        id INTEGER PRIMARY KEY, sha256 TEXT NOT NULL, settings TEXT NOT NULL, topic TEXT NOT NULL, path TEXT NOT NULL,
+        robot TEXT NOT NULL, start_s REAL, content TEXT NOT NULL, digest TEXT NOT NULL,
+        UNIQUE (sha256, settings, topic))""",
+    "CREATE INDEX IF NOT EXISTS sessions_by_settings ON sessions (settings)",
+    """CREATE TABLE IF NOT EXISTS coefficients (
+        session INTEGER NOT NULL, joint INTEGER NOT NULL, coefficient TEXT NOT NULL, value REAL, low REAL, high REAL,
+        PRIMARY KEY (session, joint, coefficient)) WITHOUT ROWID""",
+    """CREATE TABLE IF NOT EXISTS failed (
+        place TEXT NOT NULL, settings TEXT NOT NULL, topic TEXT NOT NULL, sha256 TEXT NOT NULL, path TEXT NOT NULL,
+        message TEXT NOT NULL, lasting INTEGER NOT NULL, detail TEXT NOT NULL,
+        PRIMARY KEY (place, settings, topic)) WITHOUT ROWID""",
+    "CREATE INDEX IF NOT EXISTS failed_by_content ON failed (sha256, settings)",
+    """CREATE VIEW IF NOT EXISTS friction AS
+        SELECT robot, datetime(start_s, 'unixepoch') AS start, path, joint, coefficient, value, low, high
+        FROM sessions JOIN coefficients ON session = id ORDER BY robot, start_s, path, joint, coefficient""",
+)
 BUSY_S = 60.0  # to wait while another run writes
 PARTS = ("", "-wal", "-shm")  # endings of the files that a ledger consists of while it is open
 UNCLEAN = ("-wal", "-journal")  # what lies next to a ledger that is open or was not closed
@@ -37,22 +66,31 @@ class Ledger:
     def __init__(self, path: Path) -> None:
         self.path = path
         unclean = any(path.with_name(path.name + ending).exists() for ending in UNCLEAN)
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            self._database = sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)
-        except (OSError, sqlite3.Error) as error:
-            raise InputError(f"{path}: cannot be made or opened: {error}; choose another folder with -o") from error
-        self._database.row_factory = sqlite3.Row
-        # A broken row must not hide the others.
-        self._database.text_factory = lambda content: content.decode("utf-8", "surrogateescape")
+        self._open()
         try:
             with self._worded():
+                is_ledger = self._pragma("application_id") == APPLICATION_ID
+                if is_ledger and self._pragma("user_version") < SCHEMA_VERSION:
+                    # Its sessions are of older results, which are never asked for again.
+                    self._database.close()
+                    move_aside(path)
+                    self._open()
                 self._set_up()
                 if unclean:
                     self._check()
         except BaseException:
             self._database.close()
             raise
+
+    def _open(self) -> None:
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            self._database = sqlite3.connect(self.path, timeout=BUSY_S, isolation_level=None)
+        except (OSError, sqlite3.Error) as error:
+            raise InputError(f"{self.path}: cannot be opened: {error}; choose another folder with -o") from error
+        self._database.row_factory = sqlite3.Row
+        # A broken row must not hide the others.
+        self._database.text_factory = lambda content: content.decode("utf-8", "surrogateescape")
 
     def __enter__(self) -> Self:
         return self
@@ -90,16 +128,16 @@ class Ledger:
     def forget_broken(self, hashes: Iterable[str], settings: str) -> set[str]:
         """Remove the sessions whose stored content is not what was written; return the hashes of their logs."""
         broken: dict[int, str] = {}
-        for some in _in_lots(dict.fromkeys(hashes)):
-            for row, joints, coefficients in self._stored(some, settings):
-                if row["digest"] != rows.digest_of(row, joints, coefficients):
+        for some in _in_lots(hashes):
+            for row in self._stored(some, settings):
+                if row["digest"] != _digest(row["content"]):
                     broken[row["id"]] = row["sha256"]
         unreadable = "typeof(message) <> 'text' OR typeof(topic) <> 'text' OR typeof(lasting) <> 'integer'"
         if broken or self._ask(f"SELECT 1 FROM failed WHERE {unreadable}"):  # noqa: S608 - a constant
             with self._transaction():
                 self._database.execute(f"DELETE FROM failed WHERE {unreadable}")  # noqa: S608
                 for key in broken:
-                    self._forget_rows(key)
+                    self._database.execute("DELETE FROM coefficients WHERE session = ?", (key,))
                     self._database.execute("DELETE FROM sessions WHERE id = ?", (key,))
         return set(broken.values())
 
@@ -120,29 +158,19 @@ class Ledger:
     def recorded(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Recorded, ...]]:
         """Return what is known of logs, by the hash of their content; of several arms in the order of their topics."""
         found: dict[str, tuple[Recorded, ...]] = {}
-        for some in _in_lots(dict.fromkeys(hashes)):
-            for row, joints, coefficients in self._stored(some, settings):
-                of_joint: dict[int, list[sqlite3.Row]] = defaultdict(list)
-                for one in coefficients:
-                    of_joint[one["joint"]].append(one)
-                recorded = rows.recorded_from(row, joints, of_joint)
-                found[row["sha256"]] = (*found.get(row["sha256"], ()), recorded)
+        for some in _in_lots(hashes):
+            for row in self._stored(some, settings):
+                found[row["sha256"]] = (*found.get(row["sha256"], ()), _recorded(json.loads(row["content"])))
         return found
 
-    def _stored(
-        self, hashes: tuple[str, ...], settings: str
-    ) -> Iterator[tuple[sqlite3.Row, list[sqlite3.Row], list[sqlite3.Row]]]:
-        """Yield the row of each session of some logs with those of its joints and coefficients, by topic."""
-        chosen = f"FROM sessions WHERE settings = ? AND sha256 IN ({_marks(hashes)})"
-        joints = self._by_session("joints", chosen, settings, hashes)
-        coefficients = self._by_session("coefficients", chosen, settings, hashes)
-        for row in self._ask(f"SELECT * {chosen} ORDER BY topic", (settings, *hashes)):
-            yield row, joints[row["id"]], coefficients[row["id"]]
+    def _stored(self, hashes: tuple[str, ...], settings: str) -> list[sqlite3.Row]:
+        query = f"SELECT * FROM sessions WHERE settings = ? AND sha256 IN ({_marks(hashes)}) ORDER BY topic"  # noqa: S608
+        return self._ask(query, (settings, *hashes))
 
     def faults(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Fault, ...]]:
         """Return what is lastingly wrong with logs, by the hash of their content."""
         found: dict[str, dict[str, Fault]] = defaultdict(dict)
-        for some in _in_lots(dict.fromkeys(hashes)):
+        for some in _in_lots(hashes):
             query = f"SELECT * FROM failed WHERE settings = ? AND sha256 IN ({_marks(some)}) AND lasting ORDER BY topic"  # noqa: S608
             for row in self._ask(query, (settings, *some)):
                 found[row["sha256"]][row["topic"]] = Fault(message=row["message"], topic=row["topic"])
@@ -150,19 +178,15 @@ class Ledger:
 
     def name_sessions(self, named: Iterable[tuple[Session, str]], settings: str) -> None:
         """Write which arm sessions are of, and when they were, with their numbers; each with its topic."""
-        query = """UPDATE sessions SET path = :path, robot = :robot, start_s = :start_s, start_from = :start_from,
-            payload = :payload, temperature_c = :temperature_c, note = :note
-            WHERE sha256 = :sha256 AND settings = :settings AND topic = :topic AND (path, robot, start_s, start_from,
-            payload, temperature_c, note)
-            IS NOT (:path, :robot, :start_s, :start_from, :payload, :temperature_c, :note)"""
-        own = ("path", "robot", "start_s", "start_from", "temperature_c", "note", "sha256")
+        query = """UPDATE sessions SET path = :path, robot = :robot, start_s = :start
+            WHERE sha256 = :sha256 AND settings = :settings AND topic = :topic
+            AND (path, robot, start_s) IS NOT (:path, :robot, :start)"""
         values = [
-            {name: getattr(session, name) for name in own}
-            | {"payload": session.conditions.payload, "settings": settings, "topic": topic}
-            for session, topic in named
+            {"path": one.path, "robot": one.robot, "start": one.start_s, "sha256": one.sha256, "topic": topic}
+            for one, topic in named
         ]
         with self._transaction():
-            self._database.executemany(query, values)
+            self._database.executemany(query, [value | {"settings": settings} for value in values])
 
     def note(self, key: str) -> str | None:
         """Return a note about the ledger as a whole."""
@@ -190,20 +214,10 @@ class Ledger:
         if version == SCHEMA_VERSION:
             return
         with self._transaction():
-            for table in rows.TABLES:
+            for table in TABLES:
                 self._database.execute(table)
-            held = {column["name"] for column in self._ask("PRAGMA table_info(sessions)")}
-            for name, default in (("digest", "''"), ("codes", "'[]'")):
-                if name not in held:
-                    # An older schema: its sessions are of older results, which are never asked for again.
-                    self._database.execute(f"ALTER TABLE sessions ADD COLUMN {name} TEXT NOT NULL DEFAULT {default}")
-                    self._database.execute("DELETE FROM meta WHERE key = 'reported'")
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-
-    def _forget_rows(self, key: int) -> None:
-        for table in ("joints", "coefficients"):
-            self._database.execute(f"DELETE FROM {table} WHERE session = ?", (key,))  # noqa: S608 - names from here
 
     def _check(self) -> None:
         """Refuse a file in which SQLite finds faults."""
@@ -215,18 +229,17 @@ class Ledger:
         return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
 
     def _save_session(self, recorded: Recorded, settings: str) -> None:
-        cursor = self._database.execute(rows.insert("sessions"), rows.session_row(recorded, settings))
-        if cursor.rowcount == 0:
-            return  # another run was faster
-        key, joints = cursor.lastrowid, recorded.session.joints
-        assert key is not None
-        self._forget_rows(key)  # those of a session that was lost, which had this number
-        self._database.executemany(rows.insert("joints"), rows.joint_rows(key, joints))
-        self._database.executemany(rows.insert("coefficients"), rows.coefficient_rows(key, joints))
-        for row, *parts in self._stored((recorded.session.sha256,), settings):
-            if row["id"] == key:
-                digest = rows.digest_of(row, *parts)
-                self._database.execute("UPDATE sessions SET digest = ? WHERE id = ?", (digest, key))
+        session, content = recorded.session, json.dumps(asdict(recorded), default=list, ensure_ascii=False)
+        names = (session.sha256, settings, recorded.topic, session.path, session.robot, session.start_s)
+        query = "INSERT OR IGNORE INTO sessions VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?)"
+        cursor = self._database.execute(query, (*names, content, _digest(content)))
+        if cursor.rowcount:  # else another run was faster
+            rows = [
+                (cursor.lastrowid, joint.joint, name, one.value, one.low, one.high)
+                for joint in session.joints
+                for name, one in joint.coefficients.items()
+            ]
+            self._database.executemany("INSERT OR REPLACE INTO coefficients VALUES (?, ?, ?, ?, ?, ?)", rows)
 
     def _save_fault(self, log: LogFile, settings: str, sha256: str, fault: Fault) -> None:
         place, path = as_text(log.place), log.path
@@ -236,15 +249,6 @@ class Ledger:
     def _remember(self, log: LogFile, sha256: str) -> None:
         values = (as_text(log.place), log.size, log.changed, sha256)
         self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
-
-    def _by_session(
-        self, table: str, chosen: str, settings: str, hashes: tuple[str, ...]
-    ) -> Mapping[int, list[sqlite3.Row]]:
-        found: dict[int, list[sqlite3.Row]] = defaultdict(list)
-        query = f"SELECT * FROM {table} WHERE session IN (SELECT id {chosen}) ORDER BY session, joint"  # noqa: S608
-        for row in self._ask(query, (settings, *hashes)):
-            found[row["session"]].append(row)
-        return found
 
     def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> list[sqlite3.Row]:
         with self._worded():
@@ -296,6 +300,30 @@ def _marks(keys: tuple[str, ...]) -> str:
 
 
 def _in_lots(keys: Iterable[str]) -> Iterator[tuple[str, ...]]:
-    every = tuple(keys)
+    every = tuple(dict.fromkeys(keys))
     for first in range(0, len(every), AT_ONCE):
         yield every[first : first + AT_ONCE]
+
+
+def _digest(content: object) -> str:
+    """Return the hash by which a changed or damaged session is known."""
+    return hashlib.sha256(str(content).encode("utf-8", "surrogateescape")).hexdigest()
+
+
+def _recorded(held: dict[str, Any]) -> Recorded:
+    """Return what was kept, as the log says it."""
+    session = held["session"]
+    lists = {name: tuple(session[name]) for name in ("warnings", "codes")}
+    joints = tuple(_joint(one) for one in session["joints"])
+    whole = session | lists | {"joints": joints, "conditions": Conditions(**session["conditions"])}
+    return Recorded(**held | {"session": Session(**whole)})
+
+
+def _joint(held: dict[str, Any]) -> JointSummary:
+    coefficients, within = (
+        {name: Coefficient(**one) for name, one in held[key].items()} for key in ("coefficients", "within")
+    )
+    lists = {name: tuple(held[name]) for name in ("speed_rad_s", "effects")}
+    return JointSummary(
+        **held | lists | {"coefficients": coefficients, "within": within, "curve": SpeedCurve(**held["curve"])}
+    )
