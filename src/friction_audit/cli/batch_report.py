@@ -55,18 +55,15 @@ MOST_NAMED = 5  # logs that a message names; more are counted
 class SessionOptions:
     """What the sessions are."""
 
-    manifest: Annotated[
-        Path | None,
-        option(
-            SESSIONS,
-            "Table with the columns path, start, robot, temperature, payload, note; paths are relative to it. Its "
-            "logs are read too.",
-            metavar="FILE.csv",
-            exists=True,
-            dir_okay=False,
-        ),
-    ] = None
-    diagnose: Annotated[bool, option(SESSIONS, "Also diagnose each session (slow).", "--diagnose")] = False
+    manifest: Path | None = option(
+        SESSIONS,
+        "Table with the columns path, start, robot, temperature, payload, note; paths are relative to it. Its logs "
+        "are read too.",
+        metavar="FILE.csv",
+        exists=True,
+        dir_okay=False,
+    )
+    diagnose: bool = option(SESSIONS, "Also diagnose each session (slow).", "--diagnose", default=False)
     min_effect: opt.MinEffect = 0.0
 
 
@@ -74,29 +71,26 @@ class SessionOptions:
 class DriftOptions:
     """How drift is tested."""
 
-    baseline: Annotated[
-        str,
-        option(DRIFT, "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.", metavar="K|LIST"),
-    ] = "5"
-    fail_on: Annotated[list[str] | None, opt.fail_on_option("coulomb=15%", "drifted", "sessions")] = None
+    baseline: str = option(
+        DRIFT,
+        "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.",
+        default="5",
+        metavar="K|LIST",
+    )
+    fail_on: list[str] | None = opt.fail_on_option("coulomb=15%", "drifted", "sessions")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RunningOptions:
     """Where the work is done."""
 
-    workers: Annotated[
-        int | None, option(RUNNING, "Processes on this machine. Default: one per core.", metavar="N", min=1)
-    ] = None
-    scheduler: Annotated[
-        str | None,
-        option(
-            RUNNING, "Scheduler of a Dask cluster that does the work instead, e.g. tcp://host:8786.", metavar="ADDRESS"
-        ),
-    ] = None
-    rebuild: Annotated[
-        bool, option(RUNNING, "Compute everything again; the existing ledger is kept under another name.", "--rebuild")
-    ] = False
+    workers: int | None = option(RUNNING, "Processes on this machine. Default: one per core.", metavar="N", min=1)
+    scheduler: str | None = option(
+        RUNNING, "Scheduler of a Dask cluster that does the work instead, e.g. tcp://host:8786.", metavar="ADDRESS"
+    )
+    rebuild: bool = option(
+        RUNNING, "Compute everything again; the existing ledger is kept under another name.", "--rebuild", default=False
+    )
 
     def __post_init__(self) -> None:
         if self.workers is not None and self.scheduler is not None:
@@ -115,10 +109,10 @@ def command(
     logs: Annotated[
         list[str] | None, typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs.")
     ] = None,
-    folder: Annotated[Path, opt.folder_option(f"Folder of the ledger, {', '.join(RESULTS)} and the figures.")] = Path(
-        "friction-drift"
+    folder: Path = opt.folder_option(
+        f"Folder of the ledger, {', '.join(RESULTS)} and the figures.", default=Path("friction-drift")
     ),
-    formats: opt.FigureFormats = opt.PNG,
+    formats: opt.FigureFormats = ["png"],
     junit: opt.JUnit = None,
     strict: opt.Strict = False,
 ) -> None:

@@ -6,6 +6,7 @@ shell completes them.
 
 import difflib
 from collections.abc import Callable, Sequence
+from dataclasses import field
 from typing import Any
 
 import typer
@@ -26,6 +27,7 @@ DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drif
 DIFF_FIGURES = figure_names("diff")
 PLOTTED = figure_names("estimate", "replay", "diagnosis")
 ALL = "all"
+OPTION = "option"  # key of a field's metadata
 EFFECTS, IMAGE_FORMATS = registry.NAMES, figure_style.FORMATS
 EXPORTS = ("mcap", "csv", "parquet")
 
@@ -49,7 +51,20 @@ def completed_by(names: Callable[[], Sequence[str]]) -> Callable[[str], list[str
     return lambda incomplete: [name for name in names() if name.startswith(incomplete)]
 
 
-def option(
+def option(panel: str, text: str, *names: str, default: object = None, **settings: Any) -> Any:  # noqa: ANN401
+    """Return an option as the default of a parameter of a command, or of a field of a group of options.
+
+    Args:
+        panel: Its heading in the help text.
+        text: Its help.
+        names: As typed; made from the parameter's name if there are none.
+        default: Its value where it is not given.
+        settings: Of ``described``.
+    """
+    return field(default=default, metadata={OPTION: described(panel, text, *names, **settings)})
+
+
+def described(
     panel: str,
     text: str,
     *names: str,
@@ -57,16 +72,7 @@ def option(
     some_of: Sequence[str] = (),
     **settings: Any,  # noqa: ANN401 - of typer.Option
 ) -> object:
-    """Return an option under a heading of the help text.
-
-    Args:
-        panel: The heading.
-        text: Its help.
-        names: As typed; made from the parameter's name if there are none.
-        one_of: The values it accepts.
-        some_of: The values it accepts, repeated or separated by commas, each once.
-        settings: Of ``typer.Option``.
-    """
+    """Return an option for ``Annotated``; ``one_of`` its values, or ``some_of`` them, repeated or between commas."""
     known = tuple(one_of or some_of)
     if one_of:
         offer = completed_by(lambda: known)

@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
@@ -31,52 +31,41 @@ METHOD_NAMES = ("none", "sigmoid", "lugre", "disturbance_observer", "torque_regu
 class ComparisonOptions:
     """What is compared."""
 
-    arm: Annotated[
-        str,
-        option(
-            COMPARISON, "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.", one_of=ARMS
-        ),
-    ] = "joint"
-    methods: Annotated[
-        list[str],
-        option(
-            COMPARISON,
-            "Methods compared with no compensation; oracle: compensates the true friction. Default: all.",
-            "--methods",
-            some_of=METHOD_NAMES,
-        ),
-    ] = METHOD_NAMES  # type: ignore[assignment] # a dataclass takes no list
-    persons: Annotated[int, option(COMPARISON, "Simulated persons.", metavar="INT", min=2, max=1000)] = 20
-    margin_persons: Annotated[
-        int | None,
-        option(
-            COMPARISON,
-            "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for "
-            "the arm; 0: no margin.",
-            metavar="INT",
-            min=0,
-            max=1000,
-        ),
-    ] = None
-    duration: Annotated[
-        float | None,
-        option(
-            COMPARISON,
-            "Duration of a trial. Default: 40 s for the joint, 30 s for the arm.",
-            metavar="SECONDS",
-            min=1.0,
-        ),
-    ] = None
+    arm: str = option(
+        COMPARISON,
+        "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.",
+        default="joint",
+        one_of=ARMS,
+    )
+    methods: list[str] = option(
+        COMPARISON,
+        "Methods compared with no compensation; oracle: compensates the true friction. Default: all.",
+        "--methods",
+        default=METHOD_NAMES,
+        some_of=METHOD_NAMES,
+    )
+    persons: int = option(COMPARISON, "Simulated persons.", default=20, metavar="INT", min=2, max=1000)
+    margin_persons: int | None = option(
+        COMPARISON,
+        "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for the "
+        "arm; 0: no margin.",
+        metavar="INT",
+        min=0,
+        max=1000,
+    )
+    duration: float | None = option(
+        COMPARISON, "Duration of a trial. Default: 40 s for the joint, 30 s for the arm.", metavar="SECONDS", min=1.0
+    )
 
 
 def command(
     comparison: ComparisonOptions,
     change: opt.ChangeOptions,
     general: opt.GeneralOptions,
-    figures: Annotated[list[str], opt.figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    formats: opt.FigureFormats = opt.PNG,
-    style: Annotated[str, opt.style_option(GENERAL)] = "sans",  # noqa: ARG001 - its callback acts on it
-    folder: opt.FigureFolder = Path("compared"),
+    figures: list[str] = opt.figures_option(FIGURES),
+    formats: opt.FigureFormats = ["png"],
+    style: str = opt.style_option(GENERAL),  # noqa: ARG001 - its callback acts on it
+    folder: Path = opt.folder_option("Folder of the figures.", Path("compared")),
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Compare compensation methods in simulation (two logs: diff)."""

@@ -5,8 +5,9 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, TextIO
 
 import typer
@@ -88,12 +89,11 @@ class Voice:
 
         Yield what takes the share of it that is done, None where it is not shown.
         """
-        shown: AbstractContextManager[Report | None]
-        if self.course is not None:
-            shown = self.course.stage(printable(name))
-        else:
-            shown = _bar(name) if self._watched else nullcontext()
-        with self._timed(name), shown as report:
+        if self.course is None and self._watched:
+            with _course([1.0]) as course, replace(self, course=course).step(name) as report:
+                yield report
+            return
+        with self._timed(name), self.course.stage(name) if self.course else nullcontext() as report:
             yield report
 
     @contextmanager
@@ -112,8 +112,8 @@ class Voice:
     @contextmanager
     def count(self, name: str) -> Iterator[Count | None]:
         """Show how many pieces of work are done and how long the others will take; yield what takes the counts."""
-        with self._timed(name), _counter(name) if self._watched else nullcontext() as report:
-            yield report
+        with self._timed(name), _course([1.0]) if self._watched else nullcontext() as course:
+            yield course and partial(course.count, name)
 
     @property
     def _watched(self) -> bool:
@@ -127,26 +127,6 @@ class Voice:
             remark(f"{name}: {time.perf_counter() - begin:.2f} s")
 
 
-def _new_bar(*columns: str | type) -> "Progress":
-    """Return a bar on standard error that vanishes when it is done; columns are texts or classes of rich."""
-    from rich.console import Console
-    from rich.progress import Progress, TextColumn
-
-    made = [TextColumn(one, markup=False) if isinstance(one, str) else one() for one in columns]
-    return Progress(*made, console=Console(stderr=True), transient=True, speed_estimate_period=120.0)
-
-
-@contextmanager
-def _bar(name: str) -> Iterator[Report]:
-    """Show a bar: in motion while nothing is known, then up to where the work is."""
-    from rich.progress import BarColumn, TaskProgressColumn
-
-    bar = _new_bar("{task.description} ...", BarColumn, TaskProgressColumn)
-    task = bar.add_task(printable(name), total=None)
-    with _late(bar):
-        yield lambda share: bar.update(task, total=1.0, completed=share)
-
-
 class Course:
     """Stages on the way to a result, on one bar."""
 
@@ -158,54 +138,45 @@ class Course:
     def stage(self, name: str) -> Iterator[Report]:
         """Name the stage that is under way; yield what takes the share of it that is done."""
         length = next(self._lengths, 0.0)
-        self._bar.update(self._task, description=name)
+        self._reach(self._done, f"{printable(name)} ...")
         yield lambda share: self._reach(self._done + share * length)
         self._done += length
         self._reach(self._done)
 
-    def _reach(self, done: float) -> None:
+    def count(self, name: str, done: int, total: int, failed: int) -> None:
+        """Show how many pieces of the work are done and failed."""
+        failures = f", {failed} failed" if failed else ""
+        self._reach(done / total if total else 0.0, f"{printable(name)} ... {done}/{total}{failures}")
+
+    def _reach(self, done: float, description: str | None = None) -> None:
         """Move the bar on; the work will end when the rest has taken as long as what is done, length for length."""
         task = self._bar.tasks[self._task]
-        self._bar.update(self._task, completed=done, end_s=(task.elapsed or 0.0) * (task.total or 0.0) / (done or 1.0))
+        end_s = (task.elapsed or 0.0) * (task.total or 0.0) / (done or 1.0)
+        self._bar.update(self._task, completed=done, end_s=end_s, description=description)
 
 
 @contextmanager
 def _course(lengths: Sequence[float]) -> Iterator[Course]:
-    from rich.progress import BarColumn, ProgressColumn, SpinnerColumn, Task, TaskProgressColumn, TimeElapsedColumn
+    """Show a bar on standard error as soon as the work takes long; it vanishes when it is done."""
+    from rich import progress
+    from rich.console import Console
     from rich.text import Text
 
-    class TimeLeft(ProgressColumn):
-        def render(self, task: Task) -> Text:
+    class TimeLeft(progress.ProgressColumn):
+        def render(self, task: progress.Task) -> Text:
             left = task.fields["end_s"] - (task.elapsed or 0.0)
             return Text(f"about {left:.0f} s left" if left >= 1.0 else "")
 
-    bar = _new_bar(SpinnerColumn, "{task.description} ...", BarColumn, TaskProgressColumn, TimeElapsedColumn, TimeLeft)
-    with _late(bar):
-        yield Course(bar, lengths)
-
-
-@contextmanager
-def _counter(name: str) -> Iterator[Count]:
-    from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
-
-    failures = "{task.fields[failed]}"
-    bar = _new_bar("{task.description} ...", BarColumn, MofNCompleteColumn, failures, TimeRemainingColumn)
-    task = bar.add_task(printable(name), total=None, failed="")
-    with _late(bar):
-        yield lambda done, total, failed: bar.update(
-            task, total=total, completed=done, failed=f"{failed} failed" if failed else ""
-        )
-
-
-@contextmanager
-def _late(display: "Progress") -> Iterator[None]:
-    """Start a display as soon as the work takes long."""
-    timer = threading.Timer(PATIENCE_S, display.start)
+    columns = (progress.BarColumn, progress.TaskProgressColumn, progress.TimeElapsedColumn, TimeLeft)
+    name = progress.TextColumn("{task.description}", markup=False)
+    made = (progress.SpinnerColumn(), name, *(column() for column in columns))
+    bar = progress.Progress(*made, console=Console(stderr=True), transient=True)
+    timer = threading.Timer(PATIENCE_S, bar.start)
     timer.daemon = True
     timer.start()
     try:
-        yield
+        yield Course(bar, lengths)
     finally:
         timer.cancel()
         timer.join()
-        display.stop()
+        bar.stop()

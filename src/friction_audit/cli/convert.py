@@ -39,12 +39,12 @@ def command(
     selection: opt.SelectionOptions,
     reading: opt.ReadingOptions,
     general: opt.GeneralOptions,
-    dialect: Annotated[
-        str | None, opt.dialect_option(OUTPUT, "One of --list-dialects. Default: the first one with OUT's suffix.")
-    ] = None,
-    list_dialects: Annotated[  # noqa: ARG001 - its callback acts on it
-        bool, option(OUTPUT, "List the dialects and stop.", "--list-dialects", callback=_list_dialects, is_eager=True)
-    ] = False,
+    dialect: str | None = opt.dialect_option(
+        OUTPUT, "One of --list-dialects. Default: the first one with OUT's suffix."
+    ),
+    list_dialects: bool = option(  # noqa: ARG001 - its callback acts on it
+        OUTPUT, "List the dialects and stop.", "--list-dialects", default=False, callback=_list_dialects, is_eager=True
+    ),
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Convert a log to Parquet, CSV, MCAP, NumPy or a ROS bag."""

@@ -3,7 +3,7 @@
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
@@ -41,30 +41,28 @@ LOADED = (
 class DiagnosisOptions:
     """What is asked of a diagnosis."""
 
-    candidates: Annotated[
-        list[str], option(DIAGNOSIS, "Effects to consider. Default: all.", some_of=choices.EFFECTS, metavar="NAME,...")
-    ] = ()  # type: ignore[assignment] # a dataclass takes no list
+    candidates: list[str] = option(
+        DIAGNOSIS, "Effects to consider. Default: all.", default=(), some_of=choices.EFFECTS, metavar="NAME,..."
+    )
     min_effect: opt.MinEffect = 0.0
-    seed: Annotated[
-        int,
-        option(DIAGNOSIS, "Seed of the screening test; no effect and no verdict depends on it.", metavar="INT", min=0),
-    ] = 0
-    at_most: Annotated[
-        float,
-        option(
-            DIAGNOSIS,
-            "Of a longer log the part is diagnosed in which the friction is determined best [min].",
-            metavar="MINUTES",
-        ),
-    ] = 10.0
-    joint_model: Annotated[
-        Path | None,
-        opt.joint_model_option(
-            DIAGNOSIS,
-            "Nominal model of the joints, e.g. model.toml of an earlier diagnosis. "
-            "Default: inertia, Coulomb and viscous friction.",
-        ),
-    ] = None
+    seed: int = option(
+        DIAGNOSIS,
+        "Seed of the screening test; no effect and no verdict depends on it.",
+        default=0,
+        metavar="INT",
+        min=0,
+    )
+    at_most: float = option(
+        DIAGNOSIS,
+        "Of a longer log the part is diagnosed in which the friction is determined best [min].",
+        default=10.0,
+        metavar="MINUTES",
+    )
+    joint_model: Path | None = opt.joint_model_option(
+        DIAGNOSIS,
+        "Nominal model of the joints, e.g. model.toml of an earlier diagnosis. Default: inertia, Coulomb and "
+        "viscous friction.",
+    )
 
 
 def command(
@@ -72,11 +70,11 @@ def command(
     options: DiagnosisOptions,
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
-    folder: Annotated[
-        Path | None, opt.folder_option(f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR.")
-    ] = None,
-    figures: Annotated[list[str], opt.figures_option(choices.DIAGNOSIS_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
-    export: opt.Exports = opt.NO_EXPORT,
+    folder: Path | None = opt.folder_option(
+        f"Also write {DOCUMENT}, the augmented model {MODEL} and the figures to DIR."
+    ),
+    figures: list[str] = opt.figures_option(choices.DIAGNOSIS_FIGURES),
+    export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:
     """Name the effects that the model of each joint misses."""

@@ -37,9 +37,9 @@ def command(
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
     drawing: opt.FigureOptions,
-    folder: Annotated[Path | None, opt.folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR.")] = None,
-    figures: Annotated[list[str], opt.figures_option(choices.DIFF_FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    fail_on: Annotated[list[str] | None, opt.fail_on_option("coulomb=10%", "changed", "recordings")] = None,
+    folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {TABLE} and the figures to DIR."),
+    figures: list[str] = opt.figures_option(choices.DIFF_FIGURES),
+    fail_on: list[str] | None = opt.fail_on_option("coulomb=10%", "changed", "recordings"),
     junit: opt.JUnit = None,
     strict: opt.Strict = False,
 ) -> None:

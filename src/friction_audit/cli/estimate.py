@@ -1,7 +1,6 @@
 """``friction-audit estimate``."""
 
 from pathlib import Path
-from typing import Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
@@ -23,11 +22,9 @@ def command(
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
-    folder: Annotated[
-        Path | None, opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")
-    ] = None,
-    figures: Annotated[list[str], opt.figures_option(choices.FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
-    export: opt.Exports = opt.NO_EXPORT,
+    folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR."),
+    figures: list[str] = opt.figures_option(choices.FIGURES),
+    export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:
     """Estimate friction per joint over time, with 95 % intervals."""

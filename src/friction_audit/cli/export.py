@@ -29,35 +29,26 @@ EXAMPLES = """Examples:
 class ExportOptions:
     """How friction is written."""
 
-    arm: Annotated[
-        str | None, option(OUTPUT, "Arm of a batch whose reference is exported. Default: the only one.", metavar="NAME")
-    ] = None
-    into: Annotated[
-        Path | None,
-        option(
-            OUTPUT,
-            "URDF, MJCF or SDF of the robot: OUT is a copy of it with the friction in its joints.",
-            metavar="FILE",
-            exists=True,
-            dir_okay=False,
-        ),
-    ] = None
-    speeds: Annotated[
-        str | None,
-        option(
-            OUTPUT,
-            "Speeds [rad/s] over which the file is to hold. Default: those of the log; without one 0.01,1.",
-            metavar="LOW,HIGH",
-        ),
-    ] = None
-    armature: Annotated[
-        bool | None,
-        option(
-            OUTPUT,
-            "Write the inertia as armature. Default: where it is without that of the links.",
-            "--armature/--no-armature",
-        ),
-    ] = None
+    arm: str | None = option(
+        OUTPUT, "Arm of a batch whose reference is exported. Default: the only one.", metavar="NAME"
+    )
+    into: Path | None = option(
+        OUTPUT,
+        "URDF, MJCF or SDF of the robot: OUT is a copy of it with the friction in its joints.",
+        metavar="FILE",
+        exists=True,
+        dir_okay=False,
+    )
+    speeds: str | None = option(
+        OUTPUT,
+        "Speeds [rad/s] over which the file is to hold. Default: those of the log; without one 0.01,1.",
+        metavar="LOW,HIGH",
+    )
+    armature: bool | None = option(
+        OUTPUT,
+        "Write the inertia as armature. Default: where it is without that of the links.",
+        "--armature/--no-armature",
+    )
 
 
 def command(

@@ -4,14 +4,14 @@ import inspect
 import json
 import shlex
 from collections.abc import Callable, Collection
-from dataclasses import fields, is_dataclass
+from dataclasses import Field, fields, is_dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand
 
-from friction_audit.cli.choices import near_misses
+from friction_audit.cli.choices import OPTION, near_misses
 from friction_audit.cli.console import say
 from friction_audit.errors import UsageError, printable, shortened
 from friction_audit.io.files import read_toml
@@ -50,17 +50,7 @@ HEADINGS: dict[str, Collection[str] | None] = {
 }
 """Headings of the help in their order -> the commands whose ``--help`` shows them, None: every one that has options
 there; ``--help-all`` shows all."""
-RENAMED = {
-    ("diagnose", "--model"): "--joint-model",
-    ("simulate", "--model"): "--joint-model",
-    ("plot", "--kind"): "--figures",
-    ("replay", "--fixed"): "--coefficients",
-    ("replay", "--window"): "--compensator-window",
-    ("replay", "--model"): "--compensator-model",
-    ("compare", "--margin-seeds"): "--margin-persons",
-    **{(command, "--seeds"): "--persons" for command in ("compare", "reproduce")},
-    **{(command, "--format"): "--figure-format" for command in ("plot", "compare", "reproduce")},
-}
+RENAMED = {("plot", "--kind"): "--figures", ("plot", "--format"): "--figure-format"}  # since version 0.1
 
 
 class GroupedCommand(TyperCommand):
@@ -105,8 +95,7 @@ def show_every_option(context: typer.Context, wanted: bool) -> None:
 def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
     """Return the command as Typer wants it: every dataclass parameter replaced by its fields, --dump-config served.
 
-    A field carries its option as ``Annotated[type, typer.Option(...)]`` and its default as the field's default; a field
-    that is a dataclass itself is a group within the group.
+    A field that is a dataclass itself is a group within the group.
     """
     parameters = [p for p in inspect.signature(command).parameters.values() if p.name != CONTEXT]
     groups = {p.name: p.annotation for p in parameters if is_dataclass(p.annotation)}
@@ -136,13 +125,19 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
 def _fields(group: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass
     found: list[inspect.Parameter] = []
     for f in fields(group):
-        one = inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
-        found += _fields(f.type) if is_dataclass(f.type) else [one]
+        one = inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f, annotation=f.type)
+        found += _fields(f.type) if is_dataclass(f.type) else [_keyword(one)]
     return found
 
 
 def _keyword(parameter: inspect.Parameter) -> inspect.Parameter:
-    return parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY)
+    """Return a parameter as Typer wants it; the default may be a field with its option."""
+    default, annotation = parameter.default, parameter.annotation
+    if isinstance(default, Field):
+        if OPTION in default.metadata:
+            annotation = Annotated[annotation, default.metadata[OPTION]]
+        default = default.default
+    return parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
 def _fill(group: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - a dataclass

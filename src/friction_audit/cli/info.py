@@ -36,9 +36,9 @@ def command(
     torque: opt.TorqueOptions,
     cycles: opt.CycleOptions,
     general: opt.GeneralOptions,
-    full: Annotated[
-        bool, option(READING, f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", "--full")
-    ] = False,
+    full: bool = option(
+        READING, f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", "--full", default=False
+    ),
 ) -> None:
     """Summarise logs: format, channels, clock, joints, cycles."""
     voice = general.voice

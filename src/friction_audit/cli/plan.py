@@ -31,26 +31,25 @@ DOCUMENT, TRAJECTORY = "plan.json", "trajectory"
 class MotionOptions:
     """What the motion may be."""
 
-    duration: Annotated[float, option(MOTION, "Length of the motion of a joint.", metavar="SECONDS")] = 120.0
-    range_: Annotated[
-        str | None, option(MOTION, "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.",
-                           "--range", metavar="LOW,HIGH")
-    ] = None  # fmt: skip
-    speed: Annotated[
-        float | None, option(MOTION, "Highest speed. Default: that of the arm, or of a hand.", metavar="RAD_S")
-    ] = None
-    acceleration: Annotated[
-        float | None, option(MOTION, "Highest acceleration. Default: likewise.", metavar="RAD_S2")
-    ] = None
-    jerk: Annotated[float | None, option(MOTION, "Highest jerk. Default: likewise.", metavar="RAD_S3")] = None
-    start: Annotated[
-        str | None, option(MOTION, "Pose at the start [rad]. Default: the log's median pose; without one the Panda's "
-                           "ready pose.", metavar="Q1,Q2,...")
-    ] = None  # fmt: skip
-    check: Annotated[
-        bool, option(MOTION, "Simulate the motion and what diagnose would answer.", "--check/--no-check")
-    ] = True
-    trajectory_rate: Annotated[float, option(GENERAL, "Points of the trajectory per second.", metavar="HZ")] = 100.0
+    duration: float = option(MOTION, "Length of the motion of a joint.", default=120.0, metavar="SECONDS")
+    range_: str | None = option(
+        MOTION,
+        "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.",
+        "--range",
+        metavar="LOW,HIGH",
+    )
+    speed: float | None = option(MOTION, "Highest speed. Default: that of the arm, or of a hand.", metavar="RAD_S")
+    acceleration: float | None = option(MOTION, "Highest acceleration. Default: likewise.", metavar="RAD_S2")
+    jerk: float | None = option(MOTION, "Highest jerk. Default: likewise.", metavar="RAD_S3")
+    start: str | None = option(
+        MOTION,
+        "Pose at the start [rad]. Default: the log's median pose; without one the Panda's ready pose.",
+        metavar="Q1,Q2,...",
+    )
+    check: bool = option(
+        MOTION, "Simulate the motion and what diagnose would answer.", "--check/--no-check", default=True
+    )
+    trajectory_rate: float = option(GENERAL, "Points of the trajectory per second.", default=100.0, metavar="HZ")
 
 
 def command(
@@ -59,9 +58,7 @@ def command(
     source: Annotated[
         Path | None, typer.Argument(metavar="[SOURCE]", help="A log, a diagnose.json or an estimate.json.")
     ] = None,
-    folder: Annotated[
-        Path | None, opt.folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR.")
-    ] = None,
+    folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {TRAJECTORY}.csv and {TRAJECTORY}.mcap to DIR."),
 ) -> None:
     """Plan the motion that separates ambiguous effects."""
     from friction_audit.io.writers.topics import write_csv, write_mcap

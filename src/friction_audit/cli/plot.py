@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
@@ -24,8 +24,8 @@ def command(
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
-    figures: Annotated[list[str], opt.figures_option(choices.PLOTTED)] = ["velocity-torque"],  # noqa: B006 - Typer copies it
-    folder: opt.FigureFolder = Path("figures"),
+    figures: list[str] = opt.figures_option(choices.PLOTTED, default="velocity-torque"),
+    folder: Path = opt.folder_option("Folder of the figures.", Path("figures")),
     min_effect: opt.MinEffect = 0.0,
     strict: opt.Strict = False,
 ) -> None:

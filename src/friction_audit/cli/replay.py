@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
@@ -36,88 +36,64 @@ MOMENTS = ("friction_step", "torque_drift")  # effects that hold for moments of 
 class ReplayOptions:
     """Compensator that is replayed, and what is assumed of the person."""
 
-    assume: Annotated[
-        str, option(REPLAY, "Assumption about the person: what stays as recorded.", one_of=choices.ASSUMPTIONS)
-    ] = "same-motion"
-    compensator: Annotated[
-        str,
-        option(
-            REPLAY,
-            "energy: energy-based, as published; fixed: the coefficients of this log; model: the friction of "
-            "--joint-model; others: baseline compensators.",
-            one_of=choices.COMPENSATORS,
-        ),
-    ] = "energy"
-    joint_model: Annotated[
-        Path | None,
-        opt.joint_model_option(
-            REPLAY,
-            "Joint model, e.g. model.toml of a diagnosis; it replaces the joint fitted to the log in same-torque and "
-            "same-operator, and is what --compensator model compensates.",
-        ),
-    ] = None
-    factor: Annotated[float, option(REPLAY, "Scale factor on the estimated friction.", metavar="FACTOR")] = 1.0
-    model: Annotated[
-        str | None,
-        option(
-            TUNING, "Friction model of the energy compensator. Default: combined.", "--compensator-model", one_of=MODELS
-        ),
-    ] = None
-    window: Annotated[
-        int | None,
-        option(
-            TUNING,
-            "Cycles per estimate of the energy compensator. Default: 4 (2 with one coefficient); paper: 2.",
-            "--compensator-window",
-            metavar="K",
-        ),
-    ] = None
-    coefficients: Annotated[
-        str | None,
-        option(
-            TUNING,
-            "Constant coefficients of the energy compensator in place of its estimate [N m, N m s/rad].",
-            metavar="coulomb=NM,viscous=NMS",
-        ),
-    ] = None
-    no_passivity: Annotated[bool, option(TUNING, "No passivity controller.", "--no-passivity")] = False
-    max_damping: Annotated[
-        float | None,
-        option(TUNING, "Maximum damping of the passivity controller [N m s/rad]. Default: 5.", metavar="NMS"),
-    ] = None
-    max_torque: Annotated[
-        float | None,
-        option(TUNING, "Maximum compensator torque [N m]. Default: Panda joint torque limits, or none.", metavar="NM"),
-    ] = None
-    max_rate: Annotated[
-        float | None, option(TUNING, "Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S")
-    ] = None
-    observer_gain: Annotated[
-        float | None, option(TUNING, "Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
-    ] = None
-    motor_inertia: Annotated[
-        float | None,
-        option(
-            TUNING,
-            "Motor inertia of disturbance_observer and torque_regulation [kg m^2]. Default: fitted to the log.",
-            metavar="KG_M2",
-        ),
-    ] = None
-    desired_inertia: Annotated[
-        float | None,
-        option(
-            TUNING, "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.", metavar="KG_M2"
-        ),
-    ] = None
-    operator: Annotated[
-        str | None,
-        option(
-            TUNING,
-            "Person's impedance at the joint with --assume same-operator [kg m^2, N m s/rad, N m/rad]. Default: "
-            "fitted to the log.",
-            metavar="MASS,DAMPING,STIFFNESS",
-        ),
-    ] = None
+    assume: str = option(
+        REPLAY,
+        "Assumption about the person: what stays as recorded.",
+        default="same-motion",
+        one_of=choices.ASSUMPTIONS,
+    )
+    compensator: str = option(
+        REPLAY,
+        "energy: energy-based, as published; fixed: the coefficients of this log; model: the friction of "
+        "--joint-model; others: baseline compensators.",
+        default="energy",
+        one_of=choices.COMPENSATORS,
+    )
+    joint_model: Path | None = opt.joint_model_option(
+        REPLAY,
+        "Joint model, e.g. model.toml of a diagnosis; it replaces the joint fitted to the log in same-torque and "
+        "same-operator, and is what --compensator model compensates.",
+    )
+    factor: float = option(REPLAY, "Scale factor on the estimated friction.", default=1.0, metavar="FACTOR")
+    model: str | None = option(
+        TUNING, "Friction model of the energy compensator. Default: combined.", "--compensator-model", one_of=MODELS
+    )
+    window: int | None = option(
+        TUNING,
+        "Cycles per estimate of the energy compensator. Default: 4 (2 with one coefficient); paper: 2.",
+        "--compensator-window",
+        metavar="K",
+    )
+    coefficients: str | None = option(
+        TUNING,
+        "Constant coefficients of the energy compensator in place of its estimate [N m, N m s/rad].",
+        metavar="coulomb=NM,viscous=NMS",
+    )
+    no_passivity: bool = option(TUNING, "No passivity controller.", "--no-passivity", default=False)
+    max_damping: float | None = option(
+        TUNING, "Maximum damping of the passivity controller [N m s/rad]. Default: 5.", metavar="NMS"
+    )
+    max_torque: float | None = option(
+        TUNING, "Maximum compensator torque [N m]. Default: Panda joint torque limits, or none.", metavar="NM"
+    )
+    max_rate: float | None = option(
+        TUNING, "Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S"
+    )
+    observer_gain: float | None = option(TUNING, "Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
+    motor_inertia: float | None = option(
+        TUNING,
+        "Motor inertia of disturbance_observer and torque_regulation [kg m^2]. Default: fitted to the log.",
+        metavar="KG_M2",
+    )
+    desired_inertia: float | None = option(
+        TUNING, "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.", metavar="KG_M2"
+    )
+    operator: str | None = option(
+        TUNING,
+        "Person's impedance at the joint with --assume same-operator [kg m^2, N m s/rad, N m/rad]. Default: fitted "
+        "to the log.",
+        metavar="MASS,DAMPING,STIFFNESS",
+    )
 
     def __post_init__(self) -> None:
         """Refuse options that contradict each other, before any log is read."""
@@ -148,11 +124,9 @@ def command(
     options: ReplayOptions,
     shared: opt.LogOptions,
     drawn: opt.FigureOptions,
-    folder: Annotated[
-        Path | None, opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR.")
-    ] = None,
-    figures: Annotated[list[str], opt.figures_option(choices.REPLAY_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
-    export: opt.Exports = opt.NO_EXPORT,
+    folder: Path | None = opt.folder_option(f"Also write {DOCUMENT}, {HISTORY} and the figures to DIR."),
+    figures: list[str] = opt.figures_option(choices.REPLAY_FIGURES),
+    export: opt.Exports = [],
     strict: opt.Strict = False,
 ) -> None:
     """Replay a friction compensator with passivity controller."""

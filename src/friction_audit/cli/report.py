@@ -4,7 +4,6 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
@@ -38,19 +37,16 @@ NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config", "strict")
 class ReportOptions:
     """What the report holds."""
 
-    formats: Annotated[
-        list[str], option(OUTPUT, "Formats of the report. Default: html.", "--format", some_of=FORMATS)
-    ] = ()  # type: ignore[assignment] # a dataclass takes no list
-    sections: Annotated[
-        list[str],
-        option(
-            OUTPUT,
-            "Sections of the report; repeatable, or separated by commas. Without diagnosis it takes seconds. Default: "
-            "all.",
-            "--sections",
-            some_of=SECTIONS,
-        ),
-    ] = ()  # type: ignore[assignment] # a dataclass takes no list
+    formats: list[str] = option(
+        OUTPUT, "Formats of the report. Default: html.", "--format", default=(), some_of=FORMATS
+    )
+    sections: list[str] = option(
+        OUTPUT,
+        "Sections of the report; repeatable, or separated by commas. Without diagnosis it takes seconds. Default: all.",
+        "--sections",
+        default=(),
+        some_of=SECTIONS,
+    )
     min_effect: opt.MinEffect = 0.0
     strict: opt.Strict = False
 
@@ -61,14 +57,11 @@ def command(
     wanted: ReportOptions,
     friction: opt.EstimateOptions,
     shared: opt.LogOptions,
-    folder: Annotated[
-        Path | None,
-        opt.folder_option(
-            "Folder of the report, a file named after the log, e.g. run.report.html. Default: the current folder; "
-            "with --json alone no file is written."
-        ),
-    ] = None,
-    export: opt.Exports = opt.NO_EXPORT,
+    folder: Path | None = opt.folder_option(
+        "Folder of the report, a file named after the log, e.g. run.report.html. Default: the current folder; with "
+        "--json alone no file is written."
+    ),
+    export: opt.Exports = [],
 ) -> None:
     """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice

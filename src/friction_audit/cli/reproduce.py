@@ -2,7 +2,7 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
@@ -26,20 +26,22 @@ PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 def command(
     drawing: opt.FigureOptions,
     general: opt.GeneralOptions,
-    figures: Annotated[
-        list[str], option(SIMULATION, "Figures of the paper to draw. Default: all.", "--figures", some_of=PAPER_FIGURES)
-    ] = list(PAPER_FIGURES),  # noqa: B006 - Typer copies it
-    persons: Annotated[
-        int,
-        option(
-            SIMULATION,
-            "Simulated persons where a person moves the joint, at most 5 for the whole arm.",
-            metavar="INT",
-            min=1,
-            max=1000,
-        ),
-    ] = 20,
-    folder: opt.FigureFolder = Path("reproduced"),
+    figures: list[str] = option(
+        SIMULATION,
+        "Figures of the paper to draw. Default: all.",
+        "--figures",
+        default=PAPER_FIGURES,
+        some_of=PAPER_FIGURES,
+    ),
+    persons: int = option(
+        SIMULATION,
+        "Simulated persons where a person moves the joint, at most 5 for the whole arm.",
+        default=20,
+        metavar="INT",
+        min=1,
+        max=1000,
+    ),
+    folder: Path = opt.folder_option("Folder of the figures.", Path("reproduced")),
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate the paper's figures and measure its claims."""

@@ -43,37 +43,31 @@ def _finite(value: float | None) -> float | None:
 class SimulationOptions:
     """What is simulated."""
 
-    seed: Annotated[
-        int, option(SIMULATION, "Seed; the same seed gives the same log, bit for bit.", metavar="INT", min=0)
-    ] = 0
-    duration: Annotated[
-        float | None,
-        option(SIMULATION, "Duration of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite),
-    ] = None
-    rate: Annotated[
-        float | None, option(SIMULATION, "Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite)
-    ] = None
-    joint_model: Annotated[
-        Path | None,
-        option(
-            SIMULATION,
-            "Joint model that replaces the scenario's joints, e.g. model.toml of a diagnosis; --set and --effect apply "
-            "to it.",
-            metavar="FILE.toml",
-        ),
-    ] = None
+    seed: int = option(
+        SIMULATION, "Seed; the same seed gives the same log, bit for bit.", default=0, metavar="INT", min=0
+    )
+    duration: float | None = option(
+        SIMULATION, "Duration of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite
+    )
+    rate: float | None = option(SIMULATION, "Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite)
+    joint_model: Path | None = option(
+        SIMULATION,
+        "Joint model that replaces the scenario's joints, e.g. model.toml of a diagnosis; --set and --effect apply "
+        "to it.",
+        metavar="FILE.toml",
+    )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ListOptions:
     """What is listed instead."""
 
-    scenarios: Annotated[
-        bool, option(SIMULATION, "List the scenarios, or the settings of SCENARIO, and stop.", "--list")
-    ] = False
-    effects_there_are: Annotated[
-        bool, option(SIMULATION, "List the effects with their parameters and stop.", "--list-effects")
-    ] = False
+    scenarios: bool = option(
+        SIMULATION, "List the scenarios, or the settings of SCENARIO, and stop.", "--list", default=False
+    )
+    effects_there_are: bool = option(
+        SIMULATION, "List the effects with their parameters and stop.", "--list-effects", default=False
+    )
 
 
 def command(
@@ -88,16 +82,11 @@ def command(
     change: opt.ChangeOptions,
     lists: ListOptions,
     general: opt.GeneralOptions,
-    out: Annotated[
-        Path | None, option(OUTPUT, "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE")
-    ] = None,
-    dialect: Annotated[
-        str | None,
-        opt.dialect_option(GENERAL, "One of convert --list-dialects. Default: the first one with FILE's suffix."),
-    ] = None,
-    truth: Annotated[
-        Path | None, option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json")
-    ] = None,
+    out: Path | None = option(OUTPUT, "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE"),
+    dialect: str | None = opt.dialect_option(
+        GENERAL, "One of convert --list-dialects. Default: the first one with FILE's suffix."
+    ),
+    truth: Path | None = option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json"),
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate a log whose friction and effects are known."""
