@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from friction_audit import parallel
 from friction_audit.cli import outputs
 from friction_audit.cli.console import Voice
-from friction_audit.cli.outputs import FigureFile, write_figures
+from friction_audit.cli.outputs import FigureFile, ResultFolder
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.reporting.figures.style import figure_style
 
@@ -41,9 +41,8 @@ def drawn_by(
         patch.setattr(parallel, "workers_for", lambda _: workers)
         patch.setattr(outputs, "FIGURES", known)
         voice = Voice(quiet=False, verbose=verbose)
-        return write_figures(
-            {"any": 0}, kinds, (2, 5), folder, FORMATS, overwrite=False, voice=voice, unit="N m", each_joint=True
-        )
+        out = ResultFolder(folder=folder, figures=kinds, formats=FORMATS, overwrite=False)
+        return out.write_figures({"any": 0}, (2, 5), "N m", voice, each_joint=True)
 
 
 def test_copies_write_the_same_files_in_the_same_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

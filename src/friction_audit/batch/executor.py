@@ -4,16 +4,16 @@ import os
 import platform
 import signal
 import warnings
-from collections.abc import Callable, Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures import Executor as Pool
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from itertools import islice
-from multiprocessing.process import BaseProcess
 from typing import Any, Protocol, Self, TypeVar
 
 from friction_audit import __version__
@@ -52,6 +52,22 @@ class Executor(Protocol):
         ...
 
 
+def feed(
+    submit: "Callable[[Asked], Future[Done]]", room: Callable[[], int], tasks: Iterable[Asked]
+) -> "Generator[tuple[Asked, Future[Done]]]":
+    """Yield each task with its future when that is done; there is room for so many tasks at a time."""
+    waiting, pending = iter(tasks), dict["Future[Done]", Asked]()
+
+    def take() -> None:
+        pending.update((submit(task), task) for task in islice(waiting, max(room() - len(pending), 0)))
+
+    take()
+    while pending:
+        done = [(pending.pop(future), future) for future in wait(pending, return_when=FIRST_COMPLETED).done]
+        take()  # before the caller looks at what came of the last task: no worker waits for that
+        yield from done
+
+
 @dataclass(eq=False, kw_only=True, slots=True)
 class LocalExecutor:
     """Processes of this machine; in a ``with`` block they are kept from one run to the next.
@@ -63,9 +79,6 @@ class LocalExecutor:
     workers: int = field(default_factory=lambda: len(os.sched_getaffinity(0)))  # how many of them
     _pool: ProcessPoolExecutor | None = field(default=None, init=False)
     _open: ExitStack = field(default_factory=ExitStack, init=False)
-    _team: list[BaseProcess] = field(default_factory=list, init=False)
-    _broken: bool = field(default=False, init=False)
-    _under_way: "dict[Future[Any], Any]" = field(default_factory=dict, init=False)
     _kept: bool = field(default=False, init=False)
 
     def __enter__(self) -> Self:
@@ -80,66 +93,49 @@ class LocalExecutor:
 
     def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         """Yield what came of each task, in any order."""
-        again: list[Asked] = []
+        again, finished, submit = list[Asked](), False, partial(self._submit, work)
         try:
-            for task, outcome in self._run(work, iter(tasks), self.workers):
-                if isinstance(outcome, Lost):
+            for task, future in feed(submit, lambda: self.workers, tasks):
+                if _is_broken(future):
                     again.append(task)
                 else:
-                    yield task, outcome
+                    yield task, future.result()
             for task in again:
                 for _ in range(2):  # it may not have been the one that broke the pool
                     self._close()  # what the processes hold is free for this one
-                    ((_, outcome),) = self._run(work, iter([task]), 1)
-                    if not isinstance(outcome, Lost):
+                    ((_, future),) = feed(submit, lambda: 1, [task])
+                    if not _is_broken(future):
                         break
-                yield task, outcome
+                yield task, self._loss() if _is_broken(future) else future.result()
+            finished = True
         finally:
-            if self._under_way or not self._kept:
+            if not (finished and self._kept):
                 self._close()
 
-    def _run(
-        self, work: Callable[[Asked], Done], waiting: Iterator[Asked], workers: int
-    ) -> Generator[tuple[Asked, Done | Lost]]:
-        self._employ(work, waiting, workers)
-        while self._under_way:
-            done = wait(self._under_way, return_when=FIRST_COMPLETED).done
-            finished = [(self._under_way.pop(future), future) for future in done]
-            outcomes = [(task, self._outcome(future)) for task, future in finished]
-            # Before the caller looks at what came of the last task: no worker waits for that.
-            self._employ(work, waiting, workers)
-            yield from outcomes
-
-    def _employ(self, work: Callable[[Asked], Done], waiting: Iterator[Asked], workers: int) -> None:
-        """Give work to idle processes; once all that a broken pool had under way is back, to those of a new one."""
-        if self._broken and self._under_way:
-            return
-        if self._broken:
-            self._close()
-        for task in islice(waiting, workers - len(self._under_way)):
-            if self._pool is None:
-                os.environ.update(ONE_THREAD)
-                self._pool = self._open.enter_context(processes(self.workers, "forkserver", preload=PRELOAD))
+    def _submit(self, work: Callable[[Asked], Done], task: Asked) -> "Future[Done]":
+        """Give work to the processes, or to new ones where those are broken."""
+        if self._pool is not None:
             try:
-                future = self._pool.submit(work, task)
-            except BrokenProcessPool as error:
-                future = Future()
-                future.set_exception(error)
-            self._under_way[future] = task
-            self._team = team_of(self._pool)
+                return self._pool.submit(work, task)
+            except BrokenProcessPool:
+                self._close()
+        os.environ.update(ONE_THREAD)
+        self._pool = self._open.enter_context(processes(self.workers, "forkserver", preload=PRELOAD))
+        return self._pool.submit(work, task)
 
-    def _outcome(self, future: "Future[Any]") -> Any:  # noqa: ANN401 - what the work returns
-        if not isinstance(future.exception(), BrokenProcessPool):
-            return future.result()
-        self._broken = True
+    def _loss(self) -> Lost:
+        team = [] if self._pool is None else team_of(self._pool)
         if self._pool is not None:
             self._pool.shutdown()  # until then its own thread asks for the exit codes
-        return Lost(_how_it_ended(next((code for one in self._team if (code := one.exitcode)), 1)))
+        return Lost(_how_it_ended(next((code for one in team if (code := one.exitcode)), 1)))
 
     def _close(self) -> None:
-        self._pool, self._broken = None, False
-        self._under_way.clear()
+        self._pool = None
         self._open.close()
+
+
+def _is_broken(future: "Future[Any]") -> bool:
+    return isinstance(future.exception(), BrokenProcessPool)
 
 
 def _how_it_ended(code: int) -> str:
@@ -162,18 +158,13 @@ class DaskExecutor:
         """Yield what came of each task, in any order; the scheduler gives the work of a lost worker to others."""
         client = _connect(self.address)
         pool: Pool = client.get_executor(pure=False)
-        waiting, pending = iter(tasks), dict[Future[Done], Asked]()
         try:
             _check_workers(client, self.address)
-            while True:
-                room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
-                pending |= {pool.submit(work, task): task for task in islice(waiting, max(room, 0))}
-                if not pending:
-                    return
-                for future in wait(pending, return_when=FIRST_COMPLETED).done:
-                    task, error = pending.pop(future), future.exception()
-                    said = f"{type(error).__name__}: {' '.join(str(error).split())}"
-                    yield task, future.result() if error is None else Lost(f"lost on the cluster: {said}")
+            room = lambda: PER_THREAD * max(sum(client.nthreads().values()), 1)  # noqa: E731
+            for task, future in feed(partial(pool.submit, work), room, tasks):
+                error = future.exception()
+                said = f"{type(error).__name__}: {' '.join(str(error).split())}"
+                yield task, future.result() if error is None else Lost(f"lost on the cluster: {said}")
         finally:
             pool.shutdown(wait=False)  # gives up what is under way
             client.close()

@@ -4,12 +4,11 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.cli import chain, choices
+from friction_audit.cli import choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import COMPARISON, GENERAL
-from friction_audit.cli.outputs import save_figures
+from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.simulate import changed
 
 if TYPE_CHECKING:
@@ -76,8 +75,8 @@ def command(
     from friction_audit.reporting.figures.comparison import draw_comparison
 
     voice, names = general.voice, choices.some_figures(figures, FIGURES)
-    paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in names}
-    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
+    out = ResultFolder(folder=folder, figures=names, formats=formats, overwrite=overwrite)
+    out.check()
     (scene,) = (one for one in SCENES if one.name == comparison.arm)
     settings: Any = changed(scene.settings, change, duration_s=comparison.duration)
     margin = scene.plan.margin_seeds if comparison.margin_persons is None else comparison.margin_persons
@@ -86,16 +85,11 @@ def command(
     with voice.step("compare") as progress:
         result = compare(scene, comparison.persons, chosen, progress)
     with voice.step("draw"):
-        drawn = {name: figure for name, figure in draw_comparison(result).items() if name in paths}
-        for name, figure in drawn.items():
-            save_figures(figure, paths[name], overwrite=overwrite)
-    files = [(name, str(path)) for name in drawn for path in paths[name]]
-    if general.json:
-        document = compare_document(_scene_document(result, settings), result.rows, result.curves, files)
-        say(write_document(document), nl=False)
-        return
+        drawn = ((name, figure) for name, figure in draw_comparison(result).items() if name in names)
+        files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
+    document = compare_document(_scene_document(result, settings), result.rows, result.curves, files)
     lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
-    say("\n".join([*lines, *(path for _, path in files)]))
+    show(write_document(document), lambda: [*lines, *(path for _, path in files)], json=general.json)
 
 
 def _scene_document(result: "Comparison", settings: Any) -> dict[str, object]:  # noqa: ANN401 - of any scenario

@@ -117,7 +117,7 @@ def command(
         text = write_document(diagnose_document(found, chain.reading_settings(reading)))
         out.write_text(DOCUMENT, text)
         _write_model(found, out, stages)
-        out.write_figures({"diagnosis": found}, [joint.joint for joint in joints], recorded, stages)
+        out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         out.write_exports(diagnose_tables(found), recorded, stages)
     show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
     chain.exit_for_bugs(joint_bugs(found), voice)

@@ -13,7 +13,7 @@ from friction_audit.cli.batch_files import UNTESTABLE
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
-from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_figures, write_junit
+from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_junit
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -144,12 +144,7 @@ def _report(
     document = write_document(diff_document(sides, settings, warnings, beyond, unknown))
     out.write_text(DOCUMENT, document)
     out.write_csv(TABLE, changes_table(sides))
-    if out.folder is not None:
-        numbers, again = [joint.joint for joint in sides.joints], out.overwrite
-        drawn = {"diff": sides}
-        write_figures(
-            drawn, out.figures, numbers, out.folder, out.formats, overwrite=again, voice=voice, unit=sides.unit
-        )
+    out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
     if not json:
         voice.warn(notice_lines(warnings))
     show(document, lambda: diff_lines(sides, beyond, unknown), json=json)

@@ -55,7 +55,7 @@ def command(
         text = write_document(estimate_document(result, chain.reading_settings(options))) if asked else ""
         out.write_text(DOCUMENT, text)
         out.write_csv(HISTORY, history_table(result))
-        out.write_figures({"estimate": result}, [joint.joint for joint in joints], recorded, stages)
+        out.write_figures({"estimate": result}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         if export:
             out.write_exports(estimate_tables(result), recorded, stages)
     show(text, lambda: estimate_lines(result), json=json)

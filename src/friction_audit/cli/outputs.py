@@ -21,27 +21,42 @@ if TYPE_CHECKING:
 MCAP = "mcap"
 
 
+class FigureFile(NamedTuple):
+    """A figure written: its kind, its joint (None: all of them) and its path."""
+
+    kind: str
+    joint: int | None
+    path: Path
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ResultFolder:
     """The folder of a result, or none, and what is written there, each file whole or not at all."""
 
     folder: Path | None  # where; without one nothing is written
-    name: str  # of the MCAP with the tables as topics
+    name: str = ""  # of the MCAP with the tables as topics
     prefix: str = ""  # of the names of the tables' files
     figures: Sequence[str] = ()  # names of the figures
     formats: Sequence[str] = ()  # of the figures
     exports: Sequence[str] = ()  # formats that the tables are written in: mcap, csv, parquet
     overwrite: bool  # whether files that exist are replaced
 
-    def check(self, log: Path, files: Sequence[str], *results: str) -> None:
+    def check(self, log: Path | None = None, files: Sequence[str] = (), *results: str) -> None:
         """Refuse what could not be written, before anything long is done: files by name, figures, tables of results."""
-        if self.folder is not None:
-            paths = [self.folder / file for file in files] + possible_files(self.folder, self.figures, self.formats)
-            modules = [import_module(f"friction_audit.reporting.{result}") for result in results if self.exports]
-            tables = [table.name for module in modules for table in module.TABLES]
-            check_outputs([*paths, *self.exported(tables)], overwrite=self.overwrite, log=log)
-        elif self.exports:
-            raise UsageError(f"--export {','.join(self.exports)}: no folder to write to; name one with --output DIR")
+        if self.folder is None:
+            if self.exports:
+                raise UsageError(
+                    f"--export {','.join(self.exports)}: no folder to write to; name one with --output DIR"
+                )
+            return
+        # Whichever joints there are, known before reading.
+        figures = [self.folder / f"{kind}.{suffix}" for kind in self.figures for suffix in self.formats]
+        single = (f"{kind}-joint[0-9]*.{suffix}" for kind in self.figures for suffix in self.formats)
+        figures += sorted(path for pattern in single for path in self.folder.glob(pattern))
+        modules = [import_module(f"friction_audit.reporting.{result}") for result in results if self.exports]
+        tables = [table.name for module in modules for table in module.TABLES]
+        paths = [*(self.folder / file for file in files), *figures, *self.exported(tables)]
+        check_outputs(paths, overwrite=self.overwrite, log=log)
 
     @property
     def stages(self) -> int:
@@ -73,13 +88,47 @@ class ResultFolder:
 
         self.write(name, lambda draft: write_table(table, draft, "csv"))
 
+    def save_figure(self, name: str, figure: "Figure") -> list[Path]:
+        """Write a figure in all formats; return its files."""
+        from friction_audit.reporting.figures.style import save_figure
+
+        files = [f"{name}.{suffix}" for suffix in self.formats]
+        for file in files:
+            self.write(file, lambda draft: save_figure(figure, draft))
+        return [(self.folder or Path()) / file for file in files]
+
     def write_figures(
-        self, results: Mapping[str, object], joints: Sequence[int], log: "JointLog", voice: Voice
-    ) -> None:
-        """Draw the figures of the results of a log, all joints on a sheet."""
-        if self.folder is not None:
-            unit, again, formats = log.source.torque_unit, self.overwrite, self.formats
-            write_figures(results, self.figures, joints, self.folder, formats, overwrite=again, voice=voice, unit=unit)
+        self, results: Mapping[str, object], joints: Sequence[int], unit: str, voice: Voice, *, each_joint: bool = False
+    ) -> list[FigureFile]:
+        """Draw the figures of results, by name, all joints on a sheet and, if asked for, each joint alone.
+
+        Several are drawn at a time where a process may be copied.
+        """
+        if self.folder is None:
+            return []
+        from friction_audit.parallel import in_processes, workers_for
+        from friction_audit.reporting.figures.style import load_matplotlib
+
+        # A sheet of one joint is that joint's figure.
+        sheet = joints[0] if len(joints) == 1 else None
+        alone = joints if each_joint and sheet is None else ()
+        drawn = [kind.name for kind in FIGURES if kind.result in results and kind.name in self.figures]
+        tasks = [
+            FigureFile(kind, joint, self.folder / name)
+            for kind in drawn
+            for joint, name in ((sheet, kind), *((number, f"{kind}-joint{number}") for number in alone))
+        ]
+        load_matplotlib(self.formats)  # once, and not by every copy
+        work = partial(_content, results, tasks, self.formats, unit)
+        contents = in_processes(work, len(tasks), workers_for(len(tasks)))
+        files = []
+        for task in tasks:
+            with voice.step(f"draw {task.path.name}"):
+                for suffix, content in zip(self.formats, next(contents), strict=True):
+                    name = f"{task.path.name}.{suffix}"
+                    self.write(name, lambda draft, content=content: draft.write_bytes(content))  # type: ignore[misc]
+                    files.append(task._replace(path=self.folder / name))
+        return files
 
     def write_exports(self, tables: "Sequence[TidyTable]", log: "JointLog", voice: Voice) -> list[Path]:
         """Write the tables in the formats that were asked for; return their files."""
@@ -136,63 +185,6 @@ def show(document: str, lines: Callable[[], Iterable[str]], *, json: bool) -> No
     say(document if json else "\n".join(lines()), nl=not json)
 
 
-class FigureFile(NamedTuple):
-    """A figure written: its kind, its joint (None: all of them) and its path."""
-
-    kind: str
-    joint: int | None
-    path: Path
-
-
-def possible_files(folder: Path, kinds: Sequence[str], formats: Sequence[str]) -> list[Path]:
-    """Return the files that figures of these kinds would replace, whichever joints there are; known before reading."""
-    sheets = [folder / f"{kind}.{suffix}" for kind in kinds for suffix in formats]
-    single = [path for kind in kinds for suffix in formats for path in folder.glob(f"{kind}-joint[0-9]*.{suffix}")]
-    return sheets + sorted(single)
-
-
-def write_figures(
-    results: Mapping[str, object],
-    kinds: Sequence[str],
-    numbers: Sequence[int],
-    folder: Path,
-    formats: Sequence[str],
-    *,
-    overwrite: bool,
-    voice: Voice,
-    unit: str,
-    each_joint: bool = False,
-) -> list[FigureFile]:
-    """Draw all joints on a sheet and, if asked for, each joint alone; several at a time where a process may be copied.
-
-    The results are given by name, the formats as suffixes.
-    """
-    from friction_audit.io.files import whole_file
-    from friction_audit.parallel import in_processes, workers_for
-    from friction_audit.reporting.figures.style import load_matplotlib
-
-    # A sheet of one joint is that joint's figure.
-    sheet = numbers[0] if len(numbers) == 1 else None
-    alone = numbers if each_joint and sheet is None else ()
-    drawn = [kind.name for kind in FIGURES if kind.result in results and kind.name in kinds]
-    tasks = [
-        FigureFile(kind, joint, folder / name)
-        for kind in drawn
-        for joint, name in ((sheet, kind), *((number, f"{kind}-joint{number}") for number in alone))
-    ]
-    load_matplotlib(formats)  # once, and not by every copy
-    contents = in_processes(partial(_content, results, tasks, formats, unit), len(tasks), workers_for(len(tasks)))
-    files = []
-    for task in tasks:
-        with voice.step(f"draw {task.path.name}"):
-            for suffix, content in zip(formats, next(contents), strict=True):
-                path = Path(f"{task.path}.{suffix}")
-                with whole_file(path, overwrite=overwrite) as draft:
-                    draft.write_bytes(content)
-                files.append(task._replace(path=path))
-    return files
-
-
 def _content(
     results: Mapping[str, object], tasks: Sequence[FigureFile], formats: Sequence[str], unit: str, number: int
 ) -> list[bytes]:
@@ -203,13 +195,3 @@ def _content(
     kind = next(kind for kind in FIGURES if kind.name == task.kind and kind.result in results)
     figure = label_in_unit(kind.draw(results[kind.result], task.joint), unit)
     return [figure_bytes(figure, suffix) for suffix in formats]
-
-
-def save_figures(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
-    """Write a figure to several files, in the formats that their suffixes name."""
-    from friction_audit.io.files import whole_file
-    from friction_audit.reporting.figures.style import save_figure
-
-    for path in paths:
-        with whole_file(path, overwrite=overwrite) as draft:
-            save_figure(figure, draft)

@@ -8,7 +8,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.outputs import possible_files, write_figures
+from friction_audit.cli.outputs import ResultFolder
 
 if TYPE_CHECKING:
     from friction_audit.pipeline import Estimate
@@ -33,7 +33,8 @@ def command(
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     kinds = choices.some_figures(figures, choices.PLOTTED)
-    chain.check_outputs(possible_files(folder, kinds, drawn.formats), overwrite=shared.overwrite, log=log)
+    out = ResultFolder(folder=folder, figures=kinds, formats=drawn.formats, overwrite=shared.overwrite)
+    out.check(log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     from friction_audit.reporting.notices import estimate_notices
 
@@ -41,17 +42,8 @@ def command(
     if not shared.general.json:
         chain.warn_about(result.log, warnings, voice)
 
-    files = write_figures(
-        _results(result, kinds, min_effect, voice),
-        kinds,
-        result.interaction.joint_numbers,
-        folder,
-        drawn.formats,
-        overwrite=shared.overwrite,
-        voice=voice,
-        unit=result.log.source.torque_unit,
-        each_joint=True,
-    )
+    results, joints = _results(result, kinds, min_effect, voice), result.interaction.joint_numbers
+    files = out.write_figures(results, joints, result.log.source.torque_unit, voice, each_joint=True)
     if shared.general.json:
         from friction_audit.reporting.documents import plot_document, write_document
 

@@ -160,7 +160,7 @@ def command(
         text = write_document(replay_document(found, chain.reading_settings(reading)))
         out.write_text(DOCUMENT, text)
         out.write_csv(HISTORY, history_table(found))
-        out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded, stages)
+        out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded.source.torque_unit, stages)
         out.write_exports(replay_tables(found), recorded, stages)
     show(text, lambda: replay_lines(found), json=json)
     chain.conclude(recorded, replay_notices(found), strict=strict)

@@ -4,12 +4,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.cli import chain
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import SIMULATION
-from friction_audit.cli.outputs import save_figures
+from friction_audit.cli.outputs import ResultFolder
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Simulations
@@ -50,9 +49,11 @@ def command(
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
     voice, json = general.voice, general.json
-    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in drawing.formats] for number in figures}
-    chain.check_outputs([path for each in paths.values() for path in each], overwrite=overwrite)
-    chosen = [one for one in REPRODUCTIONS if one.figure in paths]
+    names = [f"fig{number}" for number in figures]
+    out = ResultFolder(folder=folder, figures=names, formats=drawing.formats, overwrite=overwrite)
+    out.check()
+    chosen = [one for one in REPRODUCTIONS if one.figure in figures]
+    files: list[tuple[str, str, str]] = []
     rows: list[dict[str, Any]] = []
     simulations: Simulations = {}
     for one in chosen:
@@ -60,11 +61,11 @@ def command(
             simulations = simulate_figures([one], persons, progress, simulations)
         with voice.step(f"check and draw figure {one.figure}"):
             found = [asdict(claim) for claim in one.check(simulations)]
-            save_figures(one.draw(simulations), paths[one.figure], overwrite=overwrite)
+            paths = out.save_figure(f"fig{one.figure}", one.draw(simulations))
+            files += [(one.figure, one.title, str(path)) for path in paths]
         if not json:
             say("\n".join(claim_lines(found)))
         rows += found
-    files = [(one.figure, one.title, str(path)) for one in chosen for path in paths[one.figure]]
     if json:
         say(write_document(reproduce_document(rows, files, persons)), nl=False)
     else:
