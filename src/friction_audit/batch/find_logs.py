@@ -73,12 +73,10 @@ def as_text(name: str) -> str:
 def find_logs(
     names: Sequence[str], rows: Mapping[str, ManifestRow], *, leave_out: Iterable[Path] = ()
 ) -> list[LogFile]:
-    """Find the logs that a user names; those of a manifest are among them.
+    """Find the logs that a user names: files, folders (searched to the bottom), globs, URLs, and those of a manifest.
 
-    Args:
-        names: Files, folders (searched to the bottom), globs and URLs.
-        rows: Rows of the manifest by the place of their log.
-        leave_out: Files and folders that are no logs: the manifest itself, the folder of the results.
+    ``rows`` are those of the manifest by the place of their log; ``leave_out`` are no logs: the manifest itself, the
+    folder of the results.
     """
     closed = {os.path.realpath(path) for path in leave_out}
     found: dict[str, LogFile] = {}

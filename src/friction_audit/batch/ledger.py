@@ -57,11 +57,7 @@ OTHER_PLACE = "choose another folder with -o, or --rebuild to move it aside and 
 
 
 class Ledger:
-    """The sessions that are known.
-
-    Args:
-        path: The file, made if it is not there.
-    """
+    """The sessions that are known; the file is made if it is not there."""
 
     def __init__(self, path: Path) -> None:
         self.path = path

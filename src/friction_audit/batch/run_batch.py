@@ -27,13 +27,7 @@ from friction_audit.io.files import sha256_of
 
 
 def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> DriftReport:
-    """Find what changed between the sessions of each arm.
-
-    Args:
-        sessions: Of any arms, in any order.
-        settings: How drift is looked for.
-        executor: What runs the work; a single arm is analysed here, where its sessions are.
-    """
+    """Find what changed between the sessions of each arm; a single arm is analysed here, where its sessions are."""
     arms = arms_of(sessions)
     if len(arms) == 1:
         return analyse_drift(sessions, settings)
@@ -106,13 +100,8 @@ def catch_up(
 ) -> Standing:
     """Work on all logs that the ledger does not know.
 
-    Args:
-        logs: The logs, in the order of their names.
-        settings: What is done with each.
-        ledger: What is known, and where it is kept.
-        executor: What runs the work.
-        watch: Called with the progress at the beginning and after every log.
-        backwards: Begin with the last one: in parallel with another run, so that the two meet halfway.
+    ``watch`` is called with the progress at the beginning and after every log. ``backwards`` begins with the last one:
+    in parallel with another run, so that the two meet halfway.
     """
     key = settings.key()
     hashes = _hashes(logs, ledger)

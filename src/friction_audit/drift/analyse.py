@@ -76,9 +76,7 @@ def choose_reference(
 ) -> tuple[tuple[int, ...], tuple[str, ...]]:
     """Return the sessions of the reference, and what is wrong with those asked for.
 
-    Args:
-        compared: Indices of the sessions that are compared.
-        baseline: So many first ones, at most half of them; or indices.
+    They are so many first ones of those compared, at most half of them, or those with these indices.
     """
     if isinstance(baseline, int):
         return compared[: min(baseline, max(1, len(compared) // 2))], ()

@@ -55,11 +55,6 @@ def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> 
 
     One step more is taken as long as a segment shows one by itself (as in Bai and Perron 1998, l + 1 against l), Holm's
     procedure over the segments; the places are those of the best segmentation of all (dynamic programming).
-
-    Args:
-        series: All of its sessions count.
-        settings: How steps are judged.
-        growth: By how much autocorrelation makes statistics larger.
     """
     y, weight = at_like_temperature(series), robust_weight(series)
 
@@ -175,10 +170,6 @@ def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
 
     A step has alike sessions on both of its sides, a ramp has neighbours on either side: neither is isolated. The
     first and the last session may be: only the next session separates a step from a broken estimate.
-
-    Args:
-        y: Estimates in the order of the sessions, shape (n,).
-        error: Their standard errors, shape (n,).
     """
     n = len(y)
     if n < FEWEST:

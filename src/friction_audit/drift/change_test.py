@@ -324,9 +324,7 @@ def score(statistic: Float | float, freedom: int) -> Float:
 def step_down(observed: Float, null: Float) -> Float:
     """Return family-wise p-values by the step-down maximum (Westfall and Young 1993, algorithm 4.1), shape (s,).
 
-    Args:
-        observed: Scores, shape (s,).
-        null: Scores without drift, of all series in the same order of the sessions, shape (orders, s).
+    ``observed`` are scores, shape (s,); ``null`` those without drift, all series in the same order, shape (orders, s).
     """
     order = np.argsort(-observed, kind="stable")
     maxima = np.maximum.accumulate(null[:, order[::-1]], axis=1)[:, ::-1]

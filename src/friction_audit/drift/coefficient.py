@@ -77,15 +77,7 @@ def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
 def describe_series(
     series: Series, verdict: Verdict, reference: Collection[int], sessions: Sequence[Session], settings: DriftSettings
 ) -> CoefficientDrift:
-    """Return what became of a coefficient.
-
-    Args:
-        series: With its isolated sessions.
-        verdict: Of the test of the arm.
-        reference: Indices of the sessions of the reference.
-        sessions: All sessions of the arm, in order.
-        settings: How drift is looked for.
-    """
+    """Return what became of a coefficient, its isolated sessions among the others."""
     warm, inflation, growth = series.counted(), verdict.autocorrelation.inflation, verdict.autocorrelation.growth
     found = _find_shape(warm, verdict, reference, settings)
     if found.shape == "temperature":
@@ -210,14 +202,6 @@ def make_chart(
 
     The limits are those of a new session: its own error, the scatter between sessions around the drift, and the error
     of the reference's mean.
-
-    Args:
-        series: With isolated sessions, n in all.
-        y: At like temperature, shape (n,).
-        fit: Model of the drift, for the scatter.
-        level: The reference's level, unit of the coefficient.
-        reference: Indices of its sessions among all of the arm.
-        alpha: Probability that any session lies outside where nothing changes.
     """
     from scipy.stats import t
 
@@ -246,16 +230,10 @@ def _coefficients(rows: Float) -> list[Coefficient]:
 
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
-    """Return the straight change of y, start to end, that the test of the arm finds with the power asked for.
+    """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power.
 
-    A step of that size near the middle is found more often, one near either end less often.
-
-    Args:
-        series: All of its sessions count.
-        fit: For the scatter between sessions.
-        critical: Score that the test of the arm asks for.
-        growth: By how much autocorrelation makes statistics larger.
-        power: Probability to find it.
+    A step of that size near the middle is found more often, one near either end less often. ``critical`` is the score
+    that the test asks for; ``growth`` says by how much autocorrelation makes statistics larger.
     """
     from scipy.stats import t
 

@@ -1,7 +1,8 @@
 """Regression of one coefficient over the sessions: a random effect of each session, Huber's loss, robust intervals."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,12 +91,9 @@ class Fit:
 
 
 def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
-    """Fit y of the n sessions that count by columns (n, p).
+    """Fit y of the n sessions that count by columns (n, p), level and temperature included.
 
-    Args:
-        series: All of its sessions count.
-        columns: Of the model, level and temperature included, shape (n, p).
-        inflation: Variance of a mean over that of independent sessions.
+    ``inflation`` is the variance of a mean over that of independent sessions.
     """
     from statsmodels.robust.norms import HuberT
     from statsmodels.robust.robust_linear_model import RLM  # the whole of statsmodels.api takes longer to load
@@ -200,8 +198,8 @@ def slope_over(series: Series, clock: Float | None, inflation: float) -> Coeffic
         return UNDETERMINED
     fit = fit_model(series, columns, inflation)
     first, last = np.eye(columns.shape[1])[[0, -1]]
-    slope = fit.interval(last)
-    return _scaled(slope, to_level(fit.interval(first), series).value) if series.logarithmic else slope
+    level = to_level(fit.interval(first), series).value if series.logarithmic else 1.0
+    return each(fit.interval(last), lambda end: level * end)
 
 
 def temperature_slope(fit: Fit, series: Series, level: float) -> Coefficient:
@@ -209,9 +207,12 @@ def temperature_slope(fit: Fit, series: Series, level: float) -> Coefficient:
     over = 1.0 if series.logarithmic else level
     if series.temperature is None or not over:
         return UNDETERMINED
-    slope = fit.interval(np.eye(len(fit.value))[-1])
-    low, high = sorted((slope.low / over, slope.high / over))
-    return Coefficient(value=slope.value / over, low=low, high=high)
+    return each(fit.interval(np.eye(len(fit.value))[-1]), lambda end: end / over)
+
+
+def each(found: Coefficient, of: Callable[[float], Any]) -> Coefficient:
+    """Return a rising function of a value and of the ends of its interval."""
+    return Coefficient(value=float(of(found.value)), low=float(of(found.low)), high=float(of(found.high)))
 
 
 def relative_size(y: Float | float) -> Float:
@@ -222,21 +223,15 @@ def relative_size(y: Float | float) -> Float:
 
 def to_level(y: Coefficient, series: Series) -> Coefficient:
     """Return a level of y in the unit of the coefficient."""
-    if not series.logarithmic:
-        return y
     with np.errstate(over="ignore"):
-        return Coefficient(value=float(np.exp(y.value)), low=float(np.exp(y.low)), high=float(np.exp(y.high)))
+        return each(y, np.exp) if series.logarithmic else y
 
 
 def to_relative(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
     """Return a change of y over the level; NaN where the level is near zero."""
     if series.logarithmic:
-        value, low, high = (float(relative_size(end)) for end in (change.value, change.low, change.high))
-        return Coefficient(value=value, low=low, high=high)
-    if is_near_zero(level):
-        return UNDETERMINED
-    size = abs(level.value)
-    return Coefficient(value=change.value / size, low=change.low / size, high=change.high / size)
+        return each(change, relative_size)
+    return UNDETERMINED if is_near_zero(level) else each(change, lambda end: end / abs(level.value))
 
 
 def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
@@ -248,11 +243,8 @@ def relative_change(first: Coefficient, last: Coefficient) -> Coefficient:
 
 def to_change(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
     """Return a change of y in the unit of the coefficient."""
-    return _scaled(to_relative(change, level, series), level.value) if series.logarithmic else change
-
-
-def _scaled(size: Coefficient, factor: float) -> Coefficient:
-    return Coefficient(value=factor * size.value, low=factor * size.low, high=factor * size.high)
+    relative = to_relative(change, level, series)
+    return each(relative, lambda end: level.value * end) if series.logarithmic else change
 
 
 def is_near_zero(level: Coefficient) -> bool:

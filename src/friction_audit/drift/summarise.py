@@ -29,15 +29,7 @@ def summarise_joints(
     friction: FrictionHistory,
     discrepancy: "Discrepancy | None" = None,
 ) -> tuple[JointSummary, ...]:
-    """Return the summary of every joint that was estimated.
-
-    Args:
-        log: The log, all its joints.
-        interaction: Motion and torque of the joints selected.
-        cycles: Their cycles.
-        friction: Their coefficients.
-        discrepancy: Their diagnosis, or None.
-    """
+    """Return the summary of every joint that was estimated."""
     diagnoses = {} if discrepancy is None else {joint.joint: joint for joint in discrepancy.joints}
     port = interaction.torque  # F_m + u moves the joint and its friction: a logged compensator's help counts [N m]
     if interaction.compensation is not None:

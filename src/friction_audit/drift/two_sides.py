@@ -116,12 +116,7 @@ NO_MEAN = _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)
 
 
 def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> TwoSides:
-    """Compare the friction of every joint that both sides have.
-
-    Args:
-        before: At least one recording.
-        after: Likewise.
-    """
+    """Compare the friction of every joint that both sides have."""
     _check_alike([*before, *after])
     numbers = [{joint.joint for one in side for joint in one.session.joints} for side in (before, after)]
     joints = _adjusted([_compare_joint(number, before, after) for number in sorted(numbers[0] & numbers[1])])

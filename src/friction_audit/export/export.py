@@ -107,14 +107,8 @@ def export_friction(
 ) -> Export:
     """Write the friction of joints in a file, whole or not at all.
 
-    Args:
-        joints: Models of the joints.
-        target: Format.
-        out: File to write.
-        settings: How.
-        into: The user's file of the robot: the output is a copy of it with the friction in its joints.
-        estimate: The estimate of the log that the models come from, or None: it gives the speeds over which a curve is
-            fitted, and the motion that is simulated.
+    ``into`` is the user's file of the robot: the output is a copy of it with the friction in its joints. The estimate
+    of the log that the models come from gives the speeds over which a curve is fitted, and the motion that is simulated.
     """
     numbers = [number for number, *_ in joints.models]
     speeds = speeds_of(estimate) if estimate else {}

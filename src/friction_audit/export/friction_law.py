@@ -45,12 +45,7 @@ class FrictionLaw:
     speeds: Float  # speeds over which the law is to hold, shape (n,), none below zero [rad/s]
 
     def torque(self, dq: Float, sign_width: float = 0.0) -> Float:
-        """Return the friction torque at velocities, shape (n,): what a drive pays for it, 0 at rest. [N m]
-
-        Args:
-            dq: Velocities. [rad/s]
-            sign_width: Speed up to which the sign of the velocity rises linearly; 0 for a step. [rad/s]
-        """
+        """Return the friction torque at velocities, shape (n,): what a drive pays for it, 0 at rest. [N m]"""
         way = np.clip(dq / sign_width, -1.0, 1.0) if sign_width > 0.0 else None
         still = np.zeros_like(dq)
         motion = Motion(t=still, q=still, dq=dq, ddq=still, way=way)
@@ -62,11 +57,7 @@ class FrictionLaw:
         return float(self.torque(np.array([SLOWEST]))[0])
 
     def fit(self, highest_power: int) -> FittedFriction:
-        """Fit a polynomial of the speed.
-
-        Args:
-            highest_power: 1 for Coulomb and viscous friction alone, up to 3.
-        """
+        """Fit a polynomial of the speed; its highest power is 1 for Coulomb and viscous friction alone, up to 3."""
         from scipy.optimize import nnls
 
         torque = self.torque(self.speeds)

@@ -78,13 +78,9 @@ def speeds_of(estimate: Estimate) -> dict[int, Float]:
 def laws_of(
     joints: Joints, speeds: Mapping[int, Float], *, wanted: Iterable[int] | None, armature: bool
 ) -> tuple[tuple[FrictionLaw, ...], tuple[tuple[int, str], ...]]:
-    """Return the friction laws of the joints that have one, and number and reason of the others.
+    """Return the friction laws of the joints that have one, or of those wanted, and number and reason of the others.
 
-    Args:
-        joints: What the source says.
-        speeds: Speeds by number of the joint; a joint that is not there is fitted over SPEEDS. [rad/s]
-        wanted: Numbers of the joints to export, None for all.
-        armature: Whether the inertia is exported.
+    ``speeds`` are by number of the joint; a joint that is not there is fitted over SPEEDS. [rad/s]
     """
     asked = None if wanted is None else set(wanted)
     there = {number for number, *_ in joints.models} | {number for number, _ in joints.lacking}

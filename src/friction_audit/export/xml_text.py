@@ -53,12 +53,7 @@ class Tag:
 
 
 class XmlText:
-    """An XML file as text with the places of its elements.
-
-    Args:
-        text: Content of the file.
-        where: The file, for the messages.
-    """
+    """An XML file as text with the places of its elements; ``where`` names the file in messages."""
 
     def __init__(self, text: bytes, where: str) -> None:
         if text.startswith(WIDE_MARKS) or b"\x00" in text[:4]:

@@ -119,11 +119,8 @@ SHOWN = ("energy_j", "cycle", *APPLIED)
 def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool = False) -> Course:
     """Return the course of a joint, counted from 0, as the log and the compensator in it know it.
 
-    Args:
-        simulation: Log and truth.
-        joint: Column of the joint.
-        zero_crossings: Where no compensator was in the loop: True if cycles end where the velocity changes its sign,
-            False if they are found by the thresholds of the paper's section V.
+    Where no compensator was in the loop, cycles end where the velocity changes its sign (``zero_crossings``), or are
+    found by the thresholds of the paper's section V.
     """
     log, torque = simulation.log, interaction_nm(simulation)[:, joint]
     if simulation.truth.compensators:  # what the compensator in the loop knew at the stamps of the log
