@@ -108,7 +108,8 @@ def export_friction(
     """Write the friction of joints in a file, whole or not at all.
 
     ``into`` is the user's file of the robot: the output is a copy of it with the friction in its joints. The estimate
-    of the log that the models come from gives the speeds over which a curve is fitted, and the motion that is simulated.
+    of the log that the models come from, if there is one, gives the speeds over which a curve is fitted, and the motion
+    that is simulated.
     """
     numbers = [number for number, *_ in joints.models]
     speeds = speeds_of(estimate) if estimate else {}
