@@ -89,11 +89,6 @@ def test_what_leads_nowhere_is_said_at_once() -> None:
     assert "lab/*.bag: no file matches" in said
 
 
-def test_nothing_named() -> None:
-    with pytest.raises(InputError, match="no log was named"):
-        find_logs([], {})
-
-
 @pytest.mark.parametrize(
     ("folder", "files", "bag"),
     [
@@ -182,20 +177,6 @@ def test_faults_are_named(fault: str, tmp_path: Path) -> None:
         read_manifest(write(tmp_path, text))
     assert message in str(caught.value)
     assert str(caught.value).startswith(str(tmp_path / "manifest.csv"))
-
-
-def test_all_faults_at_once(tmp_path: Path) -> None:
-    text = "path,start,temperature\nabsent.csv,,\nrun1.csv,tomorrow,warm\n,,\nrun2.csv,2026-03-01,\n,2026-03-01,\n"
-    with pytest.raises(InputError) as caught:
-        read_manifest(write(tmp_path, text))
-    said = str(caught.value)
-    for part in (
-        "line 2: absent.csv: no such file",
-        "line 3: start tomorrow: expected a date",
-        "line 3: temperature warm: expected degrees",
-        "line 6: no path",
-    ):
-        assert part in said
 
 
 def test_what_is_no_text(tmp_path: Path) -> None:

@@ -9,7 +9,6 @@ from friction_audit.batch.find_logs import LogFile, ManifestRow
 from friction_audit.batch.identity import (
     Identified,
     Recorded,
-    holds_a_time,
     identify,
     parse_time,
     robot_folder,
@@ -104,12 +103,6 @@ def test_sessions_in_the_order_of_their_starts() -> None:
     assert [session.start_from for session in found.sessions] == ["name", "name", "log"]
 
 
-def test_without_starts_in_the_order_of_the_names() -> None:
-    found = identify([(file(f"a/run{n}.csv"), recorded()) for n in (10, 2)])
-    assert [session.path for session in found.sessions] == ["a/run2.csv", "a/run10.csv"]
-    assert {session.start_from for session in found.sessions} == {"nothing"}
-
-
 def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
     found = identify(
         [
@@ -120,16 +113,6 @@ def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
     )
     assert set(robots(found)) == {"a (1 joint, unknown)", "a (7 joints, fr3)", "a (7 joints, panda)"}
     assert "robot a: its logs are of unlike arms" in found.warnings[0]
-
-
-def test_a_log_that_does_not_tell_its_make_is_of_the_only_one_there_is() -> None:
-    found = identify(
-        [
-            (file("a/1.csv"), recorded(start=1.0)),
-            (file("a/2.csv"), recorded(start=2.0, kind="unknown")),
-        ]
-    )
-    assert set(robots(found)) == {"a"}
 
 
 def test_one_name_in_two_folders_is_said_but_a_serial_number_is_trusted() -> None:
@@ -170,11 +153,6 @@ def test_other_numbers_are_no_dates(name: str) -> None:
     assert time_in_name([name]) is None
 
 
-def test_the_name_comes_before_the_folders() -> None:
-    assert time_in_name(["run.csv", "2026-03-01"]) == DAY
-    assert time_in_name(["2026-03-01.csv", "2025-01-01"]) == DAY
-
-
 @pytest.mark.parametrize(
     ("cell", "start"),
     [
@@ -191,9 +169,3 @@ def test_cells_of_a_manifest(cell: str, start: float) -> None:
 @pytest.mark.parametrize("cell", ["yesterday", "1.3.2026", "12", "2026-03-01 25:00", ""])
 def test_cells_that_are_no_time(cell: str) -> None:
     assert parse_time(cell) is None
-
-
-def test_folders_named_after_days() -> None:
-    assert holds_a_time("2026-03-01")
-    assert holds_a_time("week_20260301")
-    assert not holds_a_time("panda2")

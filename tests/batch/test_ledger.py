@@ -79,16 +79,6 @@ def test_numbers_come_back_to_the_bit(path: Path) -> None:
         assert ledger.recorded([f"{n:x}" for n in range(2000)] + ["f00"], KEY).keys() == {"f00"}
 
 
-def test_a_log_is_known_by_size_and_time(path: Path) -> None:
-    with Ledger(path) as ledger:
-        assert ledger.known_hash(LOG) is None
-        ledger.remember(LOG, "f00")
-        assert ledger.known_hash(LOG) == "f00"
-        assert ledger.known_hash(replace(LOG, size=11)) is None
-        assert ledger.known_hash(replace(LOG, changed="8")) is None
-        assert ledger.known_sizes() == {10}
-
-
 def test_a_log_is_done_when_nothing_new_would_come_of_it(path: Path) -> None:
     bad, odd = Fault(message="no column"), Fault(message="killed", topic="/r", lasting=False)
     with Ledger(path) as ledger:
@@ -115,13 +105,6 @@ def test_names_are_written_with_the_numbers(path: Path) -> None:
     assert rows[1][4:] == ("viscous_nms_per_rad", None, None, None)
 
 
-def test_two_that_save_the_same_leave_one(path: Path) -> None:
-    with Ledger(path) as one, Ledger(path) as other:
-        for ledger in (one, other):
-            ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
-        assert len(one.recorded(["f00"], KEY)["f00"]) == 1
-
-
 def test_a_transaction_that_breaks_leaves_nothing(path: Path) -> None:
     broken = replace(RECORDED, session=replace(SESSION, joints=(JOINTS[0], object())))  # type: ignore[arg-type]
     with Ledger(path) as ledger:
@@ -129,14 +112,6 @@ def test_a_transaction_that_breaks_leaves_nothing(path: Path) -> None:
             ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(broken,)))
         assert ledger.recorded(["f00"], KEY) == {}
         assert ledger.known_hash(LOG) is None
-
-
-def test_notes(path: Path) -> None:
-    with Ledger(path) as ledger:
-        assert ledger.note("key") is None
-        ledger.write_note("key", "1")
-        ledger.write_note("key", "2")
-        assert ledger.note("key") == "2"
 
 
 def other_database(path: Path) -> None:
@@ -170,13 +145,6 @@ def test_what_is_no_ledger_is_refused_and_left_alone(fault: str, path: Path) -> 
         Ledger(path)
     assert str(caught.value).startswith(str(path))
     assert before is None or path.read_bytes() == before
-
-
-def test_an_empty_file_is_the_beginning_of_a_ledger(path: Path) -> None:
-    path.parent.mkdir()
-    path.touch()
-    with Ledger(path) as ledger:
-        assert ledger.known_sizes() == set()
 
 
 def test_an_old_ledger_is_moved_aside_and_never_lost(path: Path) -> None:

@@ -68,10 +68,6 @@ def test_tasks_are_taken_as_workers_become_free(tmp_path: Path) -> None:
     assert taken == list("abcdef")
 
 
-def test_nothing_to_do_starts_nothing() -> None:
-    assert list(LocalExecutor(workers=2).run(fragile, iter(()))) == []
-
-
 def test_processes_are_kept_from_run_to_run_in_a_block(tmp_path: Path) -> None:
     with LocalExecutor(workers=1) as executor:
         found = [outcome for name in "ab" for _, outcome in executor.run(fragile, tasks(tmp_path, name))]
@@ -122,11 +118,6 @@ def test_processes_find_what_is_found_here() -> None:
     found = drift_of_arms(sessions, QUICK, LocalExecutor(workers=2))
     assert [arm.robot for arm in found.arms] == ["left", "middle", "right"]
     assert repr(found) == repr(analyse_drift(sessions, QUICK))
-
-
-def test_a_single_arm_is_analysed_here() -> None:
-    sessions = sessions_of("only")
-    assert repr(drift_of_arms(sessions, QUICK, Nobody())) == repr(analyse_drift(sessions, QUICK))
 
 
 def test_an_arm_that_nobody_finishes_is_named() -> None:

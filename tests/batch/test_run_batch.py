@@ -1,7 +1,5 @@
-import json
 import os
 import shutil
-import sqlite3
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -17,10 +15,8 @@ from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.drift.session import Session
-from friction_audit.errors import InputError
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import sha256_of as hash_file
-from friction_audit.io.readers import SeveralLogsError
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log
@@ -69,14 +65,6 @@ def test_content_counts_and_not_its_name(rig: Path, batch: Batch) -> None:
     assert executor.taken == []
     assert [Path(session.path).name for session in result.sessions][-1] == "2026-04-01.parquet"
     assert coulomb(result.sessions[-1]) == pytest.approx(COULOMB_NM[0], abs=0.02)
-
-
-def test_a_file_with_new_content_under_its_old_name_is_computed_anew(rig: Path, batch: Batch) -> None:
-    batch(rig)
-    shutil.copyfile(rig / "2026-03-04.parquet", rig / "2026-03-01.parquet")
-    (rig / "2026-03-04.parquet").unlink()
-    result = batch(rig)
-    assert coulomb(result.sessions[0]) == pytest.approx(COULOMB_NM[3], abs=0.02)
 
 
 def test_copies_count_once(rig: Path, batch: Batch) -> None:
@@ -172,11 +160,6 @@ def test_several_arms_in_a_log_are_several_robots(rig: Path, batch: Batch, recor
     assert [session.robot for session in batch(rig / "2026-03-05.csv", settings=one).sessions] == ["right"]
 
 
-def test_the_arms_of_a_log_can_be_named() -> None:
-    error = SeveralLogsError("x.csv: several", ["#left", "#right"])
-    assert (str(error), error.topics) == ("x.csv: several", ("#left", "#right"))
-
-
 def test_a_diagnosis_is_kept_beside_the_estimate(rig: Path, batch: Batch) -> None:
     settings = BatchSettings(diagnosis=DiagnosisSettings(candidates=("stribeck",)))
     result = batch(rig / "2026-03-01.parquet", settings=settings)
@@ -250,31 +233,9 @@ def test_logs_on_the_web(rig: Path, batch: Batch, server: str) -> None:
     assert executor.taken == [names[0], names[1], names[0]]
 
 
-def test_a_folder_that_a_web_server_lists(rig: Path, batch: Batch, server: str) -> None:
-    found = batch(f"{server}/rig/").sessions
-    assert [session.path for session in found] == sorted(f"{server}/rig/{path.name}" for path in rig.iterdir())
-
-
-def test_a_log_that_no_web_server_has(batch: Batch, server: str) -> None:
-    with pytest.raises(InputError, match=r"nothing\.parquet: "):
-        batch(f"{server}/rig/nothing.parquet")
-
-
 def test_a_log_that_the_worker_does_not_see(rig: Path) -> None:
     log = find_logs([str(rig / "2026-03-01.parquet")], {})[0]
     task = work.Task(path=log.path, place="/nowhere/2026-03-01.parquet")
     fault = work.work_on(BatchSettings(), task).faults[0]
     assert "give a path that every worker sees" in fault.message
     assert not fault.lasting
-
-
-def test_the_ledger_is_read_without_this_program(rig: Path, batch: Batch, tmp_path: Path) -> None:
-    result = batch(rig)
-    with sqlite3.connect(tmp_path / "out" / "ledger.sqlite") as database:
-        rows = database.execute("SELECT robot, start, value FROM friction WHERE coefficient = 'coulomb_nm'").fetchall()
-        content = json.loads(database.execute("SELECT content FROM sessions").fetchone()[0])
-    database.close()
-    assert rows == [
-        ("rig", f"2026-03-{day:02d} 00:00:00", coulomb(session)) for day, session in enumerate(result.sessions, start=1)
-    ]
-    assert set(content["session"]["joints"][0]["curve"]) == {"speed_rad_s", "torque_nm", "spread_nm"}

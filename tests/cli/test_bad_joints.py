@@ -52,15 +52,6 @@ def test_a_dead_channel_is_a_fault_of_its_joint(dead: Path, run: Run) -> None:
     assert good["nominal"]["coulomb_nm"]["value"] == pytest.approx(0.245, abs=0.01)
 
 
-@pytest.mark.usefixtures("sketched")
-@pytest.mark.parametrize("dead", DEAD, indirect=True)
-def test_a_report_stands_with_a_dead_channel(dead: Path, run: Run, tmp_path: Path) -> None:
-    assert run("report", dead, "--format", "markdown,html").code == 0
-    page = (tmp_path / "dead.report.md").read_text(encoding="utf-8")
-    assert re.search(r"^\| 1 .*\| adequate \|", page, re.MULTILINE)
-    assert re.search(r"^\| 2 .*\| data fault \|", page, re.MULTILINE)
-
-
 @pytest.mark.parametrize("error", ERRORS)
 def test_a_bug_in_one_joint_is_its_own(
     error: type[Exception], run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch

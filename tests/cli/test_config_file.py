@@ -1,4 +1,3 @@
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -26,18 +25,6 @@ def test_values_come_from_the_file_and_the_command_line_wins(run: Run, logs: Pat
     assert settings["reading"]["mapping"] == {"dq": "dq_{i}", "q": "q_{i}"}
 
 
-def test_what_is_dumped_can_be_read_back(run: Run, logs: Path, tmp_path: Path) -> None:
-    words = ("--payload", "0.5,0,0,0.1", "--map", 'q=b"c', "--t-start", "1.5", "--figure-format", "pdf")
-    first = run("estimate", logs / "absent.csv", *words, "--dump-config")
-    assert first.code == 0
-    values = tomllib.loads(first.out)
-    assert values["map"] == ['q=b"c']
-    assert values["t-start"] == 1.5
-    assert values["figure-format"] == ["pdf"]
-    path = write(tmp_path, first.out)
-    assert run("estimate", logs / "absent.csv", "--config", path, "--dump-config").out == first.out
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -63,9 +50,3 @@ def test_mistakes_in_the_file_are_usage_errors(text: str, message: str, run: Run
     answer = run("estimate", logs / "moved1.csv", "--config", write(tmp_path, text))
     assert answer.code == 2
     assert message in answer.err
-
-
-def test_a_file_that_is_not_there(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved1.csv", "--config", "absent.toml")
-    assert answer.code == 2
-    assert "absent.toml: cannot be read" in answer.err

@@ -31,13 +31,6 @@ def test_joints_and_time_are_cut(run: Run, logs: Path, tmp_path: Path) -> None:
     assert abs(part.duration_s - 3) < 0.01
 
 
-def test_an_older_file_stays(run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "out.csv").write_text("old")
-    assert run("convert", logs / "moved1.csv", "out.csv").code == 2
-    assert (tmp_path / "out.csv").read_text() == "old"
-    assert run("convert", logs / "moved1.csv", "out.csv", "--overwrite").code == 0
-
-
 def test_a_folder_is_never_lost_to_a_bag_or_a_file(run: Run, tmp_path: Path) -> None:
     folder = tmp_path / "mydata"
     folder.mkdir()

@@ -8,19 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.cli import choices
 from friction_audit.effects.joint_model import load_model
-from friction_audit.effects.registry import effects
 from friction_audit.io.writers.write_log import write_log
 from tests.cli.conftest import Run
 from tests.reporting.conftest import build_estimate
 
 FEW = ("--candidates", "stribeck,torque_ripple")
-WRITTEN = {"diagnose.json", "model.toml", *(f"{name}.png" for name in choices.DIAGNOSIS_FIGURES)}
-
-
-def test_names_of_the_effects_are_those_of_the_catalogue() -> None:
-    assert tuple(candidate.name for candidate in effects()) == choices.EFFECTS
 
 
 def test_the_table_has_a_row_and_a_sentence_per_joint(run: Run, logs: Path) -> None:
@@ -71,17 +64,10 @@ def test_a_process_of_its_own_which_works_in_copies_says_the_same(run: Run, logs
     assert (done.stdout, done.stderr) == (run(*words).out, "")
 
 
-def test_the_same_seed_gives_the_same_answer(run: Run, logs: Path) -> None:
-    first, again = (run("diagnose", logs / "moved1.csv", "--json", *FEW).out for _ in range(2))
-    assert first == again
-
-
 @pytest.mark.usefixtures("sketched")
-def test_a_folder_gets_the_document_and_the_model_that_is_taken_again(run: Run, logs: Path, tmp_path: Path) -> None:
-    answer = run("diagnose", logs / "moved1.csv", "-o", "out/deep", "--json", *FEW)
+def test_the_model_of_a_diagnosis_is_taken_again(run: Run, logs: Path, tmp_path: Path) -> None:
+    assert run("diagnose", logs / "moved1.csv", "-o", "out/deep", "-q", *FEW).code == 0
     folder = tmp_path / "out" / "deep"
-    assert {path.name for path in folder.iterdir()} == WRITTEN
-    assert json.loads((folder / "diagnose.json").read_text()) == answer.document()
     (joint,) = load_model(folder / "model.toml").joints
     assert joint is not None
     assert joint.values("coulomb") == pytest.approx([0.245], abs=0.01)
@@ -89,39 +75,6 @@ def test_a_folder_gets_the_document_and_the_model_that_is_taken_again(run: Run, 
     again = run("diagnose", logs / "moved1.csv", "--joint-model", folder / "model.toml", "--json", *FEW).document()
     assert "inertia_kg_m2" not in again["joints"][0]["nominal"]
     assert again["settings"]["diagnosis"]["model"]["joints"][0]["provenance"]["cycles"] > 10
-
-
-@pytest.mark.parametrize("name", sorted(WRITTEN))
-def test_an_older_result_is_refused_before_the_log_is_read(name: str, run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / name).write_text("old")
-    answer = run("diagnose", logs / "absent.csv", "-o", "out")
-    assert answer.code == 2
-    assert f"{name}: exists already" in answer.err
-    assert (tmp_path / "out" / name).read_text() == "old"
-
-
-@pytest.mark.usefixtures("sketched")
-def test_overwrite_replaces_it(run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "model.toml").write_text("old")
-    assert run("diagnose", logs / "moved1.csv", "-o", "out", "--overwrite", *FEW).code == 0
-    assert "coulomb_nm" in (tmp_path / "out" / "model.toml").read_text()
-
-
-def test_no_answer_for_any_joint(run: Run, logs: Path, tmp_path: Path) -> None:
-    answer = run("diagnose", logs / "still.csv", "-o", "out")
-    assert answer.code == 4
-    assert "no joint can be diagnosed:\n  joint 1: " in answer.err
-    assert answer.out == ""
-    assert not (tmp_path / "out").exists()
-
-
-def test_damage_is_said(run: Run, logs: Path) -> None:
-    answer = run("diagnose", logs / "damaged.csv", "-q", *FEW)
-    assert answer.code == 6
-    assert answer.err == ""
-    assert "joint 1: " in answer.out
 
 
 def test_more_is_said_to_those_who_ask(run: Run, logs: Path) -> None:

@@ -1,5 +1,6 @@
-"""What holds for every command: examples in its help that parse, near misses, ``--config`` of what it dumps."""
+"""What holds for every command: its help and page, near misses, ``--config`` of what it dumps, files that are there."""
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 import typer
 
+from friction_audit.cli import choices
 from friction_audit.cli.app import NAMES, app, module_of
 from tests.cli.conftest import Run
 
@@ -101,3 +103,87 @@ def _without_options(module: "ModuleType", words: list[str]) -> list[str]:
         words[0],
         *(str(one) for value in values for one in (value if isinstance(value, list | tuple) else [value])),
     ]
+
+
+PAGES = Path(__file__).parents[2] / "docs" / "commands"
+SHORT = {"-q": "--quiet", "-v": "--verbose", "-o": "--output"}
+CONSOLE = re.compile(r"^```console\n.*?^```$", re.MULTILINE | re.DOTALL)
+OPTION = re.compile(r"(?<![\w-])(--[a-z][a-z-]+|-[a-z])(?![\w-])")
+
+
+@EACH
+def test_its_page_names_the_options_that_it_does_not_share_with_estimate(module: "ModuleType") -> None:
+    name, every = NAME[module], {*options(NAME[module]), "--help", "--help-all"}
+    prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
+    named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
+    shared = {"--help", "--help-all", *(options("estimate") if name != "estimate" else ())}
+    second = {word for p in GROUP.commands[name].params for word in p.secondary_opts}
+    assert every - shared <= named <= every | second
+
+
+def of(*figures: str) -> list[str]:
+    return [f"{name}.png" for name in figures]
+
+
+FILES = {
+    "estimate": ["estimate.json", "history.csv", *of(*choices.FIGURES)],
+    "replay": ["replay.json", "replay.csv", *of(*choices.REPLAY_FIGURES)],
+    "diagnose": ["diagnose.json", "model.toml", *of(*choices.DIAGNOSIS_FIGURES)],
+    "report": ["absent.report.html"],
+    "plot": of("velocity-torque", "velocity-torque-joint5"),
+    "compare": of("energy"),
+    "reproduce": of("fig6"),
+}
+"""Files that a command writes in its folder by default."""
+DOCUMENTED = ["estimate", "replay", "diagnose"]
+
+
+@pytest.mark.parametrize(("command", "name"), [(command, name) for command in FILES for name in FILES[command]])
+def test_an_older_result_is_refused_before_anything_is_done(
+    command: str, name: str, run: Run, logs: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).write_text("old")
+    log = [] if command in ("compare", "reproduce") else [logs / "absent.csv"]
+    answer = run(command, *log, "-o", "out")
+    assert (answer.code, f"{name}: exists already" in answer.err) == (2, True), answer
+    assert [path.read_text() for path in (tmp_path / "out").iterdir()] == ["old"]
+
+
+@pytest.mark.parametrize("words", ["convert {log} out.json", "simulate joint -o out.csv --truth out.json"])
+def test_an_older_file_is_replaced_if_asked(words: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    words = words.format(log=logs / "moved1.csv").replace("out.json", "out.csv" if "convert" in words else "out.json")
+    old = tmp_path / words.split()[-1]
+    old.write_text("old")
+    assert run(*words.split(), "-q").code == 2
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["old"]
+    assert run(*words.split(), "-q", "--overwrite").code == 0
+    assert old.read_text() != "old"
+
+
+@pytest.mark.usefixtures("sketched")
+@pytest.mark.parametrize("command", DOCUMENTED)
+def test_a_folder_gets_the_printed_document_and_all_files(command: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    few = ["--candidates", "stribeck"] if command == "diagnose" else []
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / FILES[command][0]).write_text("old")
+    answer = run(command, logs / "moved1.csv", *few, "-o", "out", "--json", "--overwrite")
+    assert (answer.code, answer.err) == (0, "")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(FILES[command])
+    assert json.loads((tmp_path / "out" / FILES[command][0]).read_text()) == answer.document()
+
+
+@pytest.mark.parametrize("command", DOCUMENTED)
+def test_a_joint_at_rest_is_no_answer_and_leaves_no_file(command: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run(command, logs / "still.csv", "-o", "out")
+    assert (answer.code, answer.out, "\n  joint 1: did not move" in answer.err) == (4, "", True), answer
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("command", DOCUMENTED)
+def test_damage_is_a_warning_unless_quiet_and_an_exit_code(command: str, run: Run, logs: Path) -> None:
+    few = ["--candidates", "stribeck"] if command == "diagnose" else []
+    loud, quiet = (run(command, logs / "damaged.csv", *few, *flag) for flag in ((), ("-q",)))
+    assert (loud.code, quiet.code, quiet.err) == (6, 6, "")
+    assert any(line.startswith("warning: ") for line in loud.err.splitlines())
+    assert quiet.out == loud.out

@@ -148,11 +148,3 @@ def test_of_several_arms_of_a_batch_one_is_named(run: Run) -> None:
     Path("model.toml").write_text(MODEL)
     assert "holds one arm; leave the option out" in run("export", "model.toml", "more.csv", "--arm", "b").err
     assert not Path("more.csv").exists()
-
-
-def test_a_header_may_end_in_h(run: Run) -> None:
-    Path("model.toml").write_text(MODEL)
-    for name in ("friction.hpp", "friction.h"):
-        assert run("export", "model.toml", name, "-q").code == 0
-    assert Path("friction.h").read_bytes() == Path("friction.hpp").read_bytes()
-    assert ".hpp or .h (cpp)" in run("export", "model.toml", "friction.hxx").err

@@ -1,6 +1,5 @@
 """Help and usage errors load no numerics."""
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -8,24 +7,15 @@ from pathlib import Path
 import pytest
 
 from friction_audit.cli import choices
-from friction_audit.cli.compare import METHOD_NAMES
+from friction_audit.cli.compare import ARMS, METHOD_NAMES
 from friction_audit.cli.reproduce import PAPER_FIGURES
-from friction_audit.compensation.comparison import METHODS
+from friction_audit.compensation.comparison import METHODS, SCENES
 from friction_audit.compensation.settings import COMPETITORS, COUNTERFACTUALS
 from friction_audit.reproduce import REPRODUCTIONS
 
 HEAVY = (
-    "numpy",
-    "scipy",
-    "pandas",
-    "pyarrow",
-    "numba",
-    "matplotlib",
-    "rich",
-    "rosbags",
-    "mcap",
-    "mujoco",
-    "statsmodels",
+    *("numpy", "scipy", "pandas", "pyarrow", "numba", "matplotlib"),
+    *("rich", "rosbags", "mcap", "mujoco", "statsmodels"),
 )
 
 SCRIPT = f"""
@@ -49,18 +39,11 @@ def test_nothing_heavy_is_loaded(words: str) -> None:
     assert done.stderr.splitlines()[-1] == ""
 
 
-def test_a_shell_completes_the_name_of_a_scenario() -> None:
-    asked = {"_FRICTION_AUDIT_COMPLETE": "complete_bash", "COMP_WORDS": "friction-audit simulate pa", "COMP_CWORD": "2"}
-    done = subprocess.run(
-        [sys.executable, "-c", SCRIPT], env=os.environ | asked, capture_output=True, text=True, check=True
-    )
-    assert done.stdout.split() == ["panda-joint", "panda", "panda-driven"]
-
-
 def test_names_of_options_are_those_of_the_steps() -> None:
     assert set(choices.COMPENSATORS) == {"energy", *COMPETITORS}
     assert tuple(COUNTERFACTUALS) == choices.ASSUMPTIONS
-    assert {method.name for method in METHODS} == set(METHOD_NAMES)
+    assert tuple(method.name for method in METHODS) == METHOD_NAMES
+    assert tuple(scene.name for scene in SCENES) == ARMS
     assert tuple(one.figure for one in REPRODUCTIONS) == PAPER_FIGURES
 
 

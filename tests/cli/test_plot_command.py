@@ -34,14 +34,6 @@ def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
     assert {Path(figure["path"]).suffix for figure in figures} == {".svg", ".pdf"}
 
 
-def test_figures_of_an_older_run_are_refused_first(run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "figures").mkdir()
-    (tmp_path / "figures" / "energy-joint5.png").touch()
-    answer = run("plot", logs / "absent.csv", "--figures", "energy")
-    assert answer.code == 2
-    assert "energy-joint5.png: exists already" in answer.err
-
-
 @pytest.mark.usefixtures("sketched")
 def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
     answer = run("plot", logs / "still.csv", "--figures", "all")

@@ -41,15 +41,6 @@ def test_the_preset_of_the_panda_is_its_built_in_urdf() -> None:
         assert tuple(figures) == limits_in(read_urdf(None), "urdf", name)
 
 
-def test_published_figures_that_are_known() -> None:
-    assert PRESETS["ur10e"].torque_nm == (330, 330, 150, 56, 56, 56)
-    assert PRESETS["ur3e"].speed_rad_s[3] == pytest.approx(2 * pi)
-    assert PRESETS["iiwa14"].speed_rad_s[0] == pytest.approx(np.radians(85))
-    assert PRESETS["gen3"].high_rad[0] == inf
-    assert (PRESETS["fr3"].low_rad[5], PRESETS["fr3"].speed_rad_s[6]) == (0.5445, 5.26)
-    assert (PRESETS["xarm7"].high_rad[1], PRESETS["xarm7"].torque) == (2.0944, "estimate")
-
-
 @pytest.mark.parametrize(
     ("names", "arms"),
     [
@@ -140,27 +131,12 @@ def test_info_names_the_arms_that_share_the_names_and_doubts_the_unit(run: Run, 
     assert "effort_is_current" not in scaled.out
 
 
-def test_a_torque_estimated_from_the_current_is_said(run: Run, tmp_path: Path) -> None:
-    log = table(tmp_path / "xarm.csv", tuple(f"xarm7_joint{k}" for k in range(1, 8)), "effort")
-    done = run("info", log, "--json")
-    entry = json.loads(done.out)["logs"][0]
-    assert entry["robot"] == "xarm7"
-    assert "torque_from_current" in [one["code"] for one in entry["warnings"]]
-
-
 def test_a_model_of_a_preset_without_one_is_refused_with_what_to_do(run: Run, tmp_path: Path) -> None:
     log = table(tmp_path / "ur.csv", UR_NAMES, "torque")
     done = run("estimate", log, "--robot", "ur5e", "--gravity", "model")
     assert done.code == 2
     assert "Universal Robots UR5e: names and limits are known, no rigid-body model" in done.err
     assert "--urdf FILE" in done.err
-
-
-def test_an_unknown_preset_lists_the_names(run: Run, tmp_path: Path) -> None:
-    done = run("info", tmp_path, "--robot", "ur6e")
-    assert done.code == 2
-    for name in PRESETS:
-        assert name in done.err
 
 
 def test_the_table_of_arms_is_that_of_the_source() -> None:

@@ -41,12 +41,6 @@ def test_a_terminal_shows_the_share_done(monkeypatch: pytest.MonkeyPatch) -> Non
     assert "50%" in terminal.getvalue()
 
 
-def test_short_work_shows_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = watch(monkeypatch)
-    work(Voice(quiet=False, verbose=False))
-    assert "%" not in terminal.getvalue()
-
-
 def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
     with Voice(quiet=True, verbose=False).step("simulate") as report:
@@ -104,15 +98,3 @@ def test_stages_of_known_length_show_the_time_left(monkeypatch: pytest.MonkeyPat
     shown = terminal.getvalue()
     assert re.search(r"about (?:9|1\d) s left", shown)  # 99 times the 0.1 s of the first
     assert "diagnose ..." in shown
-
-
-def test_stages_nobody_watches_are_silent(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = watch(monkeypatch)
-    with Voice(quiet=True, verbose=False).stages(2) as told, told.step("read"):
-        assert told.course is None
-    assert terminal.getvalue() == ""
-
-
-def test_nobody_watches_a_quiet_count() -> None:
-    with Voice(quiet=True, verbose=False).count("estimate") as count:
-        assert count is None

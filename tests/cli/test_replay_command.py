@@ -1,5 +1,3 @@
-import csv
-import json
 import re
 from pathlib import Path
 
@@ -9,8 +7,6 @@ import pytest
 
 from friction_audit.cli import main
 from tests.cli.conftest import Run
-
-WRITTEN = {"replay.json", "replay.csv", "replay.png", "replay-velocity-torque.png"}
 
 
 def test_the_table_names_the_assumption(run: Run, logs: Path) -> None:
@@ -35,38 +31,6 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     assert joint["limits"] == {"torque_nm": 50.0, "rate_nm_s": None}
     assert joint["cycles"] == len(joint["history"])
     assert joint["energy_with_j"] < joint["energy_without_j"]
-
-
-@pytest.mark.usefixtures("sketched")
-def test_a_folder_gets_document_history_and_figures(run: Run, logs: Path, tmp_path: Path) -> None:
-    answer = run("replay", logs / "moved1.csv", "-o", "out/deep", "--json")
-    folder = tmp_path / "out" / "deep"
-    assert {path.name for path in folder.iterdir()} == WRITTEN
-    assert json.loads((folder / "replay.json").read_text()) == answer.document()
-    rows = list(csv.DictReader((folder / "replay.csv").read_text().splitlines()))
-    history = answer.document()["joints"][0]["history"]
-    assert [row["status"] for row in rows] == [cycle["status"] for cycle in history]
-    assert [float(row["net_energy_j"]) for row in rows] == pytest.approx([one["net_energy_j"] for one in history])
-
-
-@pytest.mark.parametrize("name", sorted(WRITTEN))
-def test_an_older_result_is_refused_before_the_log_is_read(name: str, run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / name).write_text("old")
-    answer = run("replay", logs / "absent.csv", "-o", "out")
-    assert answer.code == 2
-    assert f"{name}: exists already" in answer.err
-
-
-def test_a_joint_at_rest_is_no_replay(run: Run, logs: Path, tmp_path: Path) -> None:
-    answer = run("replay", logs / "still.csv", "-o", "out")
-    assert answer.code == 4
-    assert "joint 1: did not move" in answer.err
-    assert not (tmp_path / "out").exists()
-
-
-def test_damage_is_said(run: Run, logs: Path) -> None:
-    assert run("replay", logs / "damaged.csv", "-q").code == 6
 
 
 @pytest.mark.parametrize(
@@ -108,20 +72,6 @@ def test_what_moves_otherwise_is_said_with_its_intervals(run: Run, logs: Path) -
         r"joint 1 as fitted, 95 %: inertia [\d.]+ ± [\d.]+ kg m², Coulomb [\d.]+ ± [\d.]+ N m, viscous", text
     )
     assert "person at joint 1 as given: inertia 0.3 kg m², damping 9 N m s/rad, stiffness 60 N m/rad" in text
-
-
-def test_an_assumption_that_the_log_does_not_carry(run: Run, logs: Path) -> None:
-    answer = run("replay", logs / "moved1.csv", "--assume", "same-operator")
-    assert answer.code == 4
-    assert "impedance" in answer.err or "inertia" in answer.err
-
-
-@pytest.mark.usefixtures("sketched")
-@pytest.mark.parametrize("kind", ["replay", "replay-velocity-torque"])
-def test_plot_draws_a_replay(kind: str, run: Run, logs: Path) -> None:
-    answer = run("plot", logs / "moved2.csv", "--figures", kind, "-o", "x")
-    assert answer.code == 0
-    assert answer.out.split() == [f"x/{kind}.png", f"x/{kind}-joint1.png", f"x/{kind}-joint2.png"]
 
 
 @pytest.fixture(scope="module")

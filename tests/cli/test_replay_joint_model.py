@@ -77,26 +77,6 @@ def test_the_joint_of_the_file_moves(run: Run, log: str) -> None:
     assert document["settings"]["replay"]["joint_model"] == "model.toml"
 
 
-def test_the_table_says_which_model(run: Run, log: str) -> None:
-    text = run("replay", log, *APPLIED, *OPERATOR).out
-    assert "compensator: joint_model, model-based: the terms of friction of a joint's model" in text
-    lead = "joint 1 by model.toml (diagnose, first.parquet, 12 cycles): inertia 0.3 kg m²"
-    assert f"{lead}, coulomb, viscous, stribeck; applied: coulomb, viscous, stribeck" in " ".join(text.split())
-    assert "as fitted, 95 %: inertia" not in text
-
-
-def test_a_model_by_hand_has_no_origin(run: Run, log: str) -> None:
-    save(simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07), path="hand.toml")
-    words = ("--assume", "same-torque", "--joint-model", "hand.toml")
-    assert "joint 1 by hand.toml (origin unknown): inertia 0.3 kg m²" in run("replay", log, *words).out
-
-
-@pytest.mark.usefixtures("sketched")
-def test_a_folder_gets_figures_with_a_model_too(run: Run, log: str, tmp_path: Path) -> None:
-    assert run("replay", log, *APPLIED, *OPERATOR, "-o", "out", "-q").code == 0
-    assert {"replay.json", "replay.png"} <= {path.name for path in (tmp_path / "out").iterdir()}
-
-
 def test_a_joint_without_a_model_does_not_stop_the_others(run: Run, logs: Path) -> None:
     save(None, SIMPLE)
     answer = run("replay", logs / "moved2.csv", *APPLIED)

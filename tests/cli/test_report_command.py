@@ -63,17 +63,3 @@ def test_json_alone_writes_no_file(run: Run, logs: Path, tmp_path: Path, monkeyp
     assert document["unanswered"] == [{"part": "diagnose", "message": WHY}]
     assert document["joints"][0]["verdict"] == "estimated"
     assert list(tmp_path.iterdir()) == []
-
-
-def test_an_older_report_is_refused_before_the_log_is_read(run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "absent.report.html").write_text("old")
-    answer = run("report", logs / "absent.csv")
-    assert answer.code == 2
-    assert "absent.report.html: exists already" in answer.err
-    assert (tmp_path / "absent.report.html").read_text() == "old"
-
-
-def test_a_format_that_is_none_is_named(run: Run, logs: Path) -> None:
-    answer = run("report", logs / "moved1.csv", "--format", "markdwn")
-    assert answer.code == 2
-    assert "did you mean markdown?" in answer.err

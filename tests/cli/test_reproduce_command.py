@@ -4,13 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.cli.reproduce import PAPER_FIGURES
-from friction_audit.reproduce import REPRODUCTIONS
 from tests.cli.conftest import Run
-
-
-def test_the_figures_of_the_help_text_are_those_there_are() -> None:
-    assert tuple(one.figure for one in REPRODUCTIONS) == PAPER_FIGURES
 
 
 def test_table_figures_and_exit_code(run: Run, tmp_path: Path) -> None:
@@ -40,31 +34,3 @@ def test_a_claim_that_does_not_hold_is_a_result(run: Run, monkeypatch: pytest.Mo
     assert "0 of 3 claims of the paper hold" in answer.out
     assert "NO" in answer.out
     assert "6: cycle 4 dissipates" in answer.out
-
-
-@pytest.mark.usefixtures("sketched")
-def test_older_figures_are_refused_before_anything_is_simulated(run: Run, tmp_path: Path) -> None:
-    older = tmp_path / "reproduced" / "fig6.png"
-    older.parent.mkdir()
-    older.write_bytes(b"older")
-    answer = run("reproduce", "--figures", "6")
-    assert answer.code == 2
-    assert "exists already" in answer.err
-    assert older.read_bytes() == b"older"
-    assert run("reproduce", "--figures", "6", "--overwrite", "-q").code == 0
-    assert older.read_bytes() != b"older"
-
-
-@pytest.mark.parametrize(
-    ("words", "message"), [(("--figures", "15"), "15: expected one of 3, 6, 7"), (("--persons", "0"), "--persons")]
-)
-def test_wrong_usage(words: tuple[str, str], message: str, run: Run) -> None:
-    answer = run("reproduce", *words)
-    assert answer.code == 2
-    assert message in answer.err
-
-
-def test_the_same_figure_has_the_same_bytes(run: Run, tmp_path: Path) -> None:
-    for folder in ("one", "two"):
-        assert run("reproduce", "--figures", "9", "-o", folder, "--figure-format", "pdf", "-q").code == 0
-    assert (tmp_path / "one" / "fig9.pdf").read_bytes() == (tmp_path / "two" / "fig9.pdf").read_bytes()

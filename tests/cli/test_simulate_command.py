@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import jsonschema
-import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
@@ -113,17 +112,6 @@ def test_same_seed_same_bytes(writer: Writer, run: Run, tmp_path: Path) -> None:
     assert written("a", 3) == written("b", 3) != written("c", 4)
 
 
-def test_the_log_of_a_directory_holds_the_same_numbers(run: Run, tmp_path: Path) -> None:
-    for out, dialect in (("bag", "rosbag2-mcap"), ("run.parquet", "parquet")):
-        assert run("simulate", SEVEN, "-o", out, "--dialect", dialect, *SHORT).code == 0
-    assert np.array_equal(read_log(tmp_path / "bag").dq, read_log(tmp_path / "run.parquet").dq)
-
-
-def test_what_is_said(run: Run) -> None:
-    answer = run("simulate", ONE, "-o", "run.csv", "--truth", "run.json", "--duration", "2")
-    assert (answer.code, answer.out, answer.err) == (0, "run.csv\nrun.json\n", "")
-
-
 def test_channels_without_a_place_are_named(run: Run) -> None:
     answer = run("simulate", SEVEN, "-o", "run.mcap", "--duration", "2")
     assert answer.out == "run.mcap\n"
@@ -154,16 +142,6 @@ def test_ideal_sensors_and_one_of_their_faults(run: Run) -> None:
     document = run("simulate", ONE, "-o", "run.parquet", *words).document()
     (sensors,) = document["settings"]["sensors"]
     assert sensors == asdict(IDEAL_SENSORS) | {"torque_noise_nm": 0.1}
-
-
-def test_an_older_file_stays(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "run.json").write_text("old")
-    words = ("simulate", ONE, "-o", "run.csv", "--truth", "run.json", *SHORT)
-    answer = run(*words)
-    assert (answer.code, left(tmp_path)) == (2, ["run.json"])
-    assert "run.json: exists already" in answer.err
-    assert run(*words, "--overwrite").code == 0
-    assert truth_of(tmp_path / "run.json")["scenario"] == ONE
 
 
 def fail(kind: type[BaseException]) -> Any:
@@ -248,12 +226,3 @@ def test_effects_are_listed_with_their_parameters(run: Run) -> None:
         assert f"{effect.name}:" in words
         assert {parameter.name for parameter in effect.parameters()} <= set(words)
         assert all(form in " ".join(lines) for form in effect.forms)
-
-
-def test_options_come_from_a_file(run: Run, tmp_path: Path) -> None:
-    words = ("--duration", "2", "--effect", "stribeck@2", "--effect", "torque_bias", "--set", "joints.coulomb_nm=0.4@2")
-    dumped = run("simulate", SEVEN, "-o", "run.parquet", *words, "--dump-config").out
-    (tmp_path / "again.toml").write_text(dumped)
-    again = run("simulate", SEVEN, "--config", "again.toml", "--json").document()
-    given = run("simulate", SEVEN, "-o", "run.parquet", *words, "--json", "--overwrite").document()
-    assert again == given

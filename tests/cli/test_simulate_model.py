@@ -61,10 +61,3 @@ def test_a_term_without_an_equal_is_refused(run: Run, tmp_path: Path) -> None:
     assert answer.code == 2
     assert "--joint-model drift.toml: the model's joint 1: torque_drift: the simulator has no equal of it" in answer.err
     assert not (tmp_path / "run.parquet").exists()
-
-
-def test_a_file_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:
-    (tmp_path / "no.toml").write_text("schema = 1\n")
-    answer = run("simulate", "joint", "-o", "run.parquet", "--joint-model", "no.toml")
-    assert answer.code == 3
-    assert "no.toml: schema is 1; expected 'friction-audit/model/1'" in answer.err

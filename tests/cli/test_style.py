@@ -31,14 +31,6 @@ def test_a_style_sheet_holds_in_the_figures_of_every_command(command: str, run: 
     assert own == pytest.approx([50 / RC["savefig.dpi"] * one for one in usual], abs=1)
 
 
-def test_a_style_of_matplotlib_and_the_usual_one_differ(run: Run, logs: Path) -> None:
-    pictures = set()
-    for style in ("sans", "ieee", "ggplot"):
-        assert run("plot", logs / "moved1.csv", "--style", style, "-o", style, "-q").code == 0
-        pictures.add((Path(style) / "velocity-torque.png").read_bytes())
-    assert len(pictures) == 3
-
-
 @pytest.mark.parametrize(
     ("content", "found"),
     [

@@ -8,14 +8,13 @@ from hypothesis import strategies as st
 
 from friction_audit.drift.analyse import analyse_drift, choose_reference
 from friction_audit.drift.report import ArmDrift, CoefficientDrift
-from friction_audit.drift.session import JointSummary, Session
+from friction_audit.drift.session import Session
 from friction_audit.drift.settings import DriftSettings
-from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.drift_words import arm_sentence, describe, headline, joint_sentence
 from tests.drift.made_sessions import (
     A_DAY_S,
     FIRST_S,
-    HAND,
     about,
     make_arm_sessions,
     make_joint,
@@ -158,45 +157,12 @@ def test_too_few_sessions_say_how_many_are_needed(count: int) -> None:
     assert "at least 4 are needed" in arm_sentence(arm)
 
 
-def test_a_joint_that_never_moved_is_said_to_have_stood_still() -> None:
-    still = JointSummary(
-        joint=2,
-        name="joint2",
-        coefficients={},
-        cycles=0,
-        moving_s=0.0,
-        speed_rad_s=(np.nan, np.nan, np.nan),
-        reason="did not move: its speed never came near the threshold; move it",
-    )
-    sessions = [replace(one, joints=(*one.joints, still)) for one in make_sessions(noisy(6))]
-    expected = "0 comparable sessions, at least 4 are needed to separate drift from scatter; did not move (6 sessions)"
-    arm = analyse(sessions)
-    assert joint_sentence(arm, arm.joints[1]) == expected
-    assert [describe(one, arm.sessions) for one in arm.joints[1].coefficients] == [
-        f"Coulomb friction: {expected}",
-        f"viscous friction: {expected}",
-    ]
-
-
-def test_no_session_is_no_arm() -> None:
-    assert analyse_drift([], QUICK).arms == ()
-
-
 def test_arms_are_never_mixed() -> None:
     low = make_sessions(noisy(8))
     high = [replace(session, robot="other") for session in make_sessions(noisy(8, level=0.6))]
     report = analyse_drift([*low, *high], QUICK)
     assert [arm.robot for arm in report.arms] == ["arm", "other"]
     assert not report.drift
-
-
-def test_sessions_without_an_estimate_are_passed_over() -> None:
-    sessions = make_sessions(noisy(12))
-    lost = replace(sessions[4].joints[0], coefficients={"coulomb_nm": UNDETERMINED})
-    sessions[4] = replace(sessions[4], joints=(lost,))
-    arm = analyse(sessions)
-    assert arm.joints[0].coefficients[0].sessions == (0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11)
-    assert not arm.drift
 
 
 def test_temperature_that_varies_explains_the_changes() -> None:
@@ -279,14 +245,6 @@ def test_reference_that_is_not_there() -> None:
     chosen, (warning,) = choose_reference((0, 1, 2, 3), (1, 9))
     assert (chosen, warning) == ((1,), "session 10 of the reference cannot be compared")
     assert choose_reference((0, 1, 2, 3), (9,))[0] == (0, 1)
-
-
-def test_unlike_sessions_are_listed() -> None:
-    sessions = make_sessions(noisy(12))
-    sessions[3] = replace(sessions[3], conditions=replace(HAND, gravity="model"))
-    arm = analyse(sessions)
-    assert arm.left_out == ((3, "gravity model, of the others removed"),)
-    assert 3 not in arm.joints[0].coefficients[0].sessions
 
 
 @settings(max_examples=3, deadline=None)

@@ -3,7 +3,7 @@ from dataclasses import replace
 import pytest
 
 from friction_audit.drift.covariates import choose_comparable
-from friction_audit.drift.session import Conditions, Session, natural, put_in_order
+from friction_audit.drift.session import Conditions, Session, put_in_order
 from tests.drift.made_sessions import FIRST_S, HAND, make_joint, make_session
 
 
@@ -31,23 +31,9 @@ def test_unlike_sessions_are_left_out_with_the_reason(name: str, value: object, 
     assert left_out([session(0), session(1), session(2, odd), session(3)]) == {2: reason}
 
 
-def test_other_joints_are_another_arm() -> None:
-    two = make_session(1, [make_joint(1, 0.3), make_joint(2, 0.3)])
-    assert left_out([session(0), two, session(2)]) == {1: "joints 1-2, of the others 1"}
-
-
 def test_latest_of_equal_groups_is_compared() -> None:
     odd = replace(HAND, gravity="model")
     assert set(left_out([session(0), session(1), session(2, odd), session(3, odd)])) == {0, 1}
-
-
-def test_like_rates_are_compared() -> None:
-    assert left_out([session(0), session(1, replace(HAND, rate_hz=700.0))]) == {}
-
-
-def test_same_content_counts_once() -> None:
-    again = replace(session(1), path="copy.csv")
-    assert left_out([session(0), session(1), again]) == {2: "the same recording as copy.csv"}
 
 
 def test_same_start_and_estimates_in_another_format_count_once() -> None:
@@ -72,10 +58,6 @@ def test_few_without_a_start_are_left_out() -> None:
     ((index, reason),) = order.left_out
     assert index == 2
     assert "manifest" in reason
-
-
-def test_natural_order() -> None:
-    assert sorted(["b2", "B10", "b1x", "a", "1"], key=natural) == ["a", "b1x", "b2", "B10", "1"]
 
 
 def test_other_speeds_are_told() -> None:

@@ -6,23 +6,20 @@ from scipy import stats
 
 from friction_audit.drift.change_points import find_isolated, find_steps, segmentation
 from friction_audit.drift.change_test import (
-    Autocorrelation,
     detrend,
     estimate_autocorrelation,
     lagged_sum,
     make_directions,
-    score,
     step_down,
     step_places,
     studentise,
 )
 from friction_audit.drift.coefficient import noncentrality
 from friction_audit.drift.covariates import without_temperature
-from friction_audit.drift.regression import fit_model, residual_scatter, shape_of, steps_scatter
+from friction_audit.drift.regression import fit_model, residual_scatter, steps_scatter
 from friction_audit.drift.session import Series, make_series
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.joint_log import Float
-from friction_audit.reporting.drift_words import percent
 from tests.drift.made_sessions import make_sessions, noisy
 
 
@@ -75,10 +72,6 @@ def test_step_down_by_hand() -> None:
     null = np.array([[1.0, 5.0], [2.0, 2.5], [3.0, 0.5]])
     # 4 against the maxima 5, 2.5, 3: one is as large; 2 against 1, 2, 3: two are.
     assert step_down(np.array([2.0, 4.0]), null).tolist() == [3 / 4, 2 / 4]
-
-
-def test_score_is_minus_log_of_p() -> None:
-    assert score(2.0, 10) == pytest.approx(-np.log(stats.t.sf(2.0, 10)))
 
 
 def test_isolated_session_and_step() -> None:
@@ -159,20 +152,3 @@ def test_autocorrelation_of_many_series(correlation: float) -> None:
     ]
     assert found.growth > 0.95 * largest[1] / largest[0]
     assert found.growth < 1.6 * largest[1] / largest[0]
-
-
-def test_few_sessions_have_no_autocorrelation() -> None:
-    directions = make_directions(series_of(noisy(8, 0)))
-    assert estimate_autocorrelation([directions], np.random.default_rng(0)) == Autocorrelation()
-
-
-@pytest.mark.parametrize(
-    ("steps", "ramp", "count", "shape"),
-    [(0.0, 10.0, 1, "step"), (0.0, 10.0, 3, "steps"), (10.0, 0.0, 1, "ramp"), (0.0, 3.0, 1, "step_or_ramp")],
-)
-def test_the_better_description(steps: float, ramp: float, count: int, shape: str) -> None:
-    assert shape_of(steps, ramp, count) == shape
-
-
-def test_percent_for_people() -> None:
-    assert [percent(share) for share in (0.0123, 0.15, 0.999, 2.34)] == ["1.2", "15", "100", "234"]

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.batch.work import session_of
 from friction_audit.drift.session import JointSummary
 from friction_audit.drift.summarise import BINS, bin_torque, summarise_joints
 from friction_audit.friction.settings import FrictionSettings
@@ -48,18 +47,6 @@ def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
     assert np.isnan(found[2].speed_rad_s).all()
 
 
-def test_quartiles_of_the_speed_are_those_in_motion() -> None:
-    found = summaries(estimated(1))[0]
-    low, median, high = found.speed_rad_s
-    assert 0.05 < low < median < high < 2.0
-
-
-def test_the_mean_temperature_is_of_the_joint(estimate: Estimate) -> None:
-    assert summaries(estimate)[0].temperature_c is None
-    warm = replace(estimate, log=replace(estimate.log, temperature=np.full_like(estimate.log.q, 31.5)))
-    assert summaries(warm)[0].temperature_c == 31.5
-
-
 def test_joints_selected_keep_their_numbers_and_their_temperature() -> None:
     log = build_estimate(2, count=20, rate=250.0).log
     log = replace(log, temperature=np.tile([20.0, 40.0], (len(log.t), 1)))
@@ -90,12 +77,6 @@ def test_bins_hold_means_and_spreads() -> None:
 @pytest.mark.parametrize("samples", [0, 5])
 def test_too_few_samples_make_no_curve(samples: int) -> None:
     assert not bin_torque(np.ones(samples), np.ones(samples)).speed_rad_s
-
-
-def test_one_speed_is_one_bin() -> None:
-    curve = bin_torque(np.full(50, 0.4), np.full(50, 0.3))
-    assert curve.speed_rad_s == pytest.approx((0.4,))
-    assert curve.torque_nm == pytest.approx((0.3,))
 
 
 def test_a_compensator_s_torque_counts_with_the_hand_s() -> None:
@@ -131,9 +112,3 @@ def test_a_model_without_a_coefficient_has_no_change_of_it(log: JointLog) -> Non
     within = summaries(estimate_log(log, settings))[0].within
     assert np.isfinite(within["coulomb_nm"].value)
     assert np.isnan(within["viscous_nms_per_rad"].value)
-
-
-def test_conditions(estimate: Estimate) -> None:
-    found = session_of(estimate).conditions
-    assert (found.drive, found.torque, found.gravity) == ("hand", "interaction", "removed")
-    assert found.rate_hz == pytest.approx(250.0, rel=0.01)
