@@ -1,5 +1,6 @@
 """Which arm a session is of, and when it was."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 
@@ -7,7 +8,6 @@ import pytest
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
 from friction_audit.batch.identity import (
-    Identified,
     Recorded,
     identify,
     parse_time,
@@ -44,16 +44,16 @@ def recorded(
     return Recorded(session=session, topic=topic, kind=kind)
 
 
-def robots(found: Identified) -> dict[str, list[str]]:
+def robots(sessions: Sequence[Session]) -> dict[str, list[str]]:
     every: dict[str, list[str]] = {}
-    for session in found.sessions:
+    for session in sessions:
         every.setdefault(session.robot, []).append(session.path)
     return every
 
 
 def test_manifest_before_log_before_folder() -> None:
     row = ManifestRow(path="a/1.csv", robot="R1", start_s=5.0, temperature_c=21.0, payload="tool", note="new oil")
-    found = identify(
+    found, warnings = identify(
         [
             (file("a/1.csv", row), recorded("left", start=1.0)),
             (file("a/2.csv"), recorded("left", start=2.0)),
@@ -61,10 +61,10 @@ def test_manifest_before_log_before_folder() -> None:
         ]
     )
     assert robots(found) == {"R1": ["a/1.csv"], "a": ["a/3.csv"], "left": ["a/2.csv"]}
-    first = next(session for session in found.sessions if session.robot == "R1")
+    first = next(session for session in found if session.robot == "R1")
     assert (first.start_s, first.start_from, first.temperature_c, first.note) == (5.0, "manifest", 21.0, "new oil")
     assert first.conditions.payload == "tool"
-    assert found.warnings == ()
+    assert warnings == ()
 
 
 @pytest.mark.parametrize(
@@ -83,28 +83,28 @@ def test_folders_of_days_are_no_robots(folders: tuple[str, ...], robot: str) -> 
 
 def test_arms_of_one_log_stay_apart_and_under_the_manifest_s_name() -> None:
     pair = [recorded("left", start=1.0, topic="/l"), recorded("right", start=1.0, topic="/r")]
-    assert robots(identify([(file("a/1.bag"), one) for one in pair])) == {
+    assert robots(identify([(file("a/1.bag"), one) for one in pair])[0]) == {
         "left": ["a/1.bag [/l]"],
         "right": ["a/1.bag [/r]"],
     }
     row = ManifestRow(path="a/1.bag", robot="cell 3")
-    assert set(robots(identify([(file("a/1.bag", row), one) for one in pair]))) == {"cell 3/left", "cell 3/right"}
+    assert set(robots(identify([(file("a/1.bag", row), one) for one in pair])[0])) == {"cell 3/left", "cell 3/right"}
 
 
 def test_sessions_in_the_order_of_their_starts() -> None:
-    found = identify(
+    found, _ = identify(
         [
             (file("a/2026-03-02.csv"), recorded()),
             (file("a/last.csv"), recorded(start=2e9)),
             (file("a/2026-03-01.csv"), recorded()),
         ]
     )
-    assert [session.path for session in found.sessions] == ["a/2026-03-01.csv", "a/2026-03-02.csv", "a/last.csv"]
-    assert [session.start_from for session in found.sessions] == ["name", "name", "log"]
+    assert [session.path for session in found] == ["a/2026-03-01.csv", "a/2026-03-02.csv", "a/last.csv"]
+    assert [session.start_from for session in found] == ["name", "name", "log"]
 
 
 def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
-    found = identify(
+    found, warnings = identify(
         [
             (file("a/1.csv"), recorded(start=1.0)),
             (file("a/2.csv"), recorded(start=2.0, kind="fr3")),
@@ -112,15 +112,15 @@ def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
         ]
     )
     assert set(robots(found)) == {"a (1 joint, unknown)", "a (7 joints, fr3)", "a (7 joints, panda)"}
-    assert "robot a: its logs are of unlike arms" in found.warnings[0]
+    assert "robot a: its logs are of unlike arms" in warnings[0]
 
 
 def test_one_name_in_two_folders_is_said_but_a_serial_number_is_trusted() -> None:
     logs = [(file(f"{lab}/1.csv"), recorded("left", start=n)) for n, lab in enumerate(("north", "south"), start=1)]
-    found = identify(logs)
+    found, warnings = identify(logs)
     assert set(robots(found)) == {"left"}
-    assert "robot left: logs in 2 folders (north, south)" in found.warnings[0]
-    assert identify([(log, replace(one, named_by_serial=True)) for log, one in logs]).warnings == ()
+    assert "robot left: logs in 2 folders (north, south)" in warnings[0]
+    assert identify([(log, replace(one, named_by_serial=True)) for log, one in logs])[1] == ()
 
 
 DAY = datetime(2026, 3, 1, tzinfo=UTC).timestamp()

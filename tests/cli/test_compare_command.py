@@ -43,7 +43,7 @@ def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
     answer = run("compare", *SHORT[:5], "none,torque_regulation", *NO_MARGINS, "--json", "--figure-format", "svg")
     document = answer.document()
     assert document["margin_seeds"] == []
-    assert [row["stability_margins"] for row in document["methods"]] == [[], []]
+    assert [row["stability_margins"] for row in document["methods"]] == [[], [], []]
     (sweep,) = document["sweeps"]
     assert sweep["method"] == "torque_regulation"
     stable = [point["stable"] for point in sweep["points"]]

@@ -176,7 +176,8 @@ def test_a_folder_gets_the_printed_document_and_all_files(command: str, run: Run
 @pytest.mark.parametrize("command", DOCUMENTED)
 def test_a_joint_at_rest_is_no_answer_and_leaves_no_file(command: str, run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run(command, logs / "still.csv", "-o", "out")
-    assert (answer.code, answer.out, "\n  joint 1: did not move" in answer.err) == (4, "", True), answer
+    assert (answer.code, answer.out) == (4, ""), answer
+    assert re.search(r"\n  joint 1: .*did not move", answer.err)
     assert not (tmp_path / "out").exists()
 
 

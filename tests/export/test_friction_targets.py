@@ -20,9 +20,8 @@ from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_mo
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export.export import TARGETS, Export, ExportSettings, choose_target, export_friction, read_into
-from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
+from friction_audit.export.friction_law import FrictionLaw, Target, even_speeds, friction_law
 from friction_audit.export.source import Joints
-from friction_audit.export.target import Target
 from friction_audit.export.xml_text import XmlText
 
 PANDA_URDF = Path(friction_audit.__file__).parent / "robot" / "panda.urdf"

@@ -160,8 +160,11 @@ class DaskExecutor:
         pool: Pool = client.get_executor(pure=False)
         try:
             _check_workers(client, self.address)
-            room = lambda: PER_THREAD * max(sum(client.nthreads().values()), 1)  # noqa: E731
-            for task, future in feed(partial(pool.submit, work), room, tasks):
+
+            def room() -> int:
+                return PER_THREAD * max(sum(client.nthreads().values()), 1)
+
+            for task, future in feed(lambda task: pool.submit(work, task), room, tasks):
                 error = future.exception()
                 said = f"{type(error).__name__}: {' '.join(str(error).split())}"
                 yield task, future.result() if error is None else Lost(f"lost on the cluster: {said}")

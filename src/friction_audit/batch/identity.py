@@ -101,17 +101,11 @@ def _unix_time(found: re.Match[str]) -> float | None:
     return moment.timestamp() + float(f"0.{found['part'] or 0}")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Identified:
-    """Sessions, each of a robot, in order."""
+def identify(found: Sequence[tuple[LogFile, Recorded]]) -> tuple[tuple[Session, ...], tuple[str, ...]]:
+    """Return sessions with arm and start, and warnings.
 
-    # by robot, each robot's in the order of their starts, or of their names where starts are not known
-    sessions: tuple[Session, ...]
-    warnings: tuple[str, ...]  # one sentence each
-
-
-def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
-    """Say of every session which arm it is of and when it was."""
+    They are by robot, each robot's in the order of their starts, or of their names where starts are not known.
+    """
     named = [(recorded, _session(file, recorded)) for file, recorded in found]
     sessions: list[Session] = []
     warnings = list(_shared_names(found))
@@ -126,7 +120,7 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
         for kind, group in groups.items():
             name = f"{robot} ({kind})" if len(groups) > 1 else robot
             sessions += put_in_order([replace(session, robot=name) for session in group]).sessions
-    return Identified(sessions=tuple(sessions), warnings=tuple(warnings))
+    return tuple(sessions), tuple(warnings)
 
 
 def _session(file: LogFile, recorded: Recorded) -> Session:

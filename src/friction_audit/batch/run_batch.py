@@ -107,7 +107,7 @@ def catch_up(
     hashes = _hashes(logs, ledger)
     first, copies = _one_of_each(logs, hashes)
     broken = ledger.forget_broken(hashes.values(), key)
-    damaged = [
+    warnings = [
         f"{log.path}: what {ledger.path} held of it was damaged or changed since; it was computed again"
         for log in first
         if hashes.get(log.place) in broken
@@ -116,29 +116,41 @@ def catch_up(
     passing = _work_through(new[::-1] if backwards else new, settings, ledger, executor, watch)
     hashes |= {log.place: sha256 for log in new if (sha256 := ledger.known_hash(log)) is not None}
     first, late_copies = _one_of_each(first, hashes)
+    named = [f"{path}: the same recording as {kept}" for path, kept in (copies | late_copies).items()]
+    if named:
+        more = [f"and {len(named) - MOST_NAMED} more copies"] if len(named) > MOST_NAMED else []
+        counts = "it counts" if len(named) == 1 else "each counts"
+        warnings.append(f"{'; '.join(named[:MOST_NAMED] + more)}, byte for byte; {counts} once")
     return Standing(
         logs=tuple(first),
         hashes=hashes,
         passing={place: faults for place, faults in passing.items() if faults},
         new=len(new),
         known=len(logs) - len(new) - len(copies),
-        warnings=(*damaged, *_copies_told(copies | late_copies)),
+        warnings=tuple(warnings),
     )
 
 
 def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> BatchResult:
     """Return the sessions of a batch, each of its arm and with its start."""
-    key = settings.key()
-    pairs, failed = _gather(standing, ledger, key)
-    named = identify(pairs)
+    key, hashes = settings.key(), standing.hashes
+    recorded, faults = ledger.recorded(hashes.values(), key), ledger.faults(hashes.values(), key)
+    pairs: list[tuple[LogFile, Recorded]] = []
+    failed: list[Failed] = []
+    for log in standing.logs:
+        sha256 = hashes.get(log.place, "")
+        pairs += [(log, one) for one in recorded.get(sha256, ())]
+        every = (*faults.get(sha256, ()), *standing.passing.get(log.place, ()))
+        failed += [Failed(name_of(log, one.topic), one.message) for one in every]
+    sessions, warnings = identify(pairs)
     topics = {name_of(log, one.topic): one.topic for log, one in pairs}
-    ledger.name_sessions(((session, topics[session.path]) for session in named.sessions), key)
+    ledger.name_sessions(((session, topics[session.path]) for session in sessions), key)
     return BatchResult(
-        sessions=named.sessions,
+        sessions=sessions,
         failed=tuple(failed),
         new=standing.new,
         known=standing.known,
-        warnings=(*standing.warnings, *named.warnings),
+        warnings=(*standing.warnings, *warnings),
     )
 
 
@@ -208,15 +220,6 @@ def _pattern(log: LogFile) -> str:
     return re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2])
 
 
-def _copies_told(copies: Mapping[str, str]) -> Iterator[str]:
-    """Yield one warning for all copies."""
-    named = [f"{path}: the same recording as {kept}" for path, kept in copies.items()]
-    if len(named) > MOST_NAMED:
-        named[MOST_NAMED:] = [f"and {len(named) - MOST_NAMED} more copies"]
-    if named:
-        yield f"{'; '.join(named)}, byte for byte; {'it counts' if len(copies) == 1 else 'each counts'} once"
-
-
 def _work_through(
     new: Sequence[LogFile],
     settings: BatchSettings,
@@ -250,20 +253,6 @@ def _work_through(
             done, failed = done + 1, failed + bool(worked.faults)
             watch(Progress(done, len(new), failed))
     return passing
-
-
-def _gather(standing: Standing, ledger: Ledger, key: str) -> tuple[list[tuple[LogFile, Recorded]], list[Failed]]:
-    """Return every session with its log, and every log without one."""
-    hashes = standing.hashes.values()
-    recorded, faults = ledger.recorded(hashes, key), ledger.faults(hashes, key)
-    pairs: list[tuple[LogFile, Recorded]] = []
-    failed: list[Failed] = []
-    for log in standing.logs:
-        sha256 = standing.hashes.get(log.place, "")
-        pairs += [(log, one) for one in recorded.get(sha256, ())]
-        failed += [Failed(name_of(log, one.topic), one.message) for one in faults.get(sha256, ())]
-        failed += [Failed(name_of(log, one.topic), one.message) for one in standing.passing.get(log.place, ())]
-    return pairs, failed
 
 
 @contextmanager

@@ -117,18 +117,25 @@ def command(
     strict: opt.Strict = False,
 ) -> None:
     """Report friction drift across sessions: what changed, when."""
+    from friction_audit.batch.executor import DaskExecutor, LocalExecutor
     from friction_audit.batch.find_logs import as_text
+    from friction_audit.drift.report import parse_limit
+    from friction_audit.drift.settings import DriftSettings, parse_baseline
     from friction_audit.reporting.junit import junit_text
 
     voice = shared.general.voice
     settings = _settings(sessions, friction, shared)
-    drift_settings, limits = _drift_settings(drift)
+    drift_settings = DriftSettings(baseline=parse_baseline(drift.baseline))
+    limits = tuple(parse_limit(text) for text in drift.fail_on or ())
     check_junit(junit, limits, overwrite=shared.overwrite)
     found = _find(logs or [], sessions.manifest, folder)
-    with _ledger(folder, running, voice) as (ledger, alone), _processes(running) as processes:
+    # With a cluster the processes of this machine only analyse arms and draw.
+    processes = LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
+    cluster = None if running.scheduler is None else DaskExecutor(address=running.scheduler)
+    with _ledger(folder, running, voice) as (ledger, alone), processes:
         if not (shared.overwrite or running.rebuild):
             check_results(folder, formats, ledger, settings)
-        standing = _catch_up(found, settings, ledger, _cluster(running) or processes, voice, alone=alone)
+        standing = _catch_up(found, settings, ledger, cluster or processes, voice, alone=alone)
         request = (standing.digest(), settings.text(), drift_settings, limits, formats, __version__)
         answer = None if shared.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
         if answer is None:
@@ -162,14 +169,6 @@ def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: o
     return BatchSettings(audit=audit_settings(shared, friction), reading=reading, diagnosis=diagnosis)
 
 
-def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, ...]]":
-    from friction_audit.drift.report import parse_limit
-    from friction_audit.drift.settings import DriftSettings, parse_baseline
-
-    limits = tuple(parse_limit(text) for text in drift.fail_on or ())
-    return DriftSettings(baseline=parse_baseline(drift.baseline)), limits
-
-
 def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFile]":
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.batch.manifest import read_manifest
@@ -200,21 +199,6 @@ def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tu
             voice.warn([f"the ledger that was there is kept as {aside}"])
         with Ledger(path) as ledger:
             yield ledger, alone
-
-
-def _processes(running: RunningOptions) -> "LocalExecutor":
-    """Return the processes of this machine; with a cluster they only analyse arms and draw."""
-    from friction_audit.batch.executor import LocalExecutor
-
-    return LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
-
-
-def _cluster(running: RunningOptions) -> "Executor | None":
-    if running.scheduler is None:
-        return None
-    from friction_audit.batch.executor import DaskExecutor
-
-    return DaskExecutor(address=running.scheduler)
 
 
 def _catch_up(

@@ -113,7 +113,7 @@ class Voice:
     def count(self, name: str) -> Iterator[Count | None]:
         """Show how many pieces of work are done and how long the others will take; yield what takes the counts."""
         with self._timed(name), _course([1.0]) if self._watched else nullcontext() as course:
-            yield course and partial(course.count, name)
+            yield None if course is None else partial(course.count, name)
 
     @property
     def _watched(self) -> bool:

@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -114,8 +115,7 @@ def speed_warnings(sessions: Sequence[Session]) -> list[str]:
     return warnings
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class LikeTemperature:
+class LikeTemperature(NamedTuple):
     """A series with what can be done about its temperature."""
 
     series: Series  # without the sessions that cannot be compared; its temperature is None where it is not taken out
@@ -127,21 +127,21 @@ def use_temperature(series: Series) -> LikeTemperature:
     """Decide whether a temperature is taken out of a series."""
     bare = without_temperature(series)
     if series.temperature is None or not len(series.value):
-        return LikeTemperature(series=bare)
+        return LikeTemperature(bare)
     known = np.isfinite(series.temperature)
     count, every = int(np.count_nonzero(known)), len(known)
     if not count:
-        return LikeTemperature(series=bare, warning="temperature is not known: not compared at like temperature")
+        return LikeTemperature(bare, warning="temperature is not known: not compared at like temperature")
     if count < ENOUGH_KNOWN * every or count < FEWEST:
         why = f"temperature is known in {count} of {every} sessions only: not compared at like temperature"
         if count == every:
             why = f"{count} sessions with a temperature, {FEWEST} are needed: not compared at like temperature"
-        return LikeTemperature(series=bare, warning=why)
+        return LikeTemperature(bare, warning=why)
     kept = series.take(known)
     counted = kept.counted().temperature
     varies = counted is not None and len(counted) >= FEWEST and float(np.ptp(counted)) >= LEAST_RANGE_K
     unknown = tuple(int(index) for index in series.session[~known])
-    return LikeTemperature(series=kept if varies else without_temperature(kept), unknown=unknown)
+    return LikeTemperature(kept if varies else without_temperature(kept), unknown)
 
 
 def without_temperature(series: Series) -> Series:

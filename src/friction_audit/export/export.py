@@ -9,10 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export import cpp_header, plain_text, robot_xml
-from friction_audit.export.friction_law import FittedFriction, FrictionLaw, even_speeds
+from friction_audit.export import plain_text, robot_xml
+from friction_audit.export.friction_law import (
+    ExportedJoint,
+    FittedFriction,
+    FrictionLaw,
+    Target,
+    even_speeds,
+    match_names,
+)
 from friction_audit.export.source import Joints, laws_of, speeds_of
-from friction_audit.export.target import ExportedJoint, Target, match_names
 from friction_audit.export.xml_text import XmlText
 from friction_audit.io.files import whole_file
 from friction_audit.joint_log import Float
@@ -23,7 +29,7 @@ if TYPE_CHECKING:
     from mujoco import MjModel
 
 TARGETS: tuple[Target, ...] = (
-    *(robot_xml.URDF, robot_xml.MJCF, robot_xml.SDF, plain_text.USD, plain_text.ISAAC_LAB, cpp_header.TARGET),
+    *(robot_xml.URDF, robot_xml.MJCF, robot_xml.SDF, plain_text.USD, plain_text.ISAAC_LAB, plain_text.CPP),
     *(plain_text.ROS2_CONTROL, plain_text.CSV),
 )
 """All formats."""

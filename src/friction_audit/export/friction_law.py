@@ -1,4 +1,4 @@
-"""The part of a joint model that a simulator or a controller can hold: friction as a function of the velocity.
+"""The part of a joint model that a simulator or a controller can hold, friction over velocity, and what a format is.
 
 A simulator holds a polynomial of the velocity: Coulomb friction, and damping of the first to the third power. What a
 model has beyond that (Stribeck, curved friction) is fitted to it over the speeds of the joint by non-negative least
@@ -6,18 +6,21 @@ squares (Lawson, Hanson, Solving Least Squares Problems, 1974, chapter 23): no c
 simulated joint dissipates at every speed.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.errors import AnalysisError
+from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.export.xml_text import Tag, XmlText
 from friction_audit.joint_log import Float
 
 SPEEDS = 200  # at which a curve is fitted, many more than its four coefficients
 SLOWEST = 1e-9  # rad/s: the speed at which friction at the onset of motion is read
 POWERS = (0, 1, 2, 3)
+DIGITS = 9  # of a number in a file, more than any log determines
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -113,3 +116,55 @@ def moving_speeds(dq: Float, slowest: float) -> Float:
     if not len(moving):
         return even_speeds(slowest, 1.0)
     return np.quantile(moving, (np.arange(SPEEDS) + 0.5) / SPEEDS)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class ExportedJoint:
+    """One joint as it is written."""
+
+    name: str  # its name in the file
+    law: FrictionLaw  # its friction law
+    fitted: FittedFriction  # the law as the target holds it
+
+    @property
+    def static_nm(self) -> float:
+        """Friction at the onset of motion, which a simulator wants no smaller than that in motion. [N m]"""
+        return max(self.law.static_nm, self.fitted.coulomb_nm)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Target:
+    """A file format of a simulator or a controller."""
+
+    name: str  # unique name
+    suffixes: tuple[str, ...]  # file name endings with the dot, the usual one first
+    summary: str  # one line for help and documentation
+    # returns the content of the file; the user's file is None where a new one is made
+    write: Callable[[Sequence[ExportedJoint], XmlText | None], bytes]
+    highest_power: int | None = 1  # of the speed, that its damping has; None where it holds the law itself
+    armature: bool = False  # whether it has a place for the inertia
+    # returns the joints of the user's file, in its order, or None where a format takes no such file
+    joints_of: Callable[[XmlText], list[Tag]] | None = None
+
+
+def number(value: float) -> str:
+    """Return a number as text."""
+    return f"{value:.{DIGITS}g}"
+
+
+def match_names(laws: Sequence[FrictionLaw], count: int, found: Sequence[str], where: str) -> tuple[list[str], bool]:
+    """Return the name of each joint in the user's file, and whether the order of the joints gave it.
+
+    ``count`` is the number of joints of the source; ``found`` are those that turn, in the order of the file.
+    """
+    own = [law.name for law in laws]
+    if all(name in found for name in own):
+        return own, False
+    # A log numbers its joints where it does not name them: the k-th joint is the k-th of a serial arm.
+    if not any(name in found for name in own) and count == len(found):
+        return [found[law.joint - 1] for law in laws], True
+    absent = ", ".join(name for name in own if name not in found)
+    raise UsageError(
+        f"{where}: no joint {absent}; its {len(found)} joints that turn are {', '.join(found) or 'none'}, "
+        f"the source has {count}; rename the joints of the source, or export those that the file has (--joints)"
+    )

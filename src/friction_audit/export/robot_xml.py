@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import quoteattr
 
 from friction_audit.errors import InputError
-from friction_audit.export.target import ExportedJoint, Target, number
+from friction_audit.export.friction_law import ExportedJoint, Target, number
 from friction_audit.export.xml_text import Edit, Tag, XmlText
 
 TURNING, HINGE = ("revolute", "continuous"), "hinge"

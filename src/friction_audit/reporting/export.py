@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from friction_audit.export.export import Export
-from friction_audit.export.target import ExportedJoint
+from friction_audit.export.friction_law import ExportedJoint
 from friction_audit.reporting.documents import WARNINGS
 from friction_audit.reporting.notices import Notice, estimate_notices
 from friction_audit.reporting.table import Column, Document, Record, joint_column
