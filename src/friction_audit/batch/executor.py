@@ -162,7 +162,7 @@ class DaskExecutor:
             _check_workers(client, self.address)
 
             def room() -> int:
-                return PER_THREAD * max(sum(client.nthreads().values()), 1)
+                return PER_THREAD * max(int(sum(client.nthreads().values())), 1)
 
             for task, future in feed(lambda task: pool.submit(work, task), room, tasks):
                 error = future.exception()

@@ -11,7 +11,7 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from friction_audit.drift.session import natural
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import InputError, UsageError, encodable
 from friction_audit.io.files import DATA_SET, Stamp, stamp_of
 from friction_audit.io.readers import READERS
 
@@ -65,11 +65,6 @@ class LogFile:
         return "://" in self.place
 
 
-def as_text(name: str) -> str:
-    r"""Return text that can be printed and stored as UTF-8: bytes of a name that are none are written as ``\udcff``."""
-    return name.encode("utf-8", "backslashreplace").decode()
-
-
 def find_logs(
     names: Sequence[str], rows: Mapping[str, ManifestRow], *, leave_out: Iterable[Path] = ()
 ) -> list[LogFile]:
@@ -84,7 +79,7 @@ def find_logs(
     for name in (*names, *rows):
         logs = [log for log in _logs_of(name, closed) if os.path.realpath(log.place) not in closed]
         if not logs:
-            lost.append(as_text(_nothing(name)))
+            lost.append(encodable(_nothing(name)))
         for log in logs:
             key = log.place if log.is_remote else os.path.realpath(log.place)
             found.setdefault(key, replace(log, row=rows.get(log.place)))
@@ -158,9 +153,9 @@ def _local(path: Path, folders: tuple[str, ...]) -> LogFile:
     # Devices are numbered anew at every start.
     which = repr([(inode, *times) for _, _, inode, *times in stamp.identity])
     return LogFile(
-        path=as_text(str(path)),
+        path=encodable(str(path)),
         place=str(place),
-        folders=tuple(map(as_text, folders or (place.parent.name,))),
+        folders=tuple(map(encodable, folders or (place.parent.name,))),
         size=stamp.size,
         changed=f"{stamp.changed_ns} {hashlib.sha256(which.encode()).hexdigest()[:16]}",
     )

@@ -78,11 +78,6 @@ def time_in_name(names: Iterable[str]) -> float | None:
     return None
 
 
-def holds_a_time(name: str) -> bool:
-    """Return True if a name holds a date or a time: such a folder names a day, not a robot."""
-    return _DATE_ONLY.search(name) is not None or _EPOCH.search(name) is not None
-
-
 def _seconds(found: re.Match[str]) -> float:
     whole, finer, decimals = found.groups()
     if finer:
@@ -150,7 +145,8 @@ def name_of(file: LogFile, topic: str) -> str:
 def robot_folder(folders: Sequence[str]) -> str:
     """Return the name of the nearest folder that is not called after a day."""
     names = [name for name in folders if name]
-    return next((name for name in names if not holds_a_time(name)), names[-1] if names else "robot")
+    others = (name for name in names if not (_DATE_ONLY.search(name) or _EPOCH.search(name)))
+    return next(others, names[-1] if names else "robot")
 
 
 def _start(file: LogFile, row: ManifestRow, session: Session) -> tuple[float | None, str]:

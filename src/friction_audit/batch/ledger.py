@@ -15,11 +15,11 @@ from itertools import count
 from pathlib import Path
 from typing import Any, Self
 
-from friction_audit.batch.find_logs import LogFile, as_text
+from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, encodable
 from friction_audit.friction.history import Coefficient
 
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
@@ -101,7 +101,7 @@ class Ledger:
     def known_hash(self, log: LogFile) -> str | None:
         """Return the hash of a log's content if the log has not changed since it was last looked at."""
         query = "SELECT sha256 FROM files WHERE place = ? AND size = ? AND changed = ?"
-        found = self._ask(query, (as_text(log.place), log.size, log.changed))
+        found = self._ask(query, (encodable(log.place), log.size, log.changed))
         return str(found[0]["sha256"]) if found else None
 
     def known_sizes(self) -> set[int]:
@@ -142,14 +142,16 @@ class Ledger:
         key = settings.key()
         with self._transaction():
             self._database.execute("INSERT OR IGNORE INTO settings VALUES (?, ?)", (key, settings.text()))
-            self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, as_text(log.place)))
+            self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, encodable(log.place)))
             if worked.sha256:
                 self._database.execute("DELETE FROM failed WHERE settings = ? AND sha256 = ?", (key, worked.sha256))
                 self._remember(log, worked.sha256)
             for recorded in worked.recorded:
                 self._save_session(recorded, key)
             for fault in worked.faults:
-                self._save_fault(log, key, worked.sha256, fault)
+                own = (fault.topic, worked.sha256, log.path, fault.message, fault.lasting, fault.detail)
+                values = (encodable(log.place), key, *own)
+                self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
 
     def recorded(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Recorded, ...]]:
         """Return what is known of logs, by the hash of their content; of several arms in the order of their topics."""
@@ -237,13 +239,8 @@ class Ledger:
             ]
             self._database.executemany("INSERT OR REPLACE INTO coefficients VALUES (?, ?, ?, ?, ?, ?)", rows)
 
-    def _save_fault(self, log: LogFile, settings: str, sha256: str, fault: Fault) -> None:
-        place, path = as_text(log.place), log.path
-        values = (place, settings, fault.topic, sha256, path, fault.message, fault.lasting, fault.detail)
-        self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
-
     def _remember(self, log: LogFile, sha256: str) -> None:
-        values = (as_text(log.place), log.size, log.changed, sha256)
+        values = (encodable(log.place), log.size, log.changed, sha256)
         self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
 
     def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> list[sqlite3.Row]:

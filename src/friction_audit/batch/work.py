@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.batch.find_logs import as_text, fetched
+from friction_audit.batch.find_logs import fetched
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.drift.covariates import Recording
 from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, Session
-from friction_audit.errors import FrictionAuditError, InputError
+from friction_audit.errors import FrictionAuditError, InputError, encodable
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
@@ -48,7 +48,7 @@ def work_on(settings: BatchSettings, task: Task) -> Worked:
         with _at_hand(task) as path, one_joint_at_a_time():
             return _renamed(_work_on(settings, path), str(path), task.path)
     except FrictionAuditError as error:
-        message = as_text(str(error).replace(task.place, task.path)).removeprefix(f"{task.path}: ")
+        message = encodable(str(error).replace(task.place, task.path)).removeprefix(f"{task.path}: ")
         return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
 
 
@@ -166,7 +166,7 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
     """Call the log what the user calls it: names that only the worker knows help nowhere else."""
 
     def said(text: str) -> str:
-        return as_text(text.replace(here, name))
+        return encodable(text.replace(here, name))
 
     recorded = tuple(
         replace(one, session=replace(one.session, path=name, warnings=tuple(map(said, one.session.warnings))))

@@ -115,7 +115,10 @@ def write_results(
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
     text = "".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose))
     codes = {session.path: session.codes for session in summary.sessions if session.codes}
-    held: dict[str, Any] = {"text": text, "warnings": warnings, "code": _code(summary), "junit": junit, "codes": codes}
+    code = DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
+    if summary.exceeded or summary.cannot_tell:  # what was asked, the limits, comes before files that failed
+        code = EXCEEDED if summary.exceeded else UNTESTABLE
+    held: dict[str, Any] = {"text": text, "warnings": warnings, "code": code, "junit": junit, "codes": codes}
     answer = BatchAnswer(document=folder / DOCUMENT, **held)
     written = json.dumps({"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn]), **held})
     ledger.write_note(REPORTED, f"{_digest(written)} {written}")
@@ -133,13 +136,6 @@ def _write_tables(summary: "BatchSummary", folder: Path) -> None:
     for name, kind in ((CSV, "csv"), (PARQUET, "parquet")):
         with whole_file(folder / name, overwrite=True) as draft:
             write_rows(*session_columns(summary.arms), draft, kind)
-
-
-def _code(summary: "BatchSummary") -> int:
-    """Return the exit code; what was asked, the limits, comes before files that failed."""
-    if summary.exceeded or summary.cannot_tell:
-        return EXCEEDED if summary.exceeded else UNTESTABLE
-    return DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
 
 
 def _digest(request: object) -> str:

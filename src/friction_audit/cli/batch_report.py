@@ -19,7 +19,7 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
 from friction_audit.cli.outputs import check_junit, write_junit
-from friction_audit.errors import AnalysisError, InputError, UsageError
+from friction_audit.errors import AnalysisError, InputError, UsageError, encodable
 
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor, LocalExecutor
@@ -118,7 +118,6 @@ def command(
 ) -> None:
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.executor import DaskExecutor, LocalExecutor
-    from friction_audit.batch.find_logs import as_text
     from friction_audit.drift.report import parse_limit
     from friction_audit.drift.settings import DriftSettings, parse_baseline
     from friction_audit.reporting.junit import junit_text
@@ -139,7 +138,7 @@ def command(
         request = (standing.digest(), settings.text(), drift_settings, limits, formats, __version__)
         answer = None if shared.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
         if answer is None:
-            again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
+            again = encodable(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
                 text = junit_text("batch-report", summary.report, limits) if limits else ""

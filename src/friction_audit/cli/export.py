@@ -76,9 +76,12 @@ def command(
     into = None if options.into is None else read_into(target, options.into)
     for kept in (source, options.into or source):
         chain.check_outputs([out], overwrite=shared.overwrite, log=kept)
+    speeds = None if options.speeds is None else parse_numbers("--speeds", options.speeds, ("LOW", "HIGH"))
+    if speeds is not None and not 0.0 <= speeds[0] < speeds[1] < float("inf"):
+        raise UsageError(f"--speeds {options.speeds}: expected 0 <= LOW < HIGH [rad/s]")
     settings = ExportSettings(
         joints=parse_joints(shared.selection.joints),
-        speeds=None if options.speeds is None else _parse_speeds(options.speeds),
+        speeds=None if speeds is None else (speeds[0], speeds[1]),
         armature=options.armature,
         overwrite=shared.overwrite,
     )
@@ -110,10 +113,3 @@ def _estimate(source: Path, shared: opt.LogOptions, friction: opt.EstimateOption
     result = chain.estimate(log, settings, voice)
     chain.require_an_estimate(result)
     return result
-
-
-def _parse_speeds(text: str) -> tuple[float, float]:
-    low, high = parse_numbers("--speeds", text, ("LOW", "HIGH"))
-    if not 0.0 <= low < high < float("inf"):
-        raise UsageError(f"--speeds {text}: expected 0 <= LOW < HIGH [rad/s]")
-    return low, high

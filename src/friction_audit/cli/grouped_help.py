@@ -70,18 +70,13 @@ class GroupedCommand(TyperCommand):
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
             if record is not None:
-                records[_heading(parameter)].append(record)
+                heading = getattr(parameter, "rich_help_panel", None) or COMMON
+                records[ARGUMENTS if parameter.param_type_name == "argument" else heading].append(record)
         for heading, commands in HEADINGS.items():
             shown = commands is None or self.name in commands or ctx.meta.get(EVERY)
             if records[heading] and shown:
                 with formatter.section(heading):
                     formatter.write_dl(records[heading])
-
-
-def _heading(parameter: Any) -> str:  # noqa: ANN401 - as above
-    if parameter.param_type_name == "argument":
-        return ARGUMENTS
-    return str(getattr(parameter, "rich_help_panel", None) or COMMON)
 
 
 def show_every_option(context: typer.Context, wanted: bool) -> None:

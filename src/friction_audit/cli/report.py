@@ -68,8 +68,10 @@ def command(
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
     sections, formats, min_effect = wanted.sections, wanted.formats, wanted.min_effect
     json, again = shared.general.json, shared.overwrite
-    files = _files(log, folder, formats, printed=json)
     name = f"{_stem(log)}.report"
+    # Where the document is printed and nothing else was asked for, there is no file.
+    kinds = formats or ([] if json and folder is None else [DEFAULT])
+    files = {kind: (folder or Path()) / f"{name}{choices.REPORT_FORMATS[kind]}" for kind in kinds}
     out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
     out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
     with voice.stages(_lengths(sections, len(files) + out.stages)) as stages:
@@ -113,12 +115,6 @@ def command(
 def _lengths(sections: Sequence[str], written: int) -> list[float]:
     made = {"read", "friction", *(sections or SECTIONS)}
     return [*(length for part, length in LENGTHS.items() if part in made), DRAWING, *[WRITING] * written]
-
-
-def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: bool) -> dict[str, Path]:
-    """Return the file of each format; none where the document is printed and nothing else was asked for."""
-    wanted = formats or ([] if printed and folder is None else [DEFAULT])
-    return {name: (folder or Path()) / f"{_stem(log)}.report{choices.REPORT_FORMATS[name]}" for name in wanted}
 
 
 def _stem(log: Path) -> str:

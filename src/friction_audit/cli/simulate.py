@@ -1,7 +1,7 @@
 """``friction-audit simulate``."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,8 +20,6 @@ if TYPE_CHECKING:
     from friction_audit.io.writers.tables import Writer
     from friction_audit.joint_log import JointLog
     from friction_audit.reporting.documents import SimulatedLog
-    from friction_audit.simulation.assign import Setting
-    from friction_audit.simulation.effects import HiddenEffect
     from friction_audit.simulation.scenarios import Scenario
 
 EXAMPLES = """Examples:
@@ -193,69 +191,43 @@ def changed(settings: Any, change: opt.ChangeOptions, model: Path | None = None,
 
 
 def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
-    if json:
-        raise UsageError("--json: the lists are for people; leave it out")
-    lines: Sequence[str] = ()
-    if lists.scenarios:
-        lines = scenario_lines() if name is None else setting_lines(_find_scenario(name))
-    if lists.effects_there_are:
-        lines = [*lines, *effect_lines()]
-    for line in lines:
-        say(line)
-
-
-def scenario_lines() -> list[str]:
-    """Return a line per scenario: name, joints, what it is."""
+    """Print the scenarios, or the settings of one as ``--set`` takes them, and the effects."""
+    from friction_audit.simulation.assign import Kind, paths, write_value
     from friction_audit.simulation.scenarios import SCENARIOS
 
-    width = max(len(scenario.name) for scenario in SCENARIOS)
-    return [f"{scenario.name:<{width}}  {_about(scenario)}" for scenario in SCENARIOS]
+    if json:
+        raise UsageError("--json: the lists are for people; leave it out")
+    about = {one.name: f"{one.summary} ({one.figure})" if one.figure else one.summary for one in SCENARIOS}
+    if lists.scenarios and name is None:
+        _print_table(list(about.items()))
+    elif lists.scenarios:
+        scenario = _find_scenario(name)
+        say(f"{scenario.name}: {about[scenario.name]}")
+        rows = []
+        for path, value in paths(scenario.settings).items():
+            others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
+            rows.append((path, write_value(value) + others))
+        _print_table(rows, margin="  ")
+    if lists.effects_there_are:
+        _list_effects()
 
 
-def setting_lines(scenario: "Scenario") -> list[str]:
-    """Return what a scenario is, and a line per setting with its value, as ``--set`` takes them."""
-    from friction_audit.simulation.assign import paths
-
-    values = {path: _value(value) for path, value in paths(scenario.settings).items()}
-    width = max(map(len, values))
-    return [f"{scenario.name}: {_about(scenario)}", *(f"  {path:<{width}}  {value}" for path, value in values.items())]
-
-
-def effect_lines() -> list[str]:
-    """Return the effects by family: each with its parameters, their usual values and their meaning."""
+def _list_effects() -> None:
+    """Print the effects by family: each with its parameters, their usual values and their meaning."""
     from friction_audit.simulation.effects import EFFECTS
-
-    families = dict.fromkeys(effect.family() for effect in EFFECTS)
-    return [
-        line
-        for family in families
-        for line in (family, *_indented(line for e in EFFECTS if e.family() == family for line in _effect(e)))
-    ]
-
-
-def _value(value: "Setting") -> str:
-    from friction_audit.simulation.assign import Kind, write_value
-
-    others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
-    return write_value(value) + others
-
-
-def _about(scenario: "Scenario") -> str:
-    figure = f" ({scenario.figure})" if scenario.figure else ""
-    return f"{scenario.summary}{figure}"
-
-
-def _effect(effect: "type[HiddenEffect]") -> list[str]:
     from friction_audit.simulation.effects.effect import described
 
-    rows = [(parameter.name, f"{parameter.default:g}", described(parameter)) for parameter in effect.parameters()]
-    if effect.forms:
-        rows.append(("form", effect.forms[0], f"one of {', '.join(effect.forms)}"))
-    widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
-    table = [f"{name:<{widths[0]}}  {usual:<{widths[1]}}  {meaning}" for name, usual, meaning in rows]
-    needs = "; takes several joints" if effect.needs_neighbours else ""
-    return [f"{effect.name}: {effect.summary}{needs}", *_indented(table)]
+    for family in dict.fromkeys(effect.family() for effect in EFFECTS):
+        say(family)
+        for effect in (one for one in EFFECTS if one.family() == family):
+            say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
+            rows = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
+            if effect.forms:
+                rows.append(("form", effect.forms[0], f"one of {', '.join(effect.forms)}"))
+            _print_table(rows, margin="    ")
 
 
-def _indented(lines: Iterable[str]) -> Iterable[str]:
-    return (f"  {line}" for line in lines)
+def _print_table(rows: Sequence[tuple[str, ...]], margin: str = "") -> None:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for *cells, last in rows:
+        say(margin + "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=False)) + last)

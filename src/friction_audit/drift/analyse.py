@@ -1,6 +1,7 @@
 """Sessions -> DriftReport: arm by arm, joint by joint."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from importlib import import_module
 
 from friction_audit.drift.change_points import find_isolated, leave_outliers_out
@@ -97,17 +98,17 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
     for joint in joints:
         for coefficient in COEFFICIENTS:
             series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
-            like = use_temperature(series.keeping(~find_isolated(series.y, series.y_error)))
+            like = use_temperature(replace(series, kept=~find_isolated(series.y, series.y_error)))
             family.append(leave_outliers_out(like.series))
             names = ", ".join(order.sessions[index].path for index in like.unknown)
             unknown = f"not compared, since their temperature is not known: {names}" if names else ""
             for text in filter(None, (like.warning, unknown)):
                 warnings.setdefault(text, set()).add(joint)
-    return family, [_of_joints(text, sorted(some), joints) for text, some in warnings.items()]
-
-
-def _of_joints(text: str, some: Sequence[int], joints: Sequence[int]) -> str:
-    return text if some == joints else f"joint{'s' if len(some) > 1 else ''} {write_joint_numbers(some)}: {text}"
+    of = {
+        text: "" if len(some) == len(joints) else f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: "
+        for text, some in warnings.items()
+    }
+    return family, [f"{some}{text}" for text, some in of.items()]
 
 
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:

@@ -86,7 +86,9 @@ def describe_series(
     counted = series.counted()
     fit = fit_model(counted, found.model.columns, inflation)
     level = to_level(fit.interval(found.model.level), series)
-    y = _at_like_temperature(series, counted, fit)
+    y = series.y
+    if series.temperature is not None and counted.temperature is not None:
+        y = y - fit.value[-1] * (series.temperature - np.mean(counted.temperature))
     change = _change(counted, found.model, fit, reference, inflation)
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
     least = Coefficient(value=smallest, low=smallest, high=smallest)
@@ -143,12 +145,6 @@ def _find_shape(series: Series, verdict: Verdict, reference: Collection[int], se
     if shape == "ramp" or (shape == "step_or_ramp" and scores[1] < scores[0]):
         return _Described(shape=shape, model=ramp)
     return _Described(shape=shape, model=stepped, steps=steps)
-
-
-def _at_like_temperature(series: Series, counted: Series, fit: Fit) -> Float:
-    if series.temperature is None or counted.temperature is None:
-        return series.y
-    return np.asarray(series.y - fit.value[-1] * (series.temperature - np.mean(counted.temperature)))
 
 
 def _values(series: Series, y: Float) -> tuple[Coefficient, ...]:

@@ -155,10 +155,6 @@ class Series:
         taken: dict[str, Any] = {name: None if column is None else column[which] for name, column in columns.items()}
         return replace(self, **taken)
 
-    def keeping(self, kept: NDArray[np.bool_]) -> "Series":
-        """Return the series with the other sessions set aside."""
-        return replace(self, kept=kept)
-
     def counted(self) -> "Series":
         """Return the series of the sessions that count."""
         return self.take(self.kept)

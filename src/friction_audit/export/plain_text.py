@@ -11,6 +11,7 @@ from friction_audit.export.friction_law import ExportedJoint, Target, number
 from friction_audit.export.xml_text import XmlText
 
 NO_IDENTIFIER = re.compile(r"\W|^(?=\d)")  # what USD refuses in the name of a prim
+NO_COMMENT = re.compile(r"[\x00-\x1f\\]")  # what ends a comment's line in C++ or continues it
 AXIS = "physxJointAxis:angular"
 
 
@@ -155,7 +156,7 @@ def write_cpp(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:  
         lines = [f"  friction += {expression};" for expression in terms]
         parts += tables[number]
         parts.append(
-            f"\n// {_comment(joint.name)}\n"
+            f"\n// {NO_COMMENT.sub('?', joint.name)}\n"
             f"inline double friction_{joint.law.joint}(double dq) noexcept {{\n"
             "  const double way = sign_of(dq);\n"
             "  [[maybe_unused]] const double pace = std::abs(dq);\n"
@@ -177,11 +178,6 @@ def _table(term: FittedTerm, joint: int) -> str:
     wrapped = re.sub(r"(.{90,110}?) ", r"\1\n    ", ", ".join(map(repr, table.tolist())))
     name = table_name(term, joint)
     return f"\ninline constexpr std::array<double, {len(table)}> {name}{{\n    {wrapped}}};\n"
-
-
-def _comment(name: str) -> str:
-    """Return a name that cannot end a comment's line nor continue it."""
-    return re.sub(r"[\x00-\x1f\\]", "?", name)
 
 
 USD = Target(
