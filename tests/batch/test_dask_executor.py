@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -63,48 +64,38 @@ def test_a_worker_killed_in_the_middle_costs_nothing(cluster: Any, tmp_path: Pat
     assert (tmp_path / "3").exists()
 
 
-def test_other_versions_are_refused() -> None:
-    ours = executors.versions()
-    real = executors._check_workers
+class Workers:
+    """One worker, which has some versions installed; what asks for them is of the standard library."""
 
-    class Workers:
-        """One worker, that answers what is installed there, and then which versions it runs."""
+    def __init__(self, **installed: str | Exception) -> None:
+        self.installed = installed
 
-        def __init__(self, installed: str | Exception, found: object = None) -> None:
-            self.answers: list[object] = [installed, found]
+    def run(self, function: Callable[..., object], name: str = "Python", **_: object) -> dict[str, object]:
+        assert function.__module__ in ("importlib.metadata", "sysconfig")  # a worker without this program has them
+        return {"tcp://w": self.installed.get(name.replace("-", "_"), function(*[name] if name != "Python" else []))}
 
-        def run(self, *_: object, **__: object) -> dict[str, object]:
-            return {"tcp://w": self.answers.pop(0)}
 
-    with pytest.raises(UsageError, match=r"worker tcp://w runs other versions: numpy 0\.1 there, .* here"):
-        real(Workers(__version__, ours | {"numpy": "0.1"}), "tcp://s")
-    with pytest.raises(UsageError, match=r"worker tcp://w cannot run friction-audit .*install friction-audit"):
-        real(Workers(__version__, ModuleNotFoundError("No module named 'friction_audit'")), "tcp://s")
-    with pytest.raises(UsageError, match=r"worker tcp://w has friction-audit 99\.0; expected .* install"):
-        real(Workers("99.0"), "tcp://s")
-    with pytest.raises(UsageError, match=r"worker tcp://w has no friction-audit; expected .* install"):
-        real(Workers(PackageNotFoundError("friction-audit")), "tcp://s")
+@pytest.mark.parametrize(
+    ("workers", "message"),
+    [
+        (Workers(numpy="0.1"), r"worker tcp://w runs other versions: numpy 0\.1 there, .* here; .* install"),
+        (Workers(friction_audit="99.0"), r"friction-audit 99\.0 there, .* here; expected .* install friction-audit"),
+        (
+            Workers(friction_audit=PackageNotFoundError("x")),
+            "worker tcp://w has no friction-audit; expected .* install",
+        ),
+    ],
+)
+def test_other_versions_are_refused(workers: Workers, message: str) -> None:
+    executors._check_workers(Workers(friction_audit=__version__), "tcp://s")
+    with pytest.raises(UsageError, match=message):
+        executors._check_workers(workers, "tcp://s")
 
-    class Empty:
-        def run(self, *_: object, **__: object) -> dict[str, str]:
-            return {}
 
+def test_a_cluster_without_workers_is_refused() -> None:
+    empty = SimpleNamespace(run=lambda *_, **__: {})
     with pytest.raises(UsageError, match="the cluster has no workers"):
-        real(Empty(), "tcp://s")
-
-
-def test_any_worker_can_say_what_is_installed() -> None:
-    """What asks for it is of the standard library: a worker without this program can unpickle it."""
-    asked: list[Callable[..., object]] = []
-
-    class Listening:
-        def run(self, function: Callable[..., object], *_: object, **__: object) -> dict[str, str]:
-            asked.append(function)
-            return {"tcp://w": "0"}
-
-    with pytest.raises(UsageError):
-        executors._check_workers(Listening(), "tcp://s")
-    assert [function.__module__ for function in asked] == ["importlib.metadata"]
+        executors._check_workers(empty, "tcp://s")
 
 
 def test_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:

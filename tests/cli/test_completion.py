@@ -7,15 +7,13 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, cast
 
 import pytest
 import typer
 
 from friction_audit.cli import choices
-from friction_audit.cli.app import app
+from friction_audit.cli.app import NAMES, command_of
 
-GROUP = cast("Any", typer.main.get_command(app))
 PROGRAM = Path(sys.executable).parent / "friction-audit"
 ASK = """
 source ~/.bashrc
@@ -49,15 +47,15 @@ def test_completion_is_installed_for_bash_and_answers(tmp_path: Path) -> None:
 
 def offered(command: str, option: str, begun: str = "") -> list[str]:
     """Return the values that are offered for an option or an argument of a command."""
-    chosen = GROUP.commands[command]
+    chosen = command_of(command)
     (param,) = (p for p in chosen.params if option in (*p.opts, p.name))
     return [item.value for item in param.shell_complete(typer.Context(chosen), begun)]
 
 
 def listed() -> Iterator[tuple[str, str, list[str]]]:
     """Yield each option whose help lists its names: command, option, names."""
-    for name, command in GROUP.commands.items():
-        for param in command.params:
+    for name in NAMES:
+        for param in command_of(name).params:
             names = (param.metavar or "").removesuffix(",...").split("|")
             if len(names) > 1 and not any(re.search("[A-Z]{2}", name) for name in names):
                 yield name, max(param.opts, key=len), names

@@ -4,13 +4,12 @@ import json
 import re
 import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import pytest
-import typer
 
 from friction_audit.cli import choices
-from friction_audit.cli.app import NAMES, app, module_of
+from friction_audit.cli.app import NAMES, command_of, module_of
 from tests.cli.conftest import Run
 
 if TYPE_CHECKING:
@@ -18,7 +17,6 @@ if TYPE_CHECKING:
 
 NAME = dict(zip(map(module_of, NAMES), NAMES, strict=True))
 
-GROUP = cast("Any", typer.main.get_command(app))
 EACH = pytest.mark.parametrize("module", [*map(module_of, NAMES)], ids=NAMES)
 SHORTEST = 4
 """Letters of an option from which on a slip still tells what was meant."""
@@ -35,7 +33,7 @@ def examples(module: "ModuleType") -> list[list[str]]:
 
 
 def options(name: str) -> list[str]:
-    return [max(p.opts, key=len) for p in GROUP.commands[name].params if p.param_type_name == "option"]
+    return [max(p.opts, key=len) for p in command_of(name).params if p.param_type_name == "option"]
 
 
 def slip(word: str) -> str:
@@ -64,7 +62,7 @@ def test_a_misspelt_command_suggests_the_near_one(module: "ModuleType", run: Run
 
 @EACH
 def test_a_misspelt_option_suggests_the_near_one(module: "ModuleType") -> None:
-    command = GROUP.commands[NAME[module]]
+    command = command_of(NAME[module])
     for option in options(NAME[module]):
         if len(option) < SHORTEST + len("--"):
             continue
@@ -96,7 +94,7 @@ def _there(word: str, folder: Path) -> str:
 
 def _without_options(module: "ModuleType", words: list[str]) -> list[str]:
     """Return the command and its arguments."""
-    context = GROUP.commands[words[0]].make_context(NAME[module], words[1:])
+    context = command_of(words[0]).make_context(NAME[module], words[1:])
     arguments = [p.name for p in context.command.params if p.param_type_name == "argument"]
     values = [context.params[name] for name in arguments if context.params[name] is not None]
     return [
@@ -117,7 +115,7 @@ def test_its_page_names_the_options_that_it_does_not_share_with_estimate(module:
     prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
     named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
     shared = {"--help", "--help-all", *(options("estimate") if name != "estimate" else ())}
-    second = {word for p in GROUP.commands[name].params for word in p.secondary_opts}
+    second = {word for p in command_of(name).params for word in p.secondary_opts}
     assert every - shared <= named <= every | second
 
 

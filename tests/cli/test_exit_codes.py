@@ -2,18 +2,15 @@
 
 import re
 from pathlib import Path
-from typing import Any, cast
 
 import pytest
-import typer
 
 from friction_audit import __version__
 from friction_audit.cli import main
-from friction_audit.cli.app import NAMES, app
+from friction_audit.cli.app import NAMES, command_of
 from friction_audit.cli.grouped_help import HEADINGS
 from tests.cli.conftest import Run
 
-GROUP = cast("Any", typer.main.get_command(app))
 MOST_OPTIONS = 15
 
 TABLE = [
@@ -95,7 +92,7 @@ def test_every_command_has_help_with_groups_and_examples(name: str, run: Run) ->
         assert max(map(len, text.splitlines())) <= 100
     count = [len(re.findall(r"^  (?:-\w, )?--", text, re.MULTILINE)) for text in (plain, full)]
     assert count[0] <= MOST_OPTIONS
-    assert count[1] == sum(param.param_type_name == "option" for param in GROUP.commands[name].params) + len(["--help"])
+    assert count[1] == sum(param.param_type_name == "option" for param in command_of(name).params) + len(["--help"])
 
 
 def test_an_option_without_effect_is_said(run: Run, logs: Path) -> None:

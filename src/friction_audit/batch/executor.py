@@ -1,7 +1,6 @@
 """What runs the work of a batch: the processes of this machine, or a Dask cluster that sees the same paths."""
 
 import os
-import platform
 import signal
 import warnings
 from collections.abc import Callable, Generator, Iterable
@@ -14,6 +13,7 @@ from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from itertools import islice
+from sysconfig import get_python_version
 from typing import Any, Protocol, Self, TypeVar
 
 from friction_audit import __version__
@@ -193,46 +193,23 @@ def _connect(address: str) -> Any:  # noqa: ANN401
         ) from error
 
 
-def versions() -> dict[str, str]:
-    """Return the versions that have to be the same on all machines for the numbers to be the same."""
-    import numpy as np
-    import scipy
-
-    return {
-        "friction-audit": __version__,
-        "Python": ".".join(platform.python_version_tuple()[:2]),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-    }
-
-
-def _check_installed(client: Any, address: str) -> None:  # noqa: ANN401
-    """Ask for the version with a function that any worker has: one that it lacks would never be answered."""
-    found = client.run(version, DISTRIBUTION, on_error="return")
-    if not found:
-        raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
-    for worker, there in found.items():
-        if there != __version__:
-            said = "has no friction-audit" if isinstance(there, Exception) else f"has friction-audit {there}"
-            raise UsageError(
-                f"--scheduler {address}: worker {worker} {said}; expected {__version__}, as here, so that the numbers "
-                f"are the same; install friction-audit {__version__} there"
-            )
-
-
 def _check_workers(client: Any, address: str) -> None:  # noqa: ANN401
-    _check_installed(client, address)
-    ours = versions()
-    theirs = client.run(versions, on_error="return")
-    for worker, found in theirs.items():
-        if isinstance(found, Exception):
-            raise UsageError(
-                f"--scheduler {address}: worker {worker} cannot run friction-audit ({type(found).__name__}: {found}); "
-                f"install friction-audit {__version__} there"
-            )
-        unlike = [f"{name} {found.get(name)} there, {own} here" for name, own in ours.items() if found.get(name) != own]
+    """Compare what has to be the same on all machines for the numbers to be the same.
+
+    It is asked with functions that any worker has: one that it lacks would never be answered.
+    """
+    ours = {DISTRIBUTION: __version__, **{name: version(name) for name in ("numpy", "scipy")}}
+    theirs = {name: client.run(version, name, on_error="return") for name in ours}
+    ours, theirs = ours | {"Python": get_python_version()}, theirs | {"Python": client.run(get_python_version)}
+    if not theirs[DISTRIBUTION]:
+        raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
+    for worker in theirs[DISTRIBUTION]:
+        found = {name: every[worker] for name, every in theirs.items()}
+        lacking = [name for name, there in found.items() if isinstance(there, Exception)]
+        unlike = [f"{name} {found[name]} there, {own} here" for name, own in ours.items() if found[name] != own]
         if unlike:
+            said = f"has no {', '.join(lacking)}" if lacking else f"runs other versions: {', '.join(unlike)}"
             raise UsageError(
-                f"--scheduler {address}: worker {worker} runs other versions: {', '.join(unlike)}; expected the same, "
-                "so that the numbers are; install the same on all machines"
+                f"--scheduler {address}: worker {worker} {said}; expected the same as here, so that the numbers are; "
+                f"install friction-audit {__version__} with the same libraries on all machines"
             )

@@ -1,9 +1,8 @@
 """The program and its commands."""
 
-from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from typer.core import TyperGroup
@@ -28,34 +27,23 @@ def module_of(name: str) -> "ModuleType":
 
 
 @cache
-def _command(name: str) -> Any:  # noqa: ANN401 - types of Typer's private copy of click
+def command_of(name: str) -> Any:  # noqa: ANN401 - types of Typer's private copy of click
+    """Return a command, loaded when it is asked for."""
     module, alone = module_of(name), typer.Typer(rich_markup_mode=None, add_completion=False)
     alone.command(name, cls=GroupedCommand, epilog=f"\b\n{module.EXAMPLES}")(with_option_groups(module.command))
     return typer.main.get_command(alone)
 
 
-class _Commands(Mapping[str, Any]):
-    """Commands by name, each loaded when it is asked for."""
-
-    def __getitem__(self, name: str) -> Any:  # noqa: ANN401 - as above
-        if name not in NAMES:
-            raise KeyError(name)
-        return _command(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(NAMES)
-
-    def __len__(self) -> int:
-        return len(NAMES)
-
-
 class _Group(TyperGroup):
     def __init__(self, **settings: Any) -> None:  # noqa: ANN401 - of TyperGroup
         super().__init__(**settings)
-        self.commands = cast("Any", _Commands())
+        self.commands: Any = dict.fromkeys(NAMES)  # a misspelt one is compared with these names
 
     def list_commands(self, ctx: Any) -> list[str]:  # noqa: ANN401, ARG002 - as above
         return list(NAMES)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ANN401, ARG002 - as above
+        return command_of(cmd_name) if cmd_name in NAMES else None
 
 
 # Plain help text: rich would cost more time than everything else that --help does.
