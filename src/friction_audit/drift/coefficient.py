@@ -250,16 +250,9 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
 
 def noncentrality(statistic: float, freedom: int, power: float) -> float:
     """Return the shift of a t-statistic that passes a bound with a given probability."""
-    from scipy.optimize import brentq
-    from scipy.stats import chi2, nct, norm
+    from scipy.special import nctdtrinc
+    from scipy.stats import chi2
 
-    if statistic > CERTAIN:
+    if statistic > CERTAIN:  # where the search of nctdtrinc may take for ever
         return statistic * math.sqrt(float(chi2.ppf(power, freedom)) / freedom)
-
-    def lacking(shift: float) -> float:
-        return float(nct.sf(statistic, freedom, shift)) - power
-
-    high = statistic + float(norm.ppf(power)) + 1.0
-    while lacking(high) < 0.0:
-        high *= 1.5
-    return float(brentq(lacking, 0.0, high, xtol=1e-6))
+    return float(nctdtrinc(freedom, 1.0 - power, statistic))
