@@ -37,12 +37,6 @@ def test_the_history_file_is_the_history_of_the_document(run: Run, logs: Path, t
     assert [float(row["coulomb_nm"]) for row in rows] == pytest.approx([point["coulomb_nm"] for point in history])
 
 
-def test_verbose_says_how_the_log_was_understood(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved1.csv", "-v")
-    assert "channel dq = dq_{i}" in answer.err
-    assert "estimate friction: " in answer.err
-
-
 def spoiled(log: Path, path: Path, names: dict[str, str], rows: int | None = None, **columns: float) -> Path:
     """Write a log with other names, fewer rows, or columns that stand still."""
     lines = list(csv.DictReader(log.read_text().splitlines()))[:rows]
@@ -99,9 +93,3 @@ def test_a_current_with_its_constant_is_in_newton_metres(run: Run, amperes: Path
     assert "torque_converted" in [warning["code"] for warning in document["warnings"]]
     assert document["joints"][0]["coulomb_nm"]["value"] == pytest.approx(plain["joints"][0]["coulomb_nm"]["value"])
     assert run("estimate", amperes, "--torque-constant", "x").code == 2
-
-
-def test_gravity_is_not_removed_from_a_current(run: Run, amperes: Path) -> None:
-    answer = run("estimate", amperes, "--gravity", "model", "--robot", "panda")
-    assert answer.code == 2
-    assert "motor current" in answer.err

@@ -45,12 +45,6 @@ def test_a_torque_that_cannot_be_made_is_a_warning(run: Run, logs: Path) -> None
     assert "peak speed" in answer.out
 
 
-def test_nothing_readable(run: Run, logs: Path) -> None:
-    answer = run("info", logs / "empty.csv", logs / "absent.csv", "--json")
-    assert answer.code == 3
-    assert len(answer.document()["failed"]) == 2
-
-
 def test_of_a_large_log_the_beginning_is_read(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = run("info", logs / "moved1.csv", "--json").document()["logs"][0]
     monkeypatch.setattr("friction_audit.cli.info.LARGE_BYTES", 0)
@@ -64,14 +58,6 @@ def test_of_a_large_log_the_beginning_is_read(run: Run, logs: Path, monkeypatch:
     assert f"the first 10 s, {first['samples']} samples; the file has {whole['samples']} rows; --full" in answer.out
     assert "first 10 s" not in answer.err
     assert run("info", logs / "moved1.csv", "--json", "--full").document()["logs"][0] == whole
-
-
-def test_of_a_large_log_a_part_asked_for_is_read_alone(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    usual = run("info", logs / "moved1.csv", "--json", "--t-start", "5", "--t-end", "15").document()["logs"][0]
-    monkeypatch.setattr("friction_audit.cli.info.LARGE_BYTES", 0)
-    part = run("info", logs / "moved1.csv", "--json", "--t-start", "5", "--t-end", "15").document()["logs"][0]
-    assert part["sha256"] is None
-    assert (part["samples"], part["joints"], part["torque"]) == (usual["samples"], usual["joints"], usual["torque"])
 
 
 @pytest.mark.parametrize("suffix", ["parquet", "mcap", "bag", "npz"])

@@ -10,8 +10,7 @@ import pytest
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import ReadOptions, read_log
-from friction_audit.io.writers.write_log import write_log
-from friction_audit.joint_log import JointLog, Source
+from friction_audit.joint_log import JointLog
 from tests.cli.conftest import Run
 
 EPOCH = 1.7e9
@@ -98,25 +97,6 @@ def test_nothing_is_invented_in_a_gap(tmp_path: Path) -> None:
     assert not any(one.damaged for one in log.source.findings)
 
 
-def test_one_missing_number_is_bridged(tmp_path: Path) -> None:
-    columns = torque()
-    columns["tau_interaction_1"][100] = np.nan
-    first = saved(tmp_path / "a.csv", motion())
-    log = read_log(first, ReadOptions(join=saved(tmp_path / "b.csv", columns)))  # type: ignore[arg-type]
-    assert (len(log.t), [one.damaged for one in log.source.findings]) == (12000, [False])
-
-
-def test_order_of_the_stamps_and_repeats_do_not_matter(tmp_path: Path) -> None:
-    columns = torque()
-    mixed = np.random.default_rng(1).permutation(np.repeat(np.arange(len(columns["time"])), 2))
-    plain = joined(saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", columns))
-    shuffled = {key: value[mixed] for key, value in columns.items()}
-    again = joined(tmp_path / "a.csv", saved(tmp_path / "c.csv", shuffled))
-    assert plain.tau_interaction is not None
-    assert again.tau_interaction is not None
-    assert again.tau_interaction == pytest.approx(plain.tau_interaction, abs=1e-12)
-
-
 def test_joints_are_joined_by_name(tmp_path: Path) -> None:
     t = motion()["time"]
     names = ("elbow_joint", "wrist_joint")
@@ -127,18 +107,6 @@ def test_joints_are_joined_by_name(tmp_path: Path) -> None:
     log = joined(saved(tmp_path / "a.csv", first), saved(tmp_path / "b.csv", second))
     assert log.tau_J is not None
     assert (log.tau_J[:, 1] - log.tau_J[:, 0]) == pytest.approx(1.0)
-
-
-def test_a_bag_and_a_table(tmp_path: Path) -> None:
-    t = np.arange(0.0, 30.0, 0.01)
-    q, dq = q_of(t)[:, None], 0.6 * np.sin(0.6 * t)[:, None]
-    source = Source(path="x", sha256="", format="made", start_s=EPOCH)
-    log = JointLog(t=t, q=q, dq=dq, tau_J=np.cos(t)[:, None], joint_names=("joint1",), source=source)
-    write_log(log, tmp_path / "bag.mcap")
-    heat = saved(tmp_path / "heat.csv", {"time": EPOCH + t[::100], "temperature_1": 20.0 + t[::100]})
-    found = joined(tmp_path / "bag.mcap", heat)
-    assert found.temperature is not None
-    assert found.temperature[:, 0] == pytest.approx(20.0 + found.t, abs=1e-5)
 
 
 def test_parts_of_a_joined_log_count_from_its_first_sample(tmp_path: Path) -> None:

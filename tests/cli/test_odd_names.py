@@ -46,14 +46,6 @@ def test_a_name_that_is_no_text(odd: bytes) -> None:
     assert json.loads(done.stdout)["source"]["path"].endswith("run\udcff.csv")
 
 
-@pytest.mark.usefixtures("sketched")
-def test_a_document_that_names_it(odd: bytes, run: Run, tmp_path: Path) -> None:
-    answer = run("estimate", os.fsdecode(odd), "--json", "-q", "-o", os.fsdecode(os.fsencode(tmp_path) + b"/\xff"))
-    assert answer.code == 0, answer.err
-    assert answer.document()["source"]["path"].endswith("run\udcff.csv")
-    assert json.loads((tmp_path / "\udcff" / "estimate.json").read_text()) == answer.document()
-
-
 def test_an_error_about_it() -> None:
     done = call("estimate", b"absent\xff.csv")
     assert done.returncode == 3

@@ -2,7 +2,7 @@
 
 import json
 import shlex
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import cache
 from hashlib import sha256
 from pathlib import Path
@@ -22,7 +22,6 @@ from friction_audit.simulation.assign import paths
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.scenarios import SCENARIOS, AnySettings, Scenario
-from friction_audit.simulation.settings import IDEAL_SENSORS
 from tests.cli.conftest import Run
 
 ONE = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 1).name
@@ -137,13 +136,6 @@ def test_settings_and_effects_are_what_was_asked_for(run: Run) -> None:
     ]
 
 
-def test_ideal_sensors_and_one_of_their_faults(run: Run) -> None:
-    words = ("--duration", "2", "--ideal", "--set", "sensors.torque_noise_nm=0.1", "--json")
-    document = run("simulate", ONE, "-o", "run.parquet", *words).document()
-    (sensors,) = document["settings"]["sensors"]
-    assert sensors == asdict(IDEAL_SENSORS) | {"torque_noise_nm": 0.1}
-
-
 def fail(kind: type[BaseException]) -> Any:
     def raise_it(*_: object, **__: object) -> NoReturn:
         raise kind("in the middle of it")
@@ -203,12 +195,6 @@ def test_what_cannot_be_is_said_and_nothing_written(words: str, message: str, ru
     assert (answer.code, answer.out) == (2, "")
     assert message.format(one=ONE) in answer.err
     assert left(tmp_path) == ["file"]
-
-
-def test_scenarios_are_listed(run: Run) -> None:
-    lines = run("simulate", "--list").out.splitlines()
-    assert [line.split()[0] for line in lines] == [scenario.name for scenario in SCENARIOS]
-    assert all(scenario.summary in line for scenario, line in zip(SCENARIOS, lines, strict=True))
 
 
 @EACH_SCENARIO

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from friction_audit.drift.analyse import analyse_drift, choose_reference
+from friction_audit.drift.analyse import analyse_drift
 from friction_audit.drift.report import ArmDrift, CoefficientDrift
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import DriftSettings
@@ -141,14 +141,6 @@ def test_limits_of_few_sessions_overflow_without_a_warning() -> None:
     assert not any(point.outside for point in found.control)
 
 
-def test_one_negative_estimate_is_no_drift() -> None:
-    level = noisy(20, 1)
-    level[8] = -0.1
-    found = coulomb(make_sessions(level))
-    assert (found.drift, found.isolated) == (False, (8,))
-    assert found.total.low < 0.0 < found.total.high
-
-
 @pytest.mark.parametrize("count", [1, 2, 3])
 def test_too_few_sessions_say_how_many_are_needed(count: int) -> None:
     arm = analyse(make_sessions(noisy(count)))
@@ -211,23 +203,6 @@ def test_warm_up_within_sessions_is_told_apart() -> None:
     assert "within a session it falls by 8 %" in text
 
 
-def test_days_and_sessions_are_two_clocks() -> None:
-    days = np.concatenate([np.arange(10.0), 100.0 + np.arange(10.0)])
-    level = noisy(20) * (1.0 + 0.002 * days)
-    sessions = [
-        replace(session, start_s=FIRST_S + day * A_DAY_S)
-        for session, day in zip(make_sessions(level), days, strict=True)
-    ]
-    found = coulomb(sessions)
-    assert found.trend_per_day.low < 0.0006 < found.trend_per_day.high
-
-
-def test_change_of_speed_with_the_drift_is_told() -> None:
-    level = noisy(20) * np.where(np.arange(20) >= 10, 1.15, 1.0)
-    sessions = [make_session(i, [make_joint(1, c, speed=0.4 if i >= 10 else 0.8)]) for i, c in enumerate(level)]
-    assert "the speed of motion changed with it (0.5 times)" in described(sessions)[1]
-
-
 def test_reference_is_the_first_sessions_or_those_asked_for() -> None:
     level = noisy(20) * np.where(np.arange(20) >= 3, 1.15, 1.0)
     sessions = make_sessions(level)
@@ -238,13 +213,6 @@ def test_reference_is_the_first_sessions_or_those_asked_for() -> None:
     assert arm.reference == (10, 11, 12)
     assert found.total.low < 0.0 < found.total.high
     assert found.level.value == pytest.approx(0.345, abs=0.004)
-
-
-def test_reference_that_is_not_there() -> None:
-    assert choose_reference((0, 1, 2, 3), 5) == ((0, 1), ())
-    chosen, (warning,) = choose_reference((0, 1, 2, 3), (1, 9))
-    assert (chosen, warning) == ((1,), "session 10 of the reference cannot be compared")
-    assert choose_reference((0, 1, 2, 3), (9,))[0] == (0, 1)
 
 
 @settings(max_examples=3, deadline=None)

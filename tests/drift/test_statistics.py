@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from friction_audit.drift.change_points import find_isolated, find_steps, segmentation
+from friction_audit.drift.change_points import find_steps
 from friction_audit.drift.change_test import (
-    detrend,
     estimate_autocorrelation,
     lagged_sum,
     make_directions,
     step_down,
-    step_places,
     studentise,
 )
 from friction_audit.drift.coefficient import noncentrality
@@ -59,32 +57,10 @@ def test_ramp_statistic_is_the_slope_of_a_regression() -> None:
     assert t[directions.ramps] == pytest.approx(line.slope / line.stderr, rel=1e-4)
 
 
-def test_places_of_steps() -> None:
-    assert step_places(3).tolist() == []
-    assert step_places(4).tolist() == [2]
-    assert step_places(7).tolist() == [2, 3, 4, 5]
-    many = step_places(1000)
-    assert (many[0], many[-1]) == (2, 998)
-    assert len(many) <= 80
-
-
 def test_step_down_by_hand() -> None:
     null = np.array([[1.0, 5.0], [2.0, 2.5], [3.0, 0.5]])
     # 4 against the maxima 5, 2.5, 3: one is as large; 2 against 1, 2, 3: two are.
     assert step_down(np.array([2.0, 4.0]), null).tolist() == [3 / 4, 2 / 4]
-
-
-def test_isolated_session_and_step() -> None:
-    y = np.array([0.0, 0.1, -0.1, 9.0, 0.05, -0.05, 0.0, 0.1])
-    error = np.full(8, 0.1)
-    assert np.flatnonzero(find_isolated(y, error)).tolist() == [3]
-    assert not np.any(find_isolated(np.array([0.0, 0.1, -0.1, 0.0, 9.0, 9.1]), np.full(6, 0.1)))
-    assert not np.any(find_isolated(np.arange(10.0), np.full(10, 0.1)))
-
-
-def test_segmentation_of_plain_steps() -> None:
-    y = np.repeat([0.0, 1.0, 0.0], [5, 6, 7])
-    assert segmentation(y, 2) == [5, 11]
 
 
 @pytest.mark.parametrize(("series", "too_many"), [(3, 2), pytest.param(8, 3, marks=pytest.mark.thorough)])
@@ -129,12 +105,6 @@ def test_lagged_sum_by_hand() -> None:
     broken = alternating.copy()
     broken[0, 3] = -1e6
     assert abs(lagged_sum(broken)[0]) < 1.0
-
-
-def test_what_is_left_holds_no_step() -> None:
-    directions = make_directions(series_of(noisy(30, 0)))
-    stepped = 5.0 + 3.0 * (np.arange(30) >= 12)
-    assert detrend(stepped[None, :] * directions.weight, directions) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.4, 0.7])

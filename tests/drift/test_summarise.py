@@ -47,13 +47,6 @@ def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
     assert np.isnan(found[2].speed_rad_s).all()
 
 
-def test_joints_selected_keep_their_numbers_and_their_temperature() -> None:
-    log = build_estimate(2, count=20, rate=250.0).log
-    log = replace(log, temperature=np.tile([20.0, 40.0], (len(log.t), 1)))
-    found = summaries(estimate_log(log, AuditSettings(joints=(2,))))
-    assert [(one.joint, one.temperature_c) for one in found] == [(2, 40.0)]
-
-
 def test_the_curve_shows_both_sides_of_the_friction() -> None:
     found = summaries(estimated(1))[0]
     speed, torque = np.array(found.curve.speed_rad_s), np.array(found.curve.torque_nm)
@@ -72,11 +65,6 @@ def test_bins_hold_means_and_spreads() -> None:
     assert list(curve.speed_rad_s) == [-1.0, 1.0]
     assert curve.torque_nm == pytest.approx((-0.3, 0.5))
     assert curve.spread_nm == pytest.approx((0.1, 0.1))
-
-
-@pytest.mark.parametrize("samples", [0, 5])
-def test_too_few_samples_make_no_curve(samples: int) -> None:
-    assert not bin_torque(np.ones(samples), np.ones(samples)).speed_rad_s
 
 
 def test_a_compensator_s_torque_counts_with_the_hand_s() -> None:
@@ -99,12 +87,6 @@ def test_what_changes_within_a_session_is_told(log: JointLog, estimate: Estimate
     falling = summaries(warmed(log, 1.0 - 0.3 * log.t / log.t[-1]))[0].within["coulomb_nm"]
     # From the middle of the first third to the middle of the last one: 0.75 / 0.95 - 1.
     assert falling.low < 0.75 / 0.95 - 1.0 < falling.high < 0.0
-
-
-def test_short_sessions_have_nothing_within(log: JointLog) -> None:
-    short = estimate_log(log.take_window(0.0, 15.0), AuditSettings())
-    assert short.friction.joints[0].reason == ""
-    assert np.isnan(summaries(short)[0].within["coulomb_nm"].value)
 
 
 def test_a_model_without_a_coefficient_has_no_change_of_it(log: JointLog) -> None:

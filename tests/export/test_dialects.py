@@ -42,17 +42,6 @@ def test_tidy_csv_by_hand(log: JointLog, tmp_path: Path) -> None:
     assert (tmp_path / "log.csv").read_text() == expected
 
 
-def test_long_csv_by_hand(log: JointLog, tmp_path: Path) -> None:
-    write_log(log.take_joints([0, 1]), tmp_path / "log.csv", dialect="csv-long")
-    lines = (tmp_path / "log.csv").read_text().splitlines()
-    assert lines[:3] == [
-        "time,joint,position,velocity,effort",
-        "0,panda_joint1,0,0.5,-0",
-        "0,panda_joint2,1,1.5,-1",
-    ]
-    assert len(lines) == 7
-
-
 def test_rostopic_csv_by_hand(log: JointLog, tmp_path: Path) -> None:
     write_log(log.take_joints([1]), tmp_path / "log.csv", dialect="csv-rostopic")
     header, _, second, _ = (tmp_path / "log.csv").read_text().splitlines()
@@ -98,12 +87,6 @@ def test_parquet_keeps_the_names(log: JointLog, tmp_path: Path) -> None:
     assert notes[b"robot"] == b"panda"
     assert float(notes[b"start_s"]) == START_S
     assert pq.ParquetFile(tmp_path / "log.parquet").metadata.row_group(0).column(1).compression == "ZSTD"
-
-
-def test_parquet_lists_are_rows(log: JointLog, tmp_path: Path) -> None:
-    write_log(log, tmp_path / "log.parquet", dialect="parquet-lists")
-    table = pq.read_table(tmp_path / "log.parquet")
-    assert table.column("dq").to_pylist() == log.dq.tolist()
 
 
 @pytest.mark.parametrize(
