@@ -1,6 +1,6 @@
 """The names at the top of the package, behind which everything else may move."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
@@ -347,7 +347,7 @@ def to_frames(result: Estimate | LogReplay | Diagnosis | LogReport) -> "dict[str
     Raises:
         UsageError: If it is none of these.
     """
-    return {table.name: to_frame(table) for table in _tables(result)}
+    return {table.name: to_frame(table) for table in _of_kind(result, "to_frames", TABLES)(result)}
 
 
 def plot(
@@ -372,34 +372,24 @@ def plot(
     Raises:
         UsageError: If the result has no such figure or joint, or the kind needs more than one panel.
     """
-    return draw_result(result, _result_name(result, "plot"), kind, joint, ax)
+    return draw_result(result, _of_kind(result, "plot", DRAWN), kind, joint, ax)
 
 
-def _result_name(result: object, call: str) -> str:
-    for kind, name in ((Estimate, "estimate"), (LogReplay, "replay"), (Diagnosis, "diagnosis")):
+DRAWN: dict[type, str] = {Estimate: "estimate", LogReplay: "replay", Diagnosis: "diagnosis"}
+TABLES: dict[type, Callable[[Any], Sequence[TidyTable]]] = {
+    Estimate: estimate_tables,
+    LogReplay: replay_tables,
+    Diagnosis: diagnose_tables,
+    LogReport: report_tables,
+}
+
+
+def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # noqa: ANN401 - of any kind
+    for kind, found in kinds.items():
         if isinstance(result, kind):
-            return name
-    raise UsageError(
-        f"{call}: {type(result).__name__}: expected the result of estimate_log, replay_log or diagnose_log; call one "
-        "of them first"
-    )
-
-
-def _tables(result: Estimate | LogReplay | Diagnosis | LogReport) -> tuple[TidyTable, ...]:
-    match result:
-        case Estimate():
-            return estimate_tables(result)
-        case LogReplay():
-            return replay_tables(result)
-        case Diagnosis():
-            return diagnose_tables(result)
-        case LogReport():
-            return report_tables(result)
-        case _:
-            raise UsageError(
-                f"to_frames: {type(result).__name__}: expected the result of estimate_log, replay_log, diagnose_log or "
-                "report_log; call one of them first"
-            )
+            return found
+    calls = "estimate_log, replay_log" + (", diagnose_log or report_log" if LogReport in kinds else " or diagnose_log")
+    raise UsageError(f"{call}: {type(result).__name__}: expected the result of {calls}; call one of them first")
 
 
 audit.Shown.draw, audit.Shown.tables = staticmethod(plot), staticmethod(to_frames)

@@ -4,7 +4,7 @@ import glob
 import hashlib
 import os
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
@@ -97,7 +97,7 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
     if path.is_dir():
         return [] if os.path.realpath(path) in closed else list(_logs_in(path, closed))
     if os.path.lexists(path):  # a link that leads nowhere is listed as failed
-        return [_local(path, ())]
+        return [_local(name, ())]
     if not glob.has_magic(name):
         return []
     matches = sorted(glob.glob(name, recursive=True), key=natural)  # noqa: PTH207 - Path knows no absolute patterns
@@ -105,31 +105,42 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
 
 
 def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
-    """Walk through a folder; a folder that is a bag is one log, and results of this program are none."""
-    closed_to_us: list[OSError] = []
-    for folder, folders, files in os.walk(top, onerror=closed_to_us.append):
-        here = Path(folder)
-        if LEDGER in files or os.path.realpath(here) in closed:
-            folders.clear()
-            continue
-        folders[:] = sorted((name for name in folders if not name.startswith(".")), key=natural)
-        around = _folders_around(top, here)
-        is_one_bag = is_bag(here.resolve().name, files)
-        if is_one_bag or (here / DATA_SET).is_file():
-            folders.clear()
-            yield _local(here, around[1:] if is_one_bag else around)
-            continue
-        for file in sorted(files, key=natural):
-            if not file.startswith(".") and file.lower().endswith(SUFFIXES):
-                yield _local(here / file, around)
-    for error in closed_to_us:  # a folder that cannot be listed: its reader says why
-        yield _local(Path(error.filename), _folders_around(top, Path(error.filename)))
+    unread: list[OSError] = []
+
+    def listed() -> Iterator[tuple[str, list[str], list[str]]]:
+        for folder, inside, files in os.walk(top, onerror=unread.append):
+            inside.sort(key=natural)
+            if os.path.realpath(folder) in closed:
+                inside.clear()
+            else:
+                yield folder, inside, files
+
+    whole = top.resolve().name
+    yield from _below(str(top), whole, listed(), _local, lambda folder: (Path(folder) / DATA_SET).is_file())
+    for error in unread:  # a folder that cannot be listed: its reader says why
+        yield _local(error.filename, (*reversed(Path(error.filename).relative_to(top).parts), whole))
 
 
-def _folders_around(top: Path, here: Path) -> tuple[str, ...]:
-    """Return the names of the folders from here up to the one that the user named."""
-    inner = here.relative_to(top).parts
-    return (*reversed(inner), top.resolve().name)
+def _below(
+    top: str,
+    name: str,
+    listed: Iterable[tuple[str, Any, Iterable[str]]],
+    log_at: Callable[[str, tuple[str, ...]], LogFile],
+    is_whole: Callable[[str], bool] = lambda _: False,
+) -> Iterator[LogFile]:
+    """Walk through a folder of a name; a folder that is a bag is one log, and results of this program are none."""
+    for folder, inside, files in listed:
+        inner = [part for part in folder.removeprefix(top.rstrip("/")).split("/") if part]
+        around = (*reversed(inner), name)
+        bag = is_bag(around[0], [*files])
+        if LEDGER in files or (around[0].startswith(".") and inner):
+            inside.clear()
+        elif bag or is_whole(folder):
+            inside.clear()
+            yield log_at(folder, around[1:] if bag else around)
+        else:
+            logs = [file for file in files if not file.startswith(".") and file.lower().endswith(SUFFIXES)]
+            yield from (log_at(f"{folder.rstrip('/')}/{file}", around) for file in sorted(logs, key=natural))
 
 
 def is_bag(folder: str, files: Sequence[str]) -> bool:
@@ -144,16 +155,16 @@ def is_bag(folder: str, files: Sequence[str]) -> bool:
     )
 
 
-def _local(path: Path, folders: tuple[str, ...]) -> LogFile:
-    place = path.absolute()
+def _local(name: str, folders: tuple[str, ...]) -> LogFile:
+    place = Path(name).absolute()
     try:
-        stamp = stamp_of(path)
+        stamp = stamp_of(place)
     except OSError:  # the worker says why
         stamp = Stamp(size=-1, changed_ns=0)
     # Devices are numbered anew at every start.
     which = repr([(inode, *times) for _, _, inode, *times in stamp.identity])
     return LogFile(
-        path=encodable(str(path)),
+        path=encodable(str(Path(name))),
         place=str(place),
         folders=tuple(map(encodable, folders or (place.parent.name,))),
         size=stamp.size,
@@ -180,7 +191,9 @@ def _logs_at(url: str) -> list[LogFile]:
             return [log for match in sorted(system.glob(path), key=natural) for log in _at(system, match, ())]
         if path.lower().endswith(SUFFIXES) and not system.isdir(path):
             return _at(system, path, ()) if system.exists(path) else []
-        return list(_below(system, path))
+        listed = system.walk(path, detail=True)
+        name = path.rstrip("/").rpartition("/")[2]
+        return list(_below(path, name, listed, lambda found, around: _at(system, found, around)[0]))
     except UNREACHABLE as error:
         raise _unreachable(url, error) from error
 
@@ -218,32 +231,6 @@ def _open(url: str) -> tuple[Any, str]:
     except ValueError as error:
         raise UsageError(f"{url}: {error}; check the part before ://") from error
     return system, str(path)
-
-
-def _below(system: Any, top: str) -> Iterator[LogFile]:  # noqa: ANN401
-    listing = {folder: files for folder, files in _walk(system, top) if LEDGER not in files}
-    bags = {folder for folder, files in listing.items() if is_bag(folder.rstrip("/").rpartition("/")[2], files)}
-    for folder in sorted(listing, key=natural):
-        around = _around(top, folder)
-        if folder in bags:
-            yield from _at(system, folder, around[1:])
-            continue
-        if any(folder.startswith(f"{bag.rstrip('/')}/") for bag in bags):
-            continue
-        for file in sorted(listing[folder], key=natural):
-            if not file.startswith(".") and file.lower().endswith(SUFFIXES):
-                yield from _at(system, f"{folder.rstrip('/')}/{file}", around)
-
-
-def _walk(system: Any, top: str) -> Iterator[tuple[str, list[str]]]:  # noqa: ANN401 - fsspec has no types
-    for folder, _, files in system.walk(top):
-        if not any(part.startswith(".") for part in _around(top, folder)[:-1]):
-            yield folder, list(files)
-
-
-def _around(top: str, folder: str) -> tuple[str, ...]:
-    inner = [part for part in folder.removeprefix(top.rstrip("/")).split("/") if part]
-    return (*reversed(inner), top.rstrip("/").rpartition("/")[2])
 
 
 def _at(system: Any, path: str, folders: tuple[str, ...]) -> list[LogFile]:  # noqa: ANN401
