@@ -54,24 +54,6 @@ def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "compared" / "sweep.svg").read_text().startswith("<?xml")
 
 
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (("--methods", "energie"), "did you mean energy?"),
-        (("--arm", "ur5"), "expected one of joint, panda"),
-        (("--set", "operator.inertia=1"), "operator.inertia_kg_m2"),
-        (("--effect", "stribek"), "stribeck"),
-        (("--persons", "1"), "2"),
-        (("--set", "driven=true"), "driven"),
-    ],
-)
-def test_wrong_words_are_refused(run: Run, words: tuple[str, ...], expected: str) -> None:
-    answer = run("compare", *words)
-    assert answer.code == 2
-    assert expected in answer.err
-    assert answer.out == ""
-
-
 def test_too_short_a_trial_is_an_analysis_error(run: Run) -> None:
     answer = run("compare", *SHORT, "--duration", "3")
     assert answer.code == 4

@@ -33,34 +33,6 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     assert joint["energy_with_j"] < joint["energy_without_j"]
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--coefficients", "coulomb=0.2", "--compensator-window", "3"], "nothing is estimated"),
-        (["--coefficients", "coulomb=0.2", "--factor", "2"], "remove --factor"),
-        (["--coefficients", "stiction=0.2"], "expected coulomb=NUMBER,viscous=NUMBER"),
-        (["--coefficients", "coulomb=x"], "expected coulomb=NUMBER"),
-        (["--coefficients", "coulomb=0.2,viscous=-0.1"], "would brake the joint"),
-        (["--no-passivity", "--max-damping", "3"], "only the controller damps"),
-        (["--compensator", "sigmoid", "--coefficients", "coulomb=0.2"], "does not use --coefficients"),
-        (["--compensator", "lugre", "--observer-gain", "5"], "does not use --observer-gain"),
-        (["--compensator", "disturbance_observer"], "feeds the motion back"),
-        (["--operator", "0.3,9,60"], "ask for --assume same-operator"),
-        (["--assume", "same-operator", "--operator", "0.3,9"], "expected 3"),
-        (["--assume", "same-operator", "--operator", "0,0,0"], "at least one of them"),
-        (["--assume", "nothing"], "expected one of same-motion"),
-        (["--compensator-model", "viscous", "--compensator-window", "0"], "window 0"),
-        (["--max-torque", "-1"], "above zero"),
-        (["--cycles-from", "hand"], ""),
-    ],
-)
-def test_wrong_usage(options: list[str], message: str, run: Run, logs: Path) -> None:
-    answer = run("replay", logs / "moved1.csv", *options)
-    assert answer.code == 2
-    assert message in answer.err
-    assert answer.out == ""
-
-
 def test_what_moves_otherwise_is_said_with_its_intervals(run: Run, logs: Path) -> None:
     options = ("replay", logs / "moved1.csv", "--assume", "same-operator", "--operator", "0.3,9,60")
     (joint,) = run(*options, "--json").document()["joints"]
