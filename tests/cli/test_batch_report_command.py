@@ -17,6 +17,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from friction_audit.batch.ledger import SCHEMA_VERSION
 from friction_audit.cli.batch_files import RESULTS
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.registry import figures_of
@@ -113,6 +114,10 @@ def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert answer.code == 0
     assert "1 computed, 0 known" in answer.out
     assert "warning: the ledger that was there is kept as friction-drift/ledger-1.sqlite" in answer.err
+    with closing(sqlite3.connect("friction-drift/ledger.sqlite")) as database:
+        database.execute(f"PRAGMA user_version = {SCHEMA_VERSION - 1}")
+    older = run("batch-report", rig / "2026-03-01.npz")
+    assert (older.code, "kept as friction-drift/ledger-2.sqlite" in older.err) == (0, True), older
     Path("friction-drift/ledger.sqlite").write_text("no ledger at all, but some text")
     broken = run("batch-report", rig / "2026-03-01.npz")
     assert broken.code == 3

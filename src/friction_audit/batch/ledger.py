@@ -61,6 +61,7 @@ class Ledger:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        self.older: Path | None = None  # where a ledger of an older schema is kept now, if there was one
         unclean = any(path.with_name(path.name + ending).exists() for ending in UNCLEAN)
         self._open()
         try:
@@ -69,7 +70,7 @@ class Ledger:
                 if is_ledger and self._pragma("user_version") < SCHEMA_VERSION:
                     # Its sessions are of older results, which are never asked for again.
                     self._database.close()
-                    move_aside(path)
+                    self.older = move_aside(path)
                     self._open()
                 self._set_up()
                 if unclean:

@@ -132,7 +132,7 @@ def command(
     processes = LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
     cluster = None if running.scheduler is None else DaskExecutor(address=running.scheduler)
     with _ledger(folder, running, voice) as (ledger, alone), processes:
-        if not (shared.overwrite or running.rebuild):
+        if not (shared.overwrite or running.rebuild or ledger.older):
             check_results(folder, formats, ledger, settings)
         standing = _catch_up(found, settings, ledger, cluster or processes, voice, alone=alone)
         request = (standing.digest(), settings.text(), drift_settings, limits, formats, __version__)
@@ -194,9 +194,9 @@ def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tu
         if running.rebuild and not alone:
             raise UsageError(f"--rebuild: another run is at work in {folder}; wait for it or stop it")
         aside = move_aside(path) if running.rebuild else None
-        if aside is not None:
-            voice.warn([f"the ledger that was there is kept as {aside}"])
         with Ledger(path) as ledger:
+            if aside := aside or ledger.older:
+                voice.warn([f"the ledger that was there is kept as {aside}"])
             yield ledger, alone
 
 
