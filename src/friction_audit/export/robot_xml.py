@@ -19,9 +19,9 @@ def _dynamics(joint: ExportedJoint) -> dict[str, str]:
     return {"damping": number(joint.fitted.viscous_nms_per_rad), "friction": number(joint.fitted.coulomb_nm)}
 
 
-def urdf_joints(urdf: XmlText) -> list[Tag]:
-    """Return the joints that turn, in the order of the file."""
-    return [tag for tag in urdf.root.children if tag.name == "joint" and tag.attributes.get("type") in TURNING]
+def turning_joints(robot: XmlText) -> list[Tag]:
+    """Return the joints of a URDF or SDF that turn, in the order of the file."""
+    return [tag for tag in robot.root.walk() if tag.name == "joint" and tag.attributes.get("type") in TURNING]
 
 
 def write_urdf(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
@@ -32,7 +32,7 @@ def write_urdf(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
             for joint in joints
         )
         return "\n".join(('<robot name="friction">', *lines, "</robot>", "")).encode()
-    tags = {tag.attributes["name"]: tag for tag in urdf_joints(into)}
+    tags = {tag.attributes["name"]: tag for tag in turning_joints(into)}
     pairs = [(tags[joint.name], _dynamics(joint)) for joint in joints]
     return into.edited(
         into.set_attributes(there, values)
@@ -82,11 +82,6 @@ def _mjcf_values(joint: ExportedJoint) -> dict[str, str]:
     return values if inertia is None else values | {"armature": number(inertia)}
 
 
-def sdf_joints(sdf: XmlText) -> list[Tag]:
-    """Return the joints that turn, in the order of the file."""
-    return [tag for tag in sdf.root.walk() if tag.name == "joint" and tag.attributes.get("type") in TURNING]
-
-
 def write_sdf(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
     """Write friction into a model; without one, the axes with nothing else, to be copied."""
     if into is None:
@@ -101,7 +96,7 @@ def write_sdf(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
 
 
 def _sdf_edits(joints: Sequence[ExportedJoint], into: XmlText) -> Iterator[Edit]:
-    tags = {tag.attributes["name"]: tag for tag in sdf_joints(into)}
+    tags = {tag.attributes["name"]: tag for tag in turning_joints(into)}
     for joint in joints:
         axis, values = tags[joint.name].child("axis"), _dynamics(joint)
         if axis is None:
@@ -125,7 +120,7 @@ URDF = Target(
     suffixes=(".urdf",),
     summary="Coulomb and viscous friction in <dynamics> of the joints of a URDF",
     write=write_urdf,
-    joints_of=urdf_joints,
+    joints_of=turning_joints,
 )
 MJCF = Target(
     name="mjcf",
@@ -141,5 +136,5 @@ SDF = Target(
     suffixes=(".sdf",),
     summary="Coulomb and viscous friction in <dynamics> of the joints of a Gazebo model",
     write=write_sdf,
-    joints_of=sdf_joints,
+    joints_of=turning_joints,
 )

@@ -6,7 +6,6 @@ the comparison is made once for both.
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -156,16 +155,6 @@ def rows_of(comparison: Comparison, role: str) -> list[Row]:
     return [row for row in rows if row is not None]
 
 
-def steps_down(values: Sequence[float]) -> int:
-    """Return how many values are below the one before."""
-    return sum(after < before for before, after in pairwise(values))
-
-
-def is_ranked(values: Sequence[float]) -> bool:
-    """Return True if every value is below the one before."""
-    return steps_down(values) == len(values) - 1
-
-
 def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: str) -> str:
     """Return the methods with their values, largest first, and how often a loop was lost."""
     pairs = sorted(zip(values, rows, strict=True), key=lambda pair: -pair[0])
@@ -186,8 +175,8 @@ def _order(comparison: Comparison, role: str) -> Claim:
         claim=f"{claim}, proposed" if role == PAPER else f"{FULLY}: {claim}, proposed",
         paper="none > model > DOB > torque regulation > proposed",
         ours=in_words(rows, slopes, 1000.0, "mW"),
-        value=float(steps_down(slopes)),
-        holds=is_ranked(slopes),
+        value=float(np.sum(np.diff(slopes) < 0.0)),
+        holds=bool(np.all(np.diff(slopes) < 0.0)),
         note=f"{NOTE}; an observer at full share leaves as little as the proposed method, from the first cycle on",
         own=role == FULL,
     )
@@ -228,8 +217,8 @@ def _peaks(comparison: Comparison) -> Claim:
         claim="the largest torque falls from none to model-based, disturbance observer, torque regulation",
         paper="none > model > DOB > torque regulation",
         ours=f"as drawn: {in_words(rows, drawn, 1.0, 'N m')}; raw, of all joints: {in_words(rows, raw, 1.0, 'N m')}",
-        value=float(steps_down(drawn)),
-        holds=is_ranked(drawn),
+        value=float(np.sum(np.diff(drawn) < 0.0)),
+        holds=bool(np.all(np.diff(drawn) < 0.0)),
         note="drawn: one joint, low-passed at 10 Hz; the peak of the proposed method, which no claim names, is inertia",
     )
 

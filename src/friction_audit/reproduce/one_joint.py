@@ -154,7 +154,6 @@ FIGURE_9 = Reproduction(
     figure="9",
     title="Interaction torque over velocity: combined friction, and the same perfectly compensated",
     scenarios=("fig9-friction", "fig9-compensated"),
-    most_seeds=1,
     check=lambda done: (
         _plateaus(*done["fig9-friction"]),
         *_ellipse(*done["fig9-friction"], *done["fig9-compensated"]),

@@ -11,7 +11,7 @@ from friction_audit.compensation.compensators import EnergyCompensator
 from friction_audit.compensation.replay import run
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.simulation import Scenario, simulate
+from friction_audit.simulation import simulate
 from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
@@ -62,9 +62,10 @@ class Reproduction:
     figure: str  # its number
     title: str  # what it shows
     scenarios: tuple[str, ...]  # names of the scenarios that it needs
-    most_seeds: int  # most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long
     check: Callable[[Simulations], tuple[Claim, ...]]  # simulations -> claims
     draw: "Callable[[Simulations], Figure]"  # simulations -> figure, of the first seed
+    # most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long
+    most_seeds: int = 1
     # seeds -> the comparison that it shows in place of simulations, kept by its first scenario; or None
     compare: "Callable[[int, Progress | None], Any] | None" = None
 
@@ -97,19 +98,15 @@ def simulate_figures(
     for one in reproductions:
         if one.compare is not None and one.scenarios[0] not in done:
             done[one.scenarios[0]] = one.compare(min(seeds, one.most_seeds), progress)
-    wanted = [(scenario, count) for scenario, count in _count(reproductions, seeds) if scenario.name not in done]
-    todo = [(scenario, seed) for scenario, count in wanted for seed in range(count)]
+    most = {name: min(seeds, each.most_seeds) for each in reproductions for name in each.scenarios}
+    wanted = [scenario for scenario in PAPER_SCENARIOS if scenario.name in most.keys() - done.keys()]
+    todo = [(scenario, seed) for scenario in wanted for seed in range(most[scenario.name])]
     effort = [len(scenario.settings.joints) ** 2 * scenario.settings.duration_s for scenario, _ in todo]
     for row, (scenario, seed) in enumerate(todo):
         if progress is not None:
             progress(sum(effort[:row]) / sum(effort))
         done[scenario.name] = (*done.get(scenario.name, ()), simulate(scenario.settings, seed))
     return done
-
-
-def _count(reproductions: Sequence[Reproduction], seeds: int) -> list[tuple[Scenario, int]]:
-    most = {name: min(seeds, each.most_seeds) for each in reproductions for name in each.scenarios}
-    return [(scenario, most[scenario.name]) for scenario in PAPER_SCENARIOS if scenario.name in most]
 
 
 APPLIED = ("coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad")

@@ -75,7 +75,6 @@ FIGURE_3 = Reproduction(
     figure="3",
     title="Net energy, kinetic and dissipated energy of a joint with viscous friction",
     scenarios=("fig3",),
-    most_seeds=1,
     check=check_3,
     draw=lambda simulations: paper.draw_exchange(*_energies(simulations)),
 )
@@ -139,7 +138,6 @@ FIGURE_6 = Reproduction(
     figure="6",
     title="Viscous friction that doubles at 6 s, compensated by its estimate",
     scenarios=("fig6",),
-    most_seeds=1,
     check=check_6,
     draw=_draw_6,
 )
@@ -231,7 +229,6 @@ FIGURE_7 = Reproduction(
     figure="7",
     title="Viscous friction compensated by half as much again, without and with the passivity controller",
     scenarios=("fig7-unprotected", "fig7"),
-    most_seeds=1,
     check=lambda done: (
         _falls_below(*done["fig7-unprotected"]),
         *_stays_above(*done["fig7"]),
