@@ -134,11 +134,9 @@ def test_best_is_what_no_tuning_person_loses(
     tried: list[tuple[tuple[float, ...], int]], best: int, losses: int
 ) -> None:
     points = [point(slopes_w, lost) for slopes_w, lost in tried]
-    curve = Curve(method="energy", label="proposed", name="any", axis="any", points=tuple(points))
-    (method,) = (one for one in METHODS if one.name == "energy")
-    chosen = choose_best(method, [curve])
-    assert chosen.tuning is points[best].tuning
-    assert chosen.tuning_losses == losses
+    chosen = choose_best(points)
+    assert chosen is points[best]
+    assert chosen.losses == losses
 
 
 def test_margins_are_looked_for_as_told() -> None:

@@ -1,42 +1,26 @@
 """Stability margin: bisection, and what a gain is."""
 
-from collections.abc import Sequence
 from math import inf
+from typing import Any
 
 import pytest
 
-from friction_audit.compensation.comparison.experiment import LARGEST, amplify, find_margins
+from friction_audit.compensation.comparison.experiment import find_margin
 from friction_audit.compensation.compensators import (
-    Compensator,
     DisturbanceObserver,
     EnergyCompensator,
     FixedCompensation,
-    JointModelCompensation,
     LugreCompensation,
     SigmoidCompensation,
     TorqueRegulation,
 )
-from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.errors import UsageError
-
-LIMITS = (0.5, 1.3, 7.0, 1000.0)
 
 
-def test_limits_are_found_side_by_side() -> None:
-    def hold(asked: Sequence[tuple[int, float]]) -> list[bool]:
-        return [factor <= LIMITS[number] for number, factor in asked]
-
-    margins = find_margins(len(LIMITS), hold)
-    assert margins[0] == 0.0
-    assert margins[1:3] == pytest.approx([1.3, 7.0], rel=0.05)
-    assert margins[1] <= LIMITS[1]
-    assert margins[2] <= LIMITS[2]
-    assert margins[3] == inf
-    assert LARGEST == 32.0
-
-
-def test_nothing_to_search_for() -> None:
-    assert find_margins(0, lambda _: []) == []
+@pytest.mark.parametrize(("limit", "margin"), [(0.5, 0.0), (1.3, 1.3), (7.0, 7.0), (1000.0, inf)])
+def test_limits_are_found(limit: float, margin: float) -> None:
+    found = find_margin(lambda factor: factor <= limit)
+    assert found == pytest.approx(margin, rel=0.05)
+    assert found <= limit or found == inf
 
 
 @pytest.mark.parametrize(
@@ -51,12 +35,6 @@ def test_nothing_to_search_for() -> None:
     ],
     ids=lambda value: type(value).__name__,
 )
-def test_twice_the_gain(compensator: Compensator, name: str, twice: float) -> None:
-    assert getattr(amplify(compensator, 2.0), name) == pytest.approx(twice)
-    assert amplify(compensator, 1.0) == compensator
-
-
-def test_the_terms_of_a_model_file_have_no_gain() -> None:
-    terms = (FittedTerm("coulomb", (0.3,)),)
-    with pytest.raises(UsageError, match="have no gain"):
-        amplify(JointModelCompensation(terms=terms), 2.0)
+def test_twice_the_gain(compensator: Any, name: str, twice: float) -> None:
+    assert getattr(compensator.scaled(2.0), name) == pytest.approx(twice)
+    assert compensator.scaled(1.0) == compensator

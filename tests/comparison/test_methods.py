@@ -5,7 +5,6 @@ from dataclasses import fields, replace
 import pytest
 
 from friction_audit.compensation.comparison import METHODS, SCENES
-from friction_audit.compensation.comparison.experiment import amplified
 from friction_audit.compensation.comparison.methods import OBSERVED_SHARE, Joint, Method, Tuning
 from friction_audit.compensation.comparison.trial import Outcome, find_reference, measure
 from friction_audit.compensation.compensators import Compensator, DisturbanceObserver, TorqueRegulation
@@ -27,7 +26,7 @@ def test_every_tuning_makes_a_compensator_for_every_joint(method: Method) -> Non
             assert isinstance(tuning.make(joint), Compensator)
             assert tuning.name
             assert tuning.meaning
-            amplified(tuning, 2.0).make(joint)
+            tuning.make(joint).scaled(2.0)
 
 
 @EACH
@@ -55,7 +54,7 @@ def test_a_trial_has_numbers(method: Method) -> None:
 
 
 def test_joints_have_the_limits_of_a_panda() -> None:
-    limits = [joint.max_torque_nm for joint in SCENES[1].joints]
+    limits = [joint.guard.max_torque_nm for joint in SCENES[1].joints]
     assert limits == [87.0] * 4 + [12.0] * 3
     compensator = next(one for one in METHODS if one.name == "torque_regulation").sweeps[0].at(1.0).make(joint_six())
     assert isinstance(compensator, TorqueRegulation)
