@@ -13,7 +13,7 @@ from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import Progress, make_motion, make_traces
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
-from friction_audit.simulation.mechanics.tick import guide, load_masses, settle, tick_arm
+from friction_audit.simulation.mechanics.tick import guide, load_masses, settle, tick
 from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import Commanded, HandMotion, HandPath, Intention, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
@@ -281,7 +281,7 @@ class GuidedArm(RigidBody):
             gravity,
         )
         by_hand = self.settings.compensator is not None and self.settings.hand_cycles
-        tick_arm(self.mechanism, jacobian, self._cycle, by_hand, k)
+        tick(self.mechanism, jacobian, self._cycle, by_hand, k)
 
 
 class ServoedArm(RigidBody):
@@ -309,4 +309,4 @@ class ServoedArm(RigidBody):
         body.support[:n] = -bias
         load_masses(body, self.rotor, mass)
         by_hand = False
-        tick_arm(self.mechanism, self._jacobian, self._cycle, by_hand, k)
+        tick(self.mechanism, self._jacobian, self._cycle, by_hand, k)
