@@ -14,7 +14,7 @@ from friction_audit.compensation.comparison.experiment import choose_best
 from friction_audit.compensation.comparison.methods import BEST, Joint, Tuning
 from friction_audit.compensation.comparison.result import Curve, Point
 from friction_audit.compensation.compensators import Compensator, FixedCompensation
-from friction_audit.reporting.compare import METHOD, compare_lines
+from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
 from friction_audit.reporting.figures.comparison import draw_sweeps
 from tests.comparison.conftest import CHOSEN, SEEDS, compared, short_joint
@@ -30,19 +30,6 @@ def test_every_method_has_its_rows_in_order() -> None:
     assert all(len(row.outcomes) == SEEDS for row in rows)
 
 
-def test_nobody_is_reported_who_was_tuned_for() -> None:
-    assert not set(compared().seeds) & set(compared().tuning_seeds)
-
-
-def test_the_best_is_the_flattest_that_holds() -> None:
-    for curve in compared().curves:
-        held = [point for point in curve.points if point.stable]
-        best = min(held, key=lambda point: abs(point.energy_slope_w.value))
-        row = compared().row(curve.method, "best")
-        assert row is not None
-        assert row.tuning.name == best.tuning.name
-
-
 def test_what_was_found() -> None:
     slopes = {
         row.method: row.interval(lambda outcome: outcome.energy_slope_w).value
@@ -55,34 +42,6 @@ def test_what_was_found() -> None:
     full = compared().row("disturbance_observer", "full")
     assert full is not None
     assert abs(full.interval(lambda outcome: outcome.energy_slope_w).value) < 0.1 * slopes["none"]
-
-
-def test_same_seeds_same_numbers() -> None:
-    some = [method for method in METHODS if method.name in ("none", "oracle")]
-    again = compare(short_joint(), SEEDS, some)
-    for row in again.rows:
-        before = compared().row(row.method, "paper")
-        assert before is not None
-        assert row.outcomes == before.outcomes
-
-
-def test_figures_have_their_names() -> None:
-    figures = draw(compared())
-    assert tuple(figures) == FIGURES
-    assert all(axes.has_data() for figure in figures.values() for axes in figure.axes if axes.get_visible())
-
-
-def test_what_is_told_is_what_was_measured() -> None:
-    for row in compared().rows:
-        slopes = [outcome.energy_slope_w for outcome in row.outcomes if outcome.stable]
-        assert METHOD.json(row)["energy_slope_w"]["value"] == pytest.approx(np.mean(slopes))
-
-
-def test_progress_rises_to_one() -> None:
-    told: list[float] = []
-    compare(short_joint(), SEEDS, METHODS[:1], told.append)
-    assert told == sorted(told)
-    assert told[-1] <= 1.0
 
 
 def test_a_method_without_stable_tuning_is_reported_and_named() -> None:
@@ -148,12 +107,6 @@ def test_margins_are_looked_for_as_told() -> None:
     assert none.rows[0].margins == ()
     assert np.isnan(none.rows[0].margin.value)
     assert "margin:" not in table_of(none)
-
-
-def test_few_values_of_a_sweep_are_evenly_chosen() -> None:
-    (curve,) = (one for one in compared().curves if one.method == "torque_regulation")
-    (sweep,) = (method.sweeps[0] for method in METHODS if method.name == "torque_regulation")
-    assert [each.value for each in curve.points] == list(sweep.values[::2])
 
 
 @pytest.mark.parametrize(

@@ -45,20 +45,6 @@ def test_without_compensation_a_person_feels_the_joint() -> None:
     assert outcome.energy_slope_w == pytest.approx(per_cycle, rel=0.1)
 
 
-def test_torque_regulation_leaves_its_share_of_everything() -> None:
-    reference = find_reference(rigid(IDLE))
-    outcome = measure(rigid(TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.15)), reference)
-    assert (outcome.coulomb_left, outcome.inertia_left) == pytest.approx((0.5, 0.5), abs=0.02)
-
-
-def test_what_knows_the_friction_keeps_the_energy() -> None:
-    true = short_joint().settings.joints[0]
-    told = FixedCompensation(coulomb_nm=true.coulomb_nm, viscous_nms_per_rad=true.viscous_nms_per_rad)
-    alone = rigid(IDLE)
-    reference = find_reference(alone)
-    assert abs(measure(rigid(told), reference).energy_slope_w) < 0.02 * measure(alone, reference).energy_slope_w
-
-
 def test_a_competitor_that_is_unstable_is_caught_and_drawn_up_to_there() -> None:
     scene = short_joint()
     (method,) = (one for one in METHODS if one.name == "torque_regulation")

@@ -52,20 +52,6 @@ def largest_torque_gain(joint: ElasticJoint, share: float, period_s: float) -> f
     return low
 
 
-def loop_gain(settings: TorqueRegulation, *, inertia_kg_m2: float, outer_inertia_kg_m2: float) -> float:
-    """Return the gain of the loop from u over the sensor back to u in a rigid joint; 1 is its limit without filter.
-
-    Motor B and outer inertia m turn as one: of a torque u on the motor, -m / (m + B) appears at the sensor, at once,
-    and one tick later in u.
-
-    Args:
-        settings: Settings.
-        inertia_kg_m2: True motor inertia B. [kg m^2]
-        outer_inertia_kg_m2: Inertia m on the other side of the sensor: link and hand. [kg m^2]
-    """
-    return settings.torque_gain * outer_inertia_kg_m2 / (outer_inertia_kg_m2 + inertia_kg_m2)
-
-
 def regulation_limit(
     settings: TorqueRegulation,
     *,

@@ -14,7 +14,7 @@ from friction_audit.compensation.compensators import (
     TorqueRegulation,
 )
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
-from tests.compensation.competitor_bench import COULOMB, INERTIA, TICK_S, VISCOUS, guided, work_j
+from tests.compensation.competitor_bench import COULOMB, INERTIA, VISCOUS, guided, work_j
 
 ORACLE = FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
 LUGRE = LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
@@ -50,17 +50,3 @@ def test_a_guard_takes_back_what_over_compensation_put_in(right: Any) -> None:
     # What is compensated too much, over the time in which it is paid back.
     fastest = float(np.abs(guarded.dq).max())
     assert work_j(guarded) > -0.6 * (COULOMB + VISCOUS * fastest) * fastest * Guard().payback_s
-
-
-def test_who_shapes_inertia_lowers_the_peak() -> None:
-    free, shaped = (np.abs(guided(one).interaction_nm).max() for one in (None, REGULATION))
-    assert shaped < 0.7 * free
-
-
-def test_an_observer_without_dead_band_holds_through_the_turn() -> None:
-    published = replace(OBSERVER, dead_band_rad_s=0.0, ramp_rad_s=0.0)
-    motion = guided(published, duration_s=8.0)
-    sliding = np.abs(motion.dq[:, 0]) > 0.3
-    late = sliding & (np.arange(len(sliding)) * TICK_S > 2.0)
-    friction = motion.friction_nm[late, 0]
-    assert np.abs(motion.compensation_nm[late, 0] - friction).max() < 0.02

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
 
 from friction_audit.compensation.compensators import (
     COMPENSATORS,
@@ -22,12 +21,10 @@ from friction_audit.compensation.compensators import (
     guard_of,
     kind_of,
 )
-from friction_audit.compensation.controller import FIND, step
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import Float
 from friction_audit.simulation import PANDA_SENSORS
-from tests.compensation.competitor_bench import COULOMB, INERTIA, TICK_S, VISCOUS, feed, fresh, guided
+from tests.compensation.competitor_bench import COULOMB, INERTIA, VISCOUS, feed, guided
 
 EXAMPLES: dict[str, Compensator | None] = {
     "none": None,
@@ -47,32 +44,6 @@ def test_every_kind_has_an_example_of_its_own_code() -> None:
     assert list(EXAMPLES) == [kind.name for kind in COMPENSATORS]
     assert [kind.code for kind in COMPENSATORS] == list(range(len(COMPENSATORS)))
     assert all(kind_of(EXAMPLES[kind.name]) is kind for kind in COMPENSATORS)
-
-
-def relieve(compensator: Compensator | None, dq: Any, total_nm: Any) -> Float:
-    """Return the torques of a compensator that takes its part of a given total; the sensor feels the rest."""
-    settings, memory = fresh(compensator)
-    torques = [0.0]
-    for v, torque in zip(dq, total_nm, strict=True):
-        torques.append(step(settings, memory, v, torque - torques[-1], TICK_S, FIND))
-    assert memory["unstable"] == 0
-    return np.array(torques)
-
-
-@each
-def test_at_rest_nothing_pushes(kind: Any) -> None:
-    torque, _ = feed(EXAMPLES[kind.name], np.zeros(50), 0.0)
-    assert_array_equal(torque, 0.0)
-
-
-@each
-def test_noise_gives_finite_torques_and_the_same_ones_again(kind: Any) -> None:
-    rng = np.random.default_rng(1)
-    dq = np.sin(np.pi * np.arange(3000) * TICK_S) + 0.003 * rng.standard_normal(3000)
-    total = 0.3 * np.sign(dq) + 0.05 * rng.standard_normal(3000)
-    first, second = (relieve(EXAMPLES[kind.name], dq, total) for _ in range(2))
-    assert np.abs(first).max() < 2.0
-    assert_array_equal(first, second)
 
 
 @each

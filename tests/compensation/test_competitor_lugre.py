@@ -33,12 +33,6 @@ def test_bristles_bend_exponentially_at_any_tick(speed: float, dt: float) -> Non
     assert_allclose(torque, 300 * bend + 0.2 * rate + 0.07 * speed, rtol=1e-9)
 
 
-def test_steady_sliding_is_the_stribeck_curve() -> None:
-    for speed in (-0.5, 0.03, 2.0):
-        torque, _ = feed(LUGRE, np.full(3000, speed), 0.0)
-        assert torque[-1] == pytest.approx(np.sign(speed) * level(speed) + 0.07 * speed, rel=1e-6)
-
-
 def test_before_it_slides_it_is_a_spring_that_holds() -> None:
     moving, resting = np.full(100, 1e-3), np.zeros(500)
     torque, memory = feed(LUGRE, np.concatenate([moving, resting]), 0.0)

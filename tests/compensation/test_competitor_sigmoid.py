@@ -39,19 +39,6 @@ def test_a_step_is_fitted_by_a_steep_sigmoid(coulomb: float, share: float) -> No
     assert backward == pytest.approx(coulomb - offset, rel=0.02, abs=0.02 * coulomb)
 
 
-def test_the_fit_is_the_nearest() -> None:
-    speed = np.linspace(0.0, 1.0, 401)[1:]
-    level = 0.3 + 0.07 * speed
-    fitted = fit_sigmoid(0.3, 0.07)
-
-    def misfit(factor: float) -> float:
-        torque, _ = feed(fitted.scaled(factor), speed, 0.0)
-        return float(np.sum((torque - level) ** 2))
-
-    assert misfit(1.0) < min(misfit(0.99), misfit(1.01))
-    assert fitted.scaled(1.2).plateaus_nm[0] == pytest.approx(1.2 * fitted.plateaus_nm[0])
-
-
 def test_what_cannot_be_fitted_is_refused() -> None:
     with pytest.raises(UsageError, match="friction above zero"):
         fit_sigmoid(0.0, 0.0)

@@ -79,17 +79,6 @@ def test_without_noise_no_dissipation_is_left_after_the_second_update(
     assert numbers.dissipation_removed < numbers.dissipation_removed_updated
 
 
-@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
-@pytest.mark.parametrize("window", [2, pytest.param(4, marks=pytest.mark.thorough)])
-@pytest.mark.parametrize("logs", [3, pytest.param(20, marks=pytest.mark.thorough)])
-def test_with_the_noise_of_a_panda_little_is_left(logs: int, window: int, operator: Operator) -> None:
-    noisy = BenchSettings(joints=(JOINT,), sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)
-    found = [joint_of(log_of(noisy, seed), energy_compensator(window=window)).numbers for seed in range(logs)]
-    removed = [numbers.dissipation_removed_updated for numbers in found if numbers is not None]
-    assert len(removed) == logs
-    assert np.median(removed) >= 0.95
-
-
 def test_the_coefficients_after_the_last_cycle_are_told() -> None:
     joint = joint_of(log_of(BENCH), energy_compensator())
     assert joint.history is not None

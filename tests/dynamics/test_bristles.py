@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from friction_audit.dynamics.bristles import NO_BRISTLES, bristles_of
+from friction_audit.dynamics.bristles import bristles_of
 from friction_audit.dynamics.motion import Motion
 from friction_audit.joint_log import Float
 from tests.dynamics.joints import Invented, Law
@@ -65,12 +65,6 @@ def test_springs_remember_every_reversal() -> None:
     assert wrong[1] > 5.0 * wrong[0]
 
 
-def test_bristles_added_to_dry_friction_take_nothing_of_it() -> None:
-    dry, found, _ = bristles_of(Invented(lambda motion: stop(motion.q, REACH), LEVEL, BRISTLE))
-    assert dry == pytest.approx(0.0, abs=1e-6)
-    assert found.torque[0] == pytest.approx(LEVEL)
-
-
 def test_the_damping_of_their_bending_is_found() -> None:
     damping = 0.02
 
@@ -81,7 +75,3 @@ def test_the_damping_of_their_bending_is_found() -> None:
     dry, found, _ = bristles_of(Invented(torque, LEVEL, BRISTLE))
     assert found.damping_s == pytest.approx(damping, rel=0.02)
     assert dry == pytest.approx(-LEVEL, rel=0.01)
-
-
-def test_no_bristles_take_nothing() -> None:
-    assert np.array_equal(NO_BRISTLES.along(WAY), np.zeros(len(WAY)))

@@ -75,13 +75,6 @@ def test_a_torque_over_time_load_and_neighbours_is_taken_as_recorded() -> None:
     assert_allclose(tables.time, [both + friction, both - friction], rtol=1e-6, atol=1e-12)
 
 
-def test_a_share_of_the_acceleration_is_inertia() -> None:
-    tables, past = tabulate(0.3, (Invented(lambda motion: 0.05 * motion.ddq + 0.2),), RECORDING)
-    assert past == ()
-    assert tables.inertia_kg_m2 == pytest.approx(0.35)
-    assert tables.speed[:, 7] == pytest.approx([0.2, 0.2])
-
-
 @pytest.mark.parametrize(
     "torque",
     [

@@ -7,7 +7,6 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
-from friction_audit.errors import UsageError
 from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, JointParameters, Simulation, TrueMotion, simulate
 
 JOINT = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.06)
@@ -62,13 +61,6 @@ def test_hand_ends_the_cycles_of_all_joints_at_the_same_ticks(told_by_the_hand: 
     assert ended.any()
 
 
-def test_joints_end_their_own_cycles_otherwise() -> None:
-    own = replace(ALONE, compensator=EnergyCompensator(), hand_cycles=False, duration_s=10.0)
-    ended = np.diff(simulate(own, SEED).truth.compensators["cycle"], axis=0) != 0
-    assert (ended.sum(axis=0) > 0).sum() > 4
-    assert (ended.any(axis=1) & ~ended.all(axis=1)).sum() > 5
-
-
 def test_learning_compensators_take_friction_off_the_hand(alone: Simulation, told_by_the_hand: Simulation) -> None:
     before, after = alone.truth.motion, told_by_the_hand.truth.motion
     assert power(after, LATER_S) < 0.2 * power(before, LATER_S)
@@ -78,8 +70,3 @@ def test_learning_compensators_take_friction_off_the_hand(alone: Simulation, tol
     late = after.t >= LATER_S
     assert np.ptp(energy[late]) < 0.2 * alone.truth.motion.dissipated_j[-1].sum()
     assert_array_equal(told_by_the_hand.log.channels()["tau_passivity"].shape, after.q.shape)
-
-
-def test_driven_arm_takes_no_compensator() -> None:
-    with pytest.raises(UsageError, match="a friction compensator takes a hand that guides the arm"):
-        replace(ALONE, driven=True, compensator=TRUE_VALUES)

@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.simulation import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, Simulation, TrueMotion, simulate
 from friction_audit.simulation.effects.sensors import TorqueCrosstalk
-from friction_audit.simulation.effects.structure import Backlash, InertialCoupling, JointElasticity
+from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
 
 SHORT = ArmSettings(duration_s=2.0)
@@ -56,18 +56,6 @@ def test_crosstalk_mixes_the_neighbours_torques() -> None:
     assert_array_equal(np.delete(mixed["tau_J"], 1, axis=1), np.delete(clean["tau_J"], 1, axis=1))
 
 
-def test_inertial_coupling_pulls_at_the_neighbour() -> None:
-    hidden = [Hidden()] * 7
-    hidden[1] = Hidden(inertial_coupling=InertialCoupling(ratio=0.1))
-    motion = simulate(replace(IDEAL, hidden=tuple(hidden)), SEED).truth.motion
-    pulled = motion.interaction_nm - motion.friction_nm - ROTORS * motion.inner_ddq
-    base, own = motion.inner_ddq[:, 0], motion.inner_ddq[:, 1]
-    assert np.abs(pulled[:, 1]).max() > 0.01
-    assert_allclose(pulled[:, 1], 0.1 * ROTORS[1] * base, atol=1e-12)
-    assert_allclose(pulled[:, 0], 0.1 * ROTORS[1] * (own + 0.1 * base), atol=1e-12)
-    assert_allclose(pulled[:, 2:], 0.0, atol=1e-12)
-
-
 @cache
 def moved(inside: Hidden, driven: bool) -> TrueMotion:
     """Return how an arm moves that hides the same in all joints."""
@@ -95,15 +83,3 @@ def test_transmissions_of_all_joints_stay_calm(inside: Hidden, driven: bool) -> 
     assert np.abs(soft.q - rigid.q).max() < 0.1
     assert np.abs(soft.inner_dq).max() < 1.5 * np.abs(rigid.inner_dq).max()
     assert np.abs(soft.interaction_nm).max() < 4.0 * np.abs(rigid.interaction_nm).max()
-
-
-def test_elastic_joints_balance_their_energy() -> None:
-    motion = moved(Hidden(joint_elasticity=SOFT), driven=False)
-    power = motion.interaction_nm * motion.inner_dq
-    put_in = np.cumsum(0.5e-3 * (power[1:] + power[:-1]), axis=0)
-    kept = motion.dissipated_j + 0.5 * ROTORS * motion.inner_dq**2
-    assert_allclose(put_in, kept[1:], atol=1e-5)
-    twist, torque = motion.inner_q - motion.q, -motion.port_nm
-    assert np.abs(twist).max() > 0.01
-    damping = torque - twist / 1e-3
-    assert np.abs(damping).max() < 1.0

@@ -12,7 +12,6 @@ from friction_audit.simulation import bench
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.load_and_place import (
-    BACKDRIVE,
     LoadDependentFriction,
     PositionDependentFriction,
     TorqueRipple,
@@ -98,20 +97,6 @@ def test_words_about_the_progress_change_nothing(monkeypatch: pytest.MonkeyPatch
     parts = truth(LAWS["all"])
     assert_array_equal(whole.q, parts.q)
     assert_array_equal(whole.port_nm, parts.port_nm)
-
-
-def test_backdrive_loses_more_where_the_link_drives_the_motor() -> None:
-    """Share 0.06 of the load is lost on average; half of that more against the motor, half less with it."""
-    hidden = Hidden(load_dependent_friction=LoadDependentFriction(share=0.06, form=BACKDRIVE))
-    for driven in (False, True):
-        settings = replace(IDEAL, hidden=(hidden,), gravity_nm=10.0, logs_sensor=True, driven=driven)
-        motion = simulate_bench(settings, SEED).truth.motion
-        fast = np.abs(motion.inner_dq) > 0.1
-        level = np.abs(motion.friction_nm[fast]) - 0.30 - 0.07 * np.abs(motion.inner_dq[fast])
-        share = level / np.abs(motion.port_nm[fast])
-        by_motor = (motion.port_nm * motion.inner_dq > 0) == driven
-        assert_allclose(np.median(share[by_motor[fast]]), 0.03, rtol=0.05)
-        assert_allclose(np.median(share[~by_motor[fast]]), 0.09, rtol=0.05)
 
 
 def test_a_motor_cogs_on_its_own_side_of_the_sensor() -> None:

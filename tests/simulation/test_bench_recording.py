@@ -73,17 +73,6 @@ def test_bias_and_drift_add_up_in_the_torque_and_nowhere_else() -> None:
     assert_array_equal(shifted.log.dq, plain.log.dq)
 
 
-@pytest.mark.parametrize("driven", [False, True])
-def test_bias_has_the_sign_of_the_interaction_torque_at_the_sensor(driven: bool) -> None:
-    """F_m = gravity - tau_J where a hand moves the joint, tau_J - gravity where the robot does."""
-    settings = replace(IDEAL, logs_sensor=True, driven=driven)
-    plain = simulate_bench(settings, SEED).log
-    biased = simulate_bench(replace(settings, hidden=(Hidden(torque_bias=TorqueBias(torque_nm=0.15)),)), SEED).log
-    assert plain.tau_J is not None
-    assert biased.tau_J is not None
-    assert_allclose(biased.tau_J - plain.tau_J, 0.15 if driven else -0.15, atol=1e-12)
-
-
 def test_ambient_warmth_has_its_time_constant_and_lowers_friction() -> None:
     """Warmth 1 - exp(-t/T); viscous friction (1 - r)^warmth, Coulomb 1 / (1 + warmth l / (1 - l)) of the cold one."""
     motion = truth(Hidden(warm_up=WarmUp(reduction=0.5, coulomb_ratio=0.5, time_s=4.0, form=AMBIENT)))

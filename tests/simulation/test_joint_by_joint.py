@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation, Guard, SigmoidCompensation
+from friction_audit.compensation.compensators import FixedCompensation
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.scenarios import simulate
-from friction_audit.simulation.settings import JointByJoint, any_guards, of_each_joint
+from friction_audit.simulation.settings import JointByJoint, of_each_joint
 
 ONE = FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.03)
 SHORT = ArmSettings(duration_s=2.0)
@@ -27,11 +27,3 @@ def test_as_many_as_joints() -> None:
     with pytest.raises(UsageError, match="2 compensators: expected 7"):
         of_each_joint(JointByJoint(compensators=(ONE, ONE)), 7)
     assert of_each_joint(None, 2) == (None, None)
-
-
-def test_one_guard_is_enough() -> None:
-    guarded = SigmoidCompensation(height_nm=0.5, steepness_s_per_rad=9.0, guard=Guard(passivity=True))
-    assert any_guards(JointByJoint(compensators=(ONE, guarded)))
-    assert not any_guards(JointByJoint(compensators=(ONE, ONE)))
-    assert any_guards(EnergyCompensator())
-    assert not any_guards(None)

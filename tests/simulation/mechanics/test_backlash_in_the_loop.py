@@ -9,7 +9,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.settings import JointParameters
 from friction_audit.simulation.simulation import TrueMotion
-from tests.simulation.mechanics.any_step import STEP_S, bench, release
+from tests.simulation.mechanics.any_step import bench, release
 
 GAP = 0.02
 MOTOR, LINK = 0.3, 0.2
@@ -48,26 +48,6 @@ def test_impacts_keep_momentum_and_never_add_energy(damping_ratio: float) -> Non
     assert np.diff(held).max() < 3e-4 * held[0]
     assert -2e-4 * held[0] < lost < at_stake
     assert lost > 0.9 * at_stake if damping_ratio else abs(lost) < 2e-4 * held[0]
-
-
-@pytest.mark.parametrize("compliance", [0.0, 1e-3])
-def test_flanks_push_and_never_pull(compliance: float) -> None:
-    motion = collide(0.2, compliance)
-    open_gap = beyond(motion) == 0.0
-    assert_allclose(motion.port_nm[open_gap, 0], 0.0, atol=1e-12)
-    assert (motion.port_nm[~open_gap, 0] * beyond(motion)[~open_gap] <= 0.0).all()
-    assert np.abs(motion.port_nm).max() > 1.0
-
-
-def test_undamped_flanks_reflect_like_a_wall() -> None:
-    """The speed of one side relative to the other changes its sign and no more; a flight takes gap over speed."""
-    motion = collide(0.0)
-    flying = beyond(motion) == 0.0
-    relative = (motion.inner_dq - motion.dq)[:, 0]
-    assert_allclose(np.abs(relative[flying]), 0.5, rtol=1e-3)
-    edges = np.flatnonzero(np.diff(flying.astype(int)))
-    flights = np.diff(motion.t[edges])[1::2]
-    assert_allclose(flights, GAP / 0.5, atol=4 * STEP_S)
 
 
 def test_torque_rests_at_nothing_while_the_hand_crosses_the_gap() -> None:

@@ -7,7 +7,7 @@ from scipy.integrate import solve_ivp
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, LEAST_COMPLIANCE, Backlash, JointElasticity
+from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, Backlash, JointElasticity
 from friction_audit.simulation.settings import JointParameters
 from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import bench, release
@@ -15,7 +15,6 @@ from tests.simulation.mechanics.any_step import bench, release
 MOTOR, LINK = 0.3, 0.2
 REDUCED = MOTOR * LINK / (MOTOR + LINK)
 SMOOTH = JointParameters(inertia_kg_m2=MOTOR, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
-HELD = {"stiffness_nm_per_rad": 60.0, "damping_nms_per_rad": 9.0}
 
 
 def ring(elastic: JointElasticity, stretch_rad: float, duration_s: float = 2.0, gap_rad: float = 0.0) -> TrueMotion:
@@ -82,26 +81,3 @@ def test_elasticity_and_backlash_in_series_swing_through_the_gap_unpushed() -> N
     assert_allclose(frequency(motion), 1.0 / period, rtol=1e-3)
     assert_allclose(motion.port_nm[np.abs(stretch(motion)) < gap / 2.0], 0.0, atol=1e-12)
     assert_allclose(np.abs(motion.port_nm).max(), twist / 1e-3, rtol=1e-3)
-
-
-def guided(compliance: float) -> TrueMotion:
-    """Move a joint with friction to and fro."""
-    t = np.arange(2001) * 1e-3
-    push = 60.0 * 0.3 * (1.0 - np.cos(np.pi * t)) + 9.0 * 0.3 * np.pi * np.sin(np.pi * t)
-    hidden = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=compliance))
-    return release(bench(JointParameters(), hidden, **HELD), 2.0, tick_s=1e-3, push=push)
-
-
-def test_stiffer_and_stiffer_comes_to_the_rigid_joint() -> None:
-    rigid = guided(0.0)
-    gaps = [np.abs(guided(compliance).q - rigid.q).max() for compliance in (1e-3, 1e-4, LEAST_COMPLIANCE)]
-    assert gaps[0] < 1e-3
-    assert gaps[1] < 0.3 * gaps[0]
-    assert gaps[2] < 0.15 * gaps[1]
-
-
-def test_torque_at_the_sensor_is_that_of_the_spring() -> None:
-    motion = guided(1e-3)
-    damping = 2.0 * 0.03 * np.sqrt(0.15 / 1e-3)
-    twisted = -(motion.inner_q - motion.q) / 1e-3 - damping * (motion.inner_dq - motion.dq)
-    assert_allclose(motion.port_nm, twisted, atol=1e-9)

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Hidden, simulate
-from friction_audit.simulation.effects.structure import HARDENING, Backlash, JointElasticity
+from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 
 SOFT = JointElasticity(compliance_rad_per_nm=2e-3)
 STILL = BenchSettings(sensors=(IDEAL_SENSORS,), gravity_nm=8.0, gravity_phase_rad=1.0, logs_sensor=True, duration_s=0.4)
@@ -32,11 +32,3 @@ def test_link_of_a_driven_joint_sags_before_the_recording_begins(hidden: Hidden)
     assert motion.q[0, 0] < -1e-3
     assert_allclose(motion.dq, 0.0, atol=2e-3)
     assert_allclose(motion.interaction_nm, 0.0, atol=0.1)
-
-
-def test_hardening_gear_twists_more_than_its_compliance_says() -> None:
-    hard = Hidden(joint_elasticity=replace(SOFT, form=HARDENING))
-    motion = simulate(replace(STILL, hidden=(hard,)), 1).truth.motion
-    knee = 2e-3
-    twist = float(motion.inner_q[0, 0] - motion.q[0, 0])
-    assert_allclose(twist - knee * np.tanh(0.5 * twist / knee), 2e-3 * LOAD_NM, rtol=1e-9)

@@ -50,15 +50,6 @@ def test_friction_and_inertia_at_the_link_are_those_of_the_motor_over_one_plus_t
     assert_allclose([link.inertia_kg_m2, link.coulomb_nm, link.viscous_nms_per_rad], found, rtol=0.02)
 
 
-def test_static_friction_holds_against_so_much_more_than_the_link_feels() -> None:
-    """At rest a slow push breaks the joint away at coulomb / (1 + gain)."""
-    push = np.linspace(0.0, 0.1, 5001)
-    settings = bench(joint(0.3), GEAR, inertia_kg_m2=LINK, damping_nms_per_rad=1.0)
-    motion = release(settings, 1.0, push=push)
-    first = int(np.flatnonzero(motion.inner_dq[:, 0])[0])
-    assert_allclose(push[first], 0.3 / (1.0 + GAIN), rtol=0.05)
-
-
 @pytest.mark.parametrize(("beyond_s", "grows"), [(-1.5e-4, False), (1e-4, True)])
 def test_the_loop_rings_from_the_dead_time_of_its_characteristic_equation(beyond_s: float, *, grows: bool) -> None:
     """The torque is held for a step of 0.1 ms, half a step more of dead time."""
