@@ -273,8 +273,11 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
         write_torques(torques, memory, i, interaction)
         velocity[i] = v
         again = drive.restart[i] and i > 0
-        if again:
-            put_back(memory, 0.5 * joint.own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
+        if again:  # what is still in the joint, friction has not taken
+            surplus = 0.5 * joint.own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i])
+            memory.net_j -= surplus
+            memory.energy_j -= surplus
+            memory.active_energy_j -= surplus * memory.active
         if settings.kind == JOINT_MODEL:
             feed_friction(memory, feed, q, v, i)
         dt, cut = t[i] - t[i - 1] if i > 0 else 0.0, cuts[i] if len(cuts) > 1 else cuts[0]
@@ -291,15 +294,6 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
             q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, joint)
             count_energy(tally, settings, lost, lost - u * (q - before), q - before, span.h)
     return len(t)
-
-
-@compiled()
-def put_back(memory: Record, surplus_j: float) -> None:
-    """Take kinetic energy out of the compensator's sums: what is still in the joint, friction has not taken."""
-    memory.net_j -= surplus_j
-    memory.energy_j -= surplus_j
-    if memory.active == 1:
-        memory.active_energy_j -= surplus_j
 
 
 @compiled()

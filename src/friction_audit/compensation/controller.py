@@ -244,19 +244,13 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
 
 
 @compiled()
-def damping(settings: Record, memory: Record, dq: float) -> float:
-    """Return the damping alpha of (22), which there pays the deficit within a tick and here over a horizon; capped."""
-    deficit = -memory.observed_energy_j
-    if settings.passivity == 0 or deficit <= 0.0 or abs(dq) < settings.minimum_speed_rad_s:
-        return 0.0
-    horizon = max(settings.period_s, settings.payback_s)
-    return float(min(deficit / (dq * dq * horizon), settings.max_damping_nms_per_rad))
-
-
-@compiled()
 def command(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
-    asked, alpha = compensation(settings, memory, dq), damping(settings, memory, dq)
+    # The damping alpha of (22), which there pays the deficit within a tick and here over a horizon; capped.
+    asked, alpha, deficit = compensation(settings, memory, dq), 0.0, -memory.observed_energy_j
+    if settings.passivity != 0 and deficit > 0.0 and abs(dq) >= settings.minimum_speed_rad_s:
+        horizon = max(settings.period_s, settings.payback_s)
+        alpha = min(deficit / (dq * dq * horizon), settings.max_damping_nms_per_rad)
     wanted = asked - alpha * dq
     # Limits of the total only: a law limited around the last total would be dragged along with the braking (wind-up).
     step_nm = settings.max_torque_rate_nm_s * settings.period_s

@@ -28,7 +28,7 @@ from friction_audit.simulation.effects.sensors import (
     torque_drift_nm,
 )
 from friction_audit.simulation.effects.slow_and_events import WarmUp, temperature_c
-from friction_audit.simulation.effects.structure import JointElasticity, coupled_mass, elastic_damping_nms_per_rad
+from friction_audit.simulation.effects.structure import JointElasticity, coupled_mass, damping_nms_per_rad
 from friction_audit.simulation.mechanics.records import pack
 
 CLASSES = {effect.name: effect for effect in EFFECTS}
@@ -102,12 +102,9 @@ BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] 
     ("joint_limit_stop", "limit_stop_nm", "exponential", W, (100.0, 0.0), -math.exp(20.0)),  # it stays finite
     ("joint_elasticity", "elastic_torque_nm", "linear", SPRING, (-2e-3,), -2.0),
     ("joint_elasticity", "elastic_torque_nm", "hardening", SPRING, (2e-3,), 2.0 - math.tanh(1.0)),
-    ("joint_elasticity", "elastic_damping_nms_per_rad", "linear", SPRING, (0.15,), 0.1 * math.sqrt(1e3 * 0.15)),
     ("backlash", "engaged", "", GAP, (-0.9e-3,), 0.0),
     ("backlash", "engaged", "", GAP, (1.5e-3,), 0.5e-3),
     ("backlash", "engaged", "", {}, (0.3,), 0.3),
-    ("backlash", "contact_nm", "", GAP, (-0.5e-3,), -5.0),
-    ("backlash", "contact_damping_nms_per_rad", "", GAP, (0.15,), 0.4 * math.sqrt(1e4 * 0.15)),
     ("warm_up", "warm_up_advance", "ambient", HEAT, (0.0, 5.0, 60.0), 1 - E1),
     ("warm_up", "warm_up_advance", "self_heating", HEAT, (0.0, 0.1, 1e6), 0.5),
     ("warm_up", "warm_up_advance", "self_heating", HEAT, (1.0, 0.0, 60.0), E1),
@@ -153,10 +150,10 @@ def test_friction_grows_or_falls_and_never_drives(
     assert min(low, high) >= 0.0
 
 
-def test_a_gear_too_stiff_to_be_simulated_is_refused_and_a_rigid_one_has_no_damping() -> None:
+def test_a_gear_too_stiff_to_be_simulated_is_refused_and_damping_by_hand() -> None:
     with pytest.raises(UsageError, match="compliance_rad_per_nm 1e-09: expected 0, a rigid joint, or at least 1e-05"):
         JointElasticity(compliance_rad_per_nm=1e-9)
-    assert elastic_damping_nms_per_rad(pack([JointElasticity()])[0], 0.3) == 0.0
+    assert damping_nms_per_rad(0.05, 1e-3, 0.15) == pytest.approx(0.1 * math.sqrt(1e3 * 0.15))
 
 
 @given(warmth=st.floats(0.0, 10.0), power=st.floats(0.0, 2.0), h=st.floats(0.0, 100.0))

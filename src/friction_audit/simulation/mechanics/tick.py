@@ -28,7 +28,7 @@ def _twist(joint: Record, load_nm: float) -> float:
     low, high = 0.0, 2.0 * abs(load_nm) * (elastic.compliance_rad_per_nm + flanks.contact_compliance_rad_per_nm)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        torque = structure.elastic_torque_nm(elastic, middle) if soft else structure.contact_nm(flanks, middle)
+        torque = structure.elastic_torque_nm(elastic, middle) if soft else middle / flanks.contact_compliance_rad_per_nm
         if torque < abs(load_nm):
             low = middle
         else:
