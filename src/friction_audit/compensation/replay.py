@@ -115,13 +115,15 @@ def _replay_joint(
     found, recorded = friction.joints[column], recording_of(interaction, column)
     limits = settings.limits(limits_of(robot, found.joint))
     model = None if settings.joint_model is None else settings.joint_model.joint(found.joint)
+    nothing = np.broadcast_to(0.0, len(recorded.t))
     joint = JointReplay(
         joint=found.joint,
         name=found.name,
         compensator=settings.compensator,
         limits=limits,
         model=model,
-        without=_uncompensated(recorded),
+        # Without a compensator the same motion takes all of the total torque from outside.
+        without=Signals(recorded.t, recorded.dq, recorded.total, nothing, nothing, nothing),
     )
     wanted = settings.compensator if settings.competitor is None else tune(settings.competitor, found, robot, model)
     if isinstance(wanted, str):
@@ -196,19 +198,6 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator |
         return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s)
     desired = competitor.desired_inertia_kg_m2
     return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)
-
-
-def _uncompensated(recorded: Recorded) -> Signals:
-    """Without a compensator the same motion takes all of the total torque from outside."""
-    nothing = np.broadcast_to(0.0, len(recorded.t))
-    return Signals(
-        t=recorded.t,
-        dq=recorded.dq,
-        interaction_nm=recorded.total,
-        compensation_nm=nothing,
-        passivity_nm=nothing,
-        limited_nm=nothing,
-    )
 
 
 def _scene(
