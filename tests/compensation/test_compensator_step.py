@@ -179,14 +179,6 @@ def test_a_limit_of_the_rate_does_not_wind_up() -> None:
     assert np.all(signals["u_nm"] >= np.minimum.accumulate(asked) - 1e-12)
 
 
-def test_nothing_is_injected_at_rest_and_the_deficit_waits() -> None:
-    dq = np.array([0.5, 0.5, 0.0, 0.005, -0.005, 0.5])
-    signals = run(OPEN, clock(6), dq, np.array([-0.4, -0.4, 0.0, 0.0, 0.0, 0.0]))
-    assert signals["damping_nms_per_rad"][[2, 3, 4]].tolist() == [0.0, 0.0, 0.0]
-    assert signals["damping_nms_per_rad"][5] > 0.0
-    assert np.all(np.isfinite(signals["u_nm"]))
-
-
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [

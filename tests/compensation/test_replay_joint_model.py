@@ -137,19 +137,6 @@ def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
     assert dissipation_removed(joint.history) > 0.999
 
 
-def test_the_true_model_buys_more_than_the_energy_compensator() -> None:
-    model = with_term("stribeck")
-    log = log_of(model, noisy=True)
-    energy = replay_estimate(estimate_log(log, AuditSettings()), ReplaySettings()).replay.joints[0].numbers
-    better = run(log, "same-motion", model, applied=True)
-    assert energy is not None
-    assert better.numbers is not None
-    assert isinstance(better.compensator, JointModelCompensation)
-    assert [term.name for term in better.compensator.terms] == ["coulomb", "viscous", "stribeck"]
-    assert better.numbers.dissipation_removed > 0.985
-    assert better.numbers.dissipation_removed > energy.dissipation_removed_updated > energy.dissipation_removed
-
-
 @pytest.mark.parametrize("speed", [-0.5, -0.03, -0.005, 0.0, 0.02, 0.4])
 def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
     """Coulomb 0.3 N m, 0.1 N m more forwards, viscous 0.07 N m s/rad, beyond 0.01 rad/s rising over 0.03 rad/s."""

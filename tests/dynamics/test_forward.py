@@ -81,19 +81,6 @@ def test_a_delay_shifts_the_drive() -> None:
     assert free(joint_with(), t, late) != pytest.approx(exact, abs=1e-2)
 
 
-def test_a_load_that_is_late_too_is_given_back() -> None:
-    t = clock(3.0)
-    drive, load = 0.9 * np.sin(4.0 * t), 2.0 * np.cos(3.0 * t)
-    late = np.interp(t - 0.02, t, drive + load) - load
-    model = joint_with(FittedTerm("time_delay", (0.02, 0.02, 1.0)))
-    motion = replace(recording_of(t, np.sin(t), np.cos(t)), load=load)
-    found = simulate_along(model, motion, late, whole(t))
-    exact = simulate_along(joint_with(), motion, drive, whole(t))
-    assert found is not None
-    assert exact is not None
-    assert found[:-8] == pytest.approx(exact[:-8], abs=2e-3)
-
-
 def test_a_spring_puts_the_measured_side_ahead() -> None:
     term = invent(lambda motion: 0.0 * motion.q, 2e-3, forward="spring", coefficient="soft_rad_per_nm")
     t = clock(3.0)

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.motion import HandPath, MotionSettings, Sinusoid, SlowSweep, StopAndGo, plan_hand
-from friction_audit.simulation.motion.periodic import Commanded, frequencies_hz, intend_joints
+from friction_audit.simulation.motion.periodic import Commanded, frequencies_hz
 from friction_audit.simulation.motion.strokes import plan_strokes
 
 DT = 1e-3
@@ -95,14 +95,6 @@ def test_paper_s_sinusoid() -> None:
     assert_allclose(velocity[::2000], 0.0, atol=1e-12)
 
 
-def test_smooth_start_comes_late_by_half_its_time() -> None:
-    t, position, velocity = _intend(Sinusoid(period_s=4.0, ease_s=2.0), 13.0)
-    late = t >= 2.0
-    assert_allclose(position[late], 0.5 * (1 - np.cos(np.pi / 2 * (t[late] - 1.0))), atol=1e-12)
-    assert np.abs(velocity[:100]).max() < 1e-5
-    assert velocity[-1] == 0.0
-
-
 @given(seed=st.integers(0, 2**32 - 1), spread=st.floats(0.0, 0.5), ease_s=st.sampled_from([0.0, 1.0, 3.0]))
 @settings(max_examples=30, deadline=None)
 def test_spread_keeps_the_half_periods(seed: int, spread: float, ease_s: float) -> None:
@@ -159,16 +151,6 @@ def test_frequencies_by_hand() -> None:
     assert_array_equal(frequencies_hz(Commanded(lowest_hz=1.0), 1), frequencies[:1])
     assert len(np.unique(frequencies)) == 35
     assert len(np.unique(frequencies_hz(Commanded(sines=1), 20))) == 20
-
-
-def test_joints_start_and_end_at_rest_and_are_independent() -> None:
-    joints = intend_joints(Commanded(), 7, 60_000, DT, _rng(3))
-    assert joints.position.shape == joints.velocity.shape == (60_001, 7)
-    for column in (joints.position, joints.velocity):
-        assert_array_equal(column[[0, -1]], 0.0)
-    slopes = (joints.position[2:] - joints.position[:-2]) / (2 * DT)
-    assert_allclose(slopes, joints.velocity[1:-1], atol=1e-4)
-    assert np.linalg.cond(np.corrcoef(joints.velocity.T)) < 5.0
 
 
 @given(

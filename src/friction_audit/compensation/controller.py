@@ -33,7 +33,7 @@ REVERSALS = 50
 
 @compiled()
 def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float, cut: int) -> float:
-    """Run a compensator for one tick, after the sensors were read.
+    """Run a compensator for one tick, after the sensors were read; return its torque u for the coming tick. [N m]
 
     Args:
         settings: Record of SETTINGS.
@@ -42,12 +42,10 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
         interaction_nm: Interaction torque F_m, measured while the torque of the previous call acted. [N m]
         dt: Time since the previous call; of no effect in the first. [s]
         cut: FIND, or 1 if a cycle ends at this tick and 0 if not.
-
-    Returns:
-        Torque u of compensation and passivity controller, for the coming tick. [N m] Once the loop has diverged, 0 for
-        good.
     """
-    if memory.unstable == 1 or beyond(dq, SPEED_BOUND_RAD_S) or beyond(interaction_nm, TORQUE_BOUND_NM):
+    # Not finite, or larger than its bound.
+    lost = not abs(dq) <= SPEED_BOUND_RAD_S or not abs(interaction_nm) <= TORQUE_BOUND_NM
+    if memory.unstable == 1 or lost:
         return float(give_up(memory))
     if memory.ticks > 0:
         add_up(settings, memory, dq, interaction_nm, dt)
@@ -61,16 +59,10 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
     choose(settings, memory)
     memory.observed_energy_j = settings.initial_energy_j + memory.energy_j  # (21)
     u = command(settings, memory, dq)
-    if beyond(u, TORQUE_BOUND_NM) or memory.reversals >= REVERSALS:
+    if not abs(u) <= TORQUE_BOUND_NM or memory.reversals >= REVERSALS:
         memory.ticks -= 1
         return float(give_up(memory))
     return float(u)
-
-
-@compiled()
-def beyond(value: float, bound: float) -> bool:
-    """Return True if a value is not finite or larger than its bound."""
-    return not abs(value) <= bound
 
 
 @compiled()
@@ -179,7 +171,13 @@ def estimate(settings: Record, memory: Record) -> int:
         net_path += path_weight * memory.usable_coulomb_nm
         net_square += square_weight * memory.usable_viscous_nms_per_rad
         path_path, square_square = path_path + path_weight, square_square + square_weight
-        coulomb, viscous = solve(path_path, path_square, square_square, net_path, net_square)
+        determinant = path_path * square_square - path_square * path_square
+        if determinant <= EPSILON * path_path * square_square:  # of rank one: by its pseudo-inverse
+            coulomb = (path_path * net_path + path_square * net_square) / (path_path + square_square) ** 2
+            viscous = (path_square * net_path + square_square * net_square) / (path_path + square_square) ** 2
+        else:
+            coulomb = (square_square * net_path - path_square * net_square) / determinant
+            viscous = (path_path * net_square - path_square * net_path) / determinant
         memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = coulomb, viscous
         # Non-negative least squares: of a pair with a negative coefficient the other alone fits, and less of it.
         if settings.ridge > 0.0 and coulomb < 0.0:
@@ -196,15 +194,6 @@ def estimate(settings: Record, memory: Record) -> int:
         memory.estimated_coulomb_nm = net_path / path_path
         memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
     return ESTIMATED
-
-
-@compiled()
-def solve(a: float, b: float, c: float, right: float, low: float) -> tuple[float, float]:
-    """Solve [[a, b], [b, c]] x = [right, low], of rank one by its pseudo-inverse."""
-    determinant = a * c - b * b
-    if determinant <= EPSILON * a * c:
-        return (a * right + b * low) / (a + c) ** 2, (b * right + c * low) / (a + c) ** 2
-    return (c * right - b * low) / determinant, (a * low - b * right) / determinant
 
 
 @compiled()

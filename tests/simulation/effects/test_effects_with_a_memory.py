@@ -110,19 +110,6 @@ def test_no_path_takes_energy_from_friction(
         assert taken >= bristles.stored_j - 1e-12
 
 
-@EACH_FORM
-def test_rest_and_a_joint_without_coulomb_friction_leave_bristles_as_they_are(form: int) -> None:
-    bristles = Bristles(form)
-    bristles.move(0.002)
-    before = bristles.deflection.copy()
-    presliding_advance(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, 0.0, 10.0)
-    np.testing.assert_array_equal(bristles.deflection, before)
-    deflection: Float = np.zeros(BRISTLES)
-    presliding_advance(bristles.group, deflection, 0.0, 0.0, 1.0, 0.01)
-    assert not deflection.any()
-    assert presliding_force_nm(bristles.group, deflection, 0.0, 0.0, 1.0) == 0.0
-
-
 # Frictional lag
 
 H = 1e-4
