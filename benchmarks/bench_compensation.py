@@ -13,7 +13,7 @@ import numpy as np
 from friction_audit.compensation.comparison import METHODS, SCENES, compare
 from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
 from friction_audit.compensation.comparison.trial import find_reference, measure, vibration_nm
-from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator, Guard
+from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
 from friction_audit.compensation.compensators.energy import PUBLISHED, RIDGE
 from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_by, peak_nm
@@ -120,7 +120,7 @@ def _of_motor(joint: Joint) -> DisturbanceObserver:
         inertia_kg_m2=inertia,
         observer_gain_per_s=gain,
         compensation_gain=OBSERVED_SHARE,
-        guard=Guard(max_torque_nm=joint.max_torque_nm, max_torque_rate_nm_s=joint.max_torque_rate_nm_s),
+        guard=joint.guard,
     )
 
 

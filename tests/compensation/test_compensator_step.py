@@ -1,6 +1,7 @@
 """The compensator over signals given sample by sample, worked out by hand."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.compensators.energy import PUBLISHED, RIDGE
-from friction_audit.compensation.controller import FIND, step, trace
-from friction_audit.compensation.records import GAP, MEMORY, NOT_MOVED, TRACE, fresh_memory, pack
+from friction_audit.compensation.compensators.energy import PUBLISHED
+from friction_audit.compensation.controller import FIND, step
+from friction_audit.compensation.records import GAP, MEMORY, fresh_memory, pack
 from friction_audit.compensation.replay import run
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -36,13 +37,13 @@ def strokes(peaks: list[float], *, seconds: float = 0.5) -> Float:
     return np.concatenate([(-1.0) ** i * peak * np.sin(phase) for i, peak in enumerate(peaks)])
 
 
-def closed(compensator: EnergyCompensator, dq: Float, force: Float) -> dict[str, Float]:
+def closed(compensator: EnergyCompensator, dq: Float, force: Float) -> Any:
     """Run a compensator along a motion that is kept up by force; its sensor feels that without its own torque."""
-    settings, memory, rows = pack([compensator], 1.0 / DT)[0], fresh_memory(1)[0], np.empty((len(dq), len(TRACE)))
+    settings, memory, seen = pack([compensator], 1.0 / DT)[0], fresh_memory(1)[0], np.empty(len(dq), MEMORY)
     for i, (v, torque) in enumerate(zip(dq, force, strict=True)):
         step(settings, memory, v, torque - memory["u_nm"], DT if i else 0.0, FIND)
-        trace(memory, rows[i])
-    return dict(zip(TRACE, rows.T, strict=True))
+        seen[i] = memory
+    return seen
 
 
 def test_fixed_compensation() -> None:
@@ -58,14 +59,6 @@ def test_the_coulomb_term_is_silent_then_rises_to_all_of_it() -> None:
     assert signals["u_nm"] == pytest.approx(np.array([0.0, 0.0, 0.0, 0.1, -0.1, 0.2, -0.2]))
 
 
-def test_the_noise_of_a_velocity_at_rest_does_not_make_it_chatter() -> None:
-    noise = np.random.default_rng(2).normal(0.0, 0.0027, 10_000)
-    compensator = EnergyCompensator(forced=Coefficients(coulomb_nm=0.3), forced_from_cycle=1, passivity=False)
-    with_sign = FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.0, dead_band_rad_s=0.0)
-    assert np.abs(run(compensator, clock(10_000), noise, np.zeros(10_000))["u_nm"]).max() < 0.05
-    assert np.abs(np.diff(run(with_sign, clock(10_000), noise, np.zeros(10_000))["u_nm"])).mean() > 0.2
-
-
 @pytest.mark.parametrize("window", [2, 5])
 def test_friction_of_a_recording_with_a_compensator_of_its_own(window: int) -> None:
     dq = strokes([0.5, 0.8, 0.6, 1.1, 0.7, 0.9])
@@ -77,14 +70,6 @@ def test_friction_of_a_recording_with_a_compensator_of_its_own(window: int) -> N
     assert signals["estimated_viscous_nms_per_rad"][-1] == pytest.approx(0.07, rel=2e-2)
 
 
-def test_a_negative_estimate_is_kept_and_not_applied() -> None:
-    dq = strokes([0.5, 0.8, 0.6])
-    signals = run(EnergyCompensator(model="viscous", passivity=False), clock(len(dq)), dq, -0.1 * dq)
-    assert signals["estimated_viscous_nms_per_rad"][-1] == pytest.approx(-0.1, rel=5e-3)
-    assert np.all(signals["viscous_nms_per_rad"] == 0.0)
-    assert np.all(signals["u_nm"] == 0.0)
-
-
 def stepped(peaks: list[float], levels: list[float]) -> tuple[Float, Float]:
     """Return the velocity of strokes, and friction of 0.3 N m and 0.07 N m s/rad times a level for each."""
     dq = strokes(peaks)
@@ -92,7 +77,7 @@ def stepped(peaks: list[float], levels: list[float]) -> tuple[Float, Float]:
     return dq, level * (0.3 * np.sign(dq) + 0.07 * dq)
 
 
-def at_end_of(cycle: int, signals: dict[str, Float]) -> tuple[float, float]:
+def at_end_of(cycle: int, signals: Any) -> tuple[float, float]:
     """Return the estimates made at the end of a cycle."""
     at = int(np.argmax(signals["cycle"] == cycle))
     return float(signals["estimated_coulomb_nm"][at]), float(signals["estimated_viscous_nms_per_rad"][at])
@@ -121,15 +106,6 @@ def test_the_ridge_follows_the_level_of_cycles_of_one_speed() -> None:
     assert signals["refused"][-1] == 0
 
 
-@pytest.mark.parametrize("ridge", [RIDGE, PUBLISHED])
-def test_equal_cycles_determine_the_level(ridge: float) -> None:
-    dq, friction = stepped([0.5, 0.5, 0.5], [1.0, 1.0, 1.0])
-    signals = run(EnergyCompensator(window=2, ridge=ridge, factor=0.0), clock(len(dq)), dq, friction)
-    coulomb, viscous = at_end_of(2, signals)
-    mean_square = 0.5 * np.pi / 4.0  # integral of dq^2 over path
-    assert coulomb + viscous * mean_square == pytest.approx(0.3 + 0.07 * mean_square, rel=0.02)
-
-
 def test_cycles_told_from_outside() -> None:
     dq = strokes([0.5, 0.8, 0.6])
     cuts = np.zeros(len(dq), bool)
@@ -137,16 +113,6 @@ def test_cycles_told_from_outside() -> None:
     signals = run(EnergyCompensator(model="viscous", factor=0.0), clock(len(dq)), dq, 0.1 * dq, cuts=cuts)
     assert (np.flatnonzero(np.diff(signals["cycle"])) + 1).tolist() == [300, 1000]
     assert signals["estimated_viscous_nms_per_rad"][300] == pytest.approx(0.1, rel=1e-4)
-
-
-def test_a_joint_that_did_not_move_gives_no_equation() -> None:
-    cuts = np.zeros(500, bool)
-    cuts[400] = True
-    noise = np.random.default_rng(1).normal(0.0, 0.0027, 500)
-    signals = run(EnergyCompensator(model="coulomb"), clock(500), noise, np.ones(500), cuts=cuts)
-    assert signals["status"][400] == NOT_MOVED
-    assert signals["refused"][-1] == 1
-    assert np.all(np.isnan(signals["estimated_coulomb_nm"]))
 
 
 def test_a_cycle_with_a_hole_gives_no_equation() -> None:
@@ -174,14 +140,6 @@ def test_a_deficit_is_paid_over_the_horizon() -> None:
     deficit = -signals["energy_j"]
     assert signals["damping_nms_per_rad"] == pytest.approx(np.maximum(deficit, 0.0) / (0.25 * 0.02), abs=1e-9)
     assert deficit[22] / deficit[2] == pytest.approx(np.exp(-1.0), rel=0.05)
-
-
-def test_energy_stored_at_the_start_is_a_reserve() -> None:
-    reserve = EnergyCompensator(forced=Coefficients(), initial_energy_j=1.5e-4)
-    signals = closed(reserve, np.full(4, 0.5), np.array([0.0, -0.4, 0.0, 0.0]))
-    assert signals["observed_energy_j"][:3] == pytest.approx(np.array([1.5e-4, 0.5e-4, -0.5e-4]))
-    assert signals["damping_nms_per_rad"][:2].tolist() == [0.0, 0.0]
-    assert signals["damping_nms_per_rad"][2] > 0.0
 
 
 @settings(max_examples=100, deadline=None)
@@ -219,24 +177,6 @@ def test_a_limit_of_the_rate_does_not_wind_up() -> None:
     asked = signals["compensation_nm"] + signals["passivity_nm"]
     assert signals["compensation_nm"] == pytest.approx(0.7)
     assert np.all(signals["u_nm"] >= np.minimum.accumulate(asked) - 1e-12)
-
-
-def test_nothing_is_injected_at_rest_and_the_deficit_waits() -> None:
-    dq = np.array([0.5, 0.5, 0.0, 0.005, -0.005, 0.5])
-    signals = run(OPEN, clock(6), dq, np.array([-0.4, -0.4, 0.0, 0.0, 0.0, 0.0]))
-    assert signals["damping_nms_per_rad"][[2, 3, 4]].tolist() == [0.0, 0.0, 0.0]
-    assert signals["damping_nms_per_rad"][5] > 0.0
-    assert np.all(np.isfinite(signals["u_nm"]))
-
-
-def test_the_trace_is_what_its_names_say() -> None:
-    memory = fresh_memory(1)
-    assert set(TRACE) <= set(MEMORY.names or ())
-    for i, name in enumerate(TRACE):
-        memory[name] = i + 1
-    row = np.zeros(len(TRACE))
-    trace(memory[0], row)
-    assert row.tolist() == list(range(1, len(TRACE) + 1))
 
 
 @pytest.mark.parametrize(

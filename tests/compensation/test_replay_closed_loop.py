@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from friction_audit.compensation.compensators import EnergyCompensator, TorqueRegulation
+from friction_audit.compensation.compensators import TorqueRegulation
 from friction_audit.compensation.settings import Competitor, OperatorImpedance, ReplaySettings, energy_compensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
@@ -83,20 +83,6 @@ def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
     # The ridge starts from no friction; two updates later it has the split.
     np.testing.assert_allclose(history.coulomb_estimated_nm[5:], 0.3, rtol=0.03)
     np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[5:], 0.07, rtol=0.1)
-
-
-def test_over_compensation_is_taken_back_in_closed_loop() -> None:
-    too_much = EnergyCompensator(window=4, factor=1.5)
-    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=too_much)
-    passivity = replay(log_of(BENCH), settings).replay.joints[0].passivity
-    assert passivity is not None
-    assert passivity.injected_j > 0.0
-    assert passivity.lowest_j < 0.0
-    assert passivity.violations == 0
-    bare = replace(settings, compensator=replace(too_much, passivity=False))
-    passivity = replay(log_of(BENCH), bare).replay.joints[0].passivity
-    assert passivity is not None
-    assert passivity.violations > 1000
 
 
 def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:

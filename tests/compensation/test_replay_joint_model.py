@@ -6,16 +6,14 @@ from functools import cache
 import numpy as np
 import pytest
 
-from friction_audit.compensation import replay as replay_module
 from friction_audit.compensation.compensators import JointModelCompensation
 from friction_audit.compensation.counterfactual import MovedJoint, modelled_joint
-from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of, friction_terms, refusal, straighten
+from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of, friction_terms, refusal
 from friction_audit.compensation.measures import dissipation_removed
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
@@ -117,18 +115,6 @@ def test_a_file_with_the_fitted_numbers_gives_the_very_same_replay(assume: str) 
     assert_same(given, fitted, 1e-9)
 
 
-@pytest.mark.parametrize("assume", ["same-torque", "same-operator"])
-def test_tables_move_a_simple_joint_as_its_equation_does(assume: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    log = log_of(SIMPLE)
-    exact = run(log, assume, SIMPLE)
-
-    def tabled(model: JointModel, motion: Motion) -> MovedJoint:
-        return MovedJoint(model=model, tables=tabulate(model.inertia_kg_m2, model.terms, motion)[0])
-
-    monkeypatch.setattr(replay_module, "modelled_joint", tabled)
-    assert_same(run(log, assume, SIMPLE), exact, 1e-4)
-
-
 @pytest.mark.parametrize(
     "name",
     [
@@ -151,45 +137,6 @@ def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
     assert dissipation_removed(joint.history) > 0.999
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "stribeck",
-        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("presliding", "position_dependent_friction")),
-    ],
-)
-def test_terms_that_the_fitted_joint_lacks_are_missed_in_its_motion(name: str) -> None:
-    settings = ReplaySettings(assume="same-torque")
-    log = log_of(with_term(name))
-    without = replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0].model_error
-    assert run(log, "same-torque", with_term(name)).model_error < 0.02 * without
-
-
-def test_the_true_model_buys_more_than_the_energy_compensator() -> None:
-    model = with_term("stribeck")
-    log = log_of(model, noisy=True)
-    energy = replay_estimate(estimate_log(log, AuditSettings()), ReplaySettings()).replay.joints[0].numbers
-    better = run(log, "same-motion", model, applied=True)
-    assert energy is not None
-    assert better.numbers is not None
-    assert isinstance(better.compensator, JointModelCompensation)
-    assert [term.name for term in better.compensator.terms] == ["coulomb", "viscous", "stribeck"]
-    assert better.numbers.dissipation_removed > 0.985
-    assert better.numbers.dissipation_removed > energy.dissipation_removed_updated > energy.dissipation_removed
-
-
-def test_nothing_later_than_the_tick_is_applied() -> None:
-    model = replace(SIMPLE, terms=(*SIMPLE.terms, *(FittedTerm(n, VALUES[n]) for n in ("presliding", "friction_step"))))
-    log = log_of(SIMPLE)
-    whole = run(log, "same-motion", model, applied=True)
-    part = run(log.take_window(None, 30.0), "same-motion", model, applied=True)
-    assert whole.replayed is not None
-    assert part.replayed is not None
-    shared = len(part.replayed.t)
-    assert shared < len(whole.replayed.t)
-    np.testing.assert_allclose(part.replayed.compensation_nm, whole.replayed.compensation_nm[:shared], atol=2e-3)
-
-
 @pytest.mark.parametrize("speed", [-0.5, -0.03, -0.005, 0.0, 0.02, 0.4])
 def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
     """Coulomb 0.3 N m, 0.1 N m more forwards, viscous 0.07 N m s/rad, beyond 0.01 rad/s rising over 0.03 rad/s."""
@@ -206,18 +153,6 @@ def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
     expected = 0.3 * np.sign(speed) + 0.1 + 0.07 * speed
     assert float(memory["modelled_nm"][0]) == pytest.approx(np.sign(speed) * expected if speed else 0.4, abs=1e-6)
     assert float(memory["bristle_nm"][0]) == 0.0
-
-
-def test_tables_go_on_in_a_straight_line() -> None:
-    n = 200
-    motion = Motion(
-        t=np.asarray(np.arange(n) * 1e-2, np.float64), q=np.linspace(0, 1, n), dq=np.linspace(-1, 1, n), ddq=np.zeros(n)
-    )
-    memory, feed = fresh_memory(1), feed_of(SIMPLE.terms, motion)
-    feed_friction(memory[0], feed, 0.5, 20.0, 3)
-    assert float(memory["modelled_nm"][0]) == pytest.approx(0.3 + 0.07 * 20.0)
-    damped = straighten(feed.tables, damping_nms_per_rad=2.0)
-    np.testing.assert_allclose(damped.place_per_speed, [[2.07], [-2.07]])  # level, so one entry
 
 
 def test_every_term_runs_or_is_refused_by_name() -> None:

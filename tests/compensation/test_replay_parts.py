@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.measures import dissipation_removed, find_step, first_right, first_updated, sum_up
-from friction_audit.compensation.records import ESTIMATED, TOO_FEW
+from friction_audit.compensation.measures import dissipation_removed, find_step, first_right, sum_up
+from friction_audit.compensation.records import ESTIMATED
 from friction_audit.compensation.result import ReplayHistory, Signals
-from friction_audit.compensation.settings import Limits, limits_of
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 
 
@@ -40,12 +38,6 @@ def test_what_is_given_out_counts_as_left_over() -> None:
     assert dissipation_removed(history([1.0], [-0.5])) == pytest.approx(0.5)
     assert np.isnan(dissipation_removed(found, 3))
     assert np.isnan(dissipation_removed(history([-1.0], [0.0])))
-
-
-def test_the_second_update_is_counted_from_estimates() -> None:
-    found = history([1.0] * 5, [0.0] * 5, [TOO_FEW, ESTIMATED, TOO_FEW, ESTIMATED, ESTIMATED])
-    assert first_updated(found) == 4
-    assert first_updated(history([1.0], [0.0])) == 1
 
 
 def test_right_means_three_in_a_row() -> None:
@@ -108,11 +100,3 @@ def test_sums_by_hand() -> None:
     idle = dict.fromkeys(("compensation_nm", "passivity_nm", "limited_nm"), 0.0 * t)
     signals = Signals(t=t, dq=dq, interaction_nm=torque, **idle)
     np.testing.assert_array_equal(signals.net_energy_j, [0.0, 1.0, -1.0])
-
-
-def test_limits_are_those_of_the_arm() -> None:
-    assert limits_of("panda", 5) == Limits(torque_nm=12.0, rate_nm_s=1000.0)
-    assert limits_of("fr3", 4).torque_nm == 87.0
-    assert limits_of("unknown", 1) == limits_of("panda", 8) == Limits()
-    with pytest.raises(UsageError, match="above zero"):
-        Limits(torque_nm=0.0)

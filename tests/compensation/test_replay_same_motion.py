@@ -12,7 +12,6 @@ from friction_audit.compensation.result import JointReplay, ReplayHistory
 from friction_audit.compensation.settings import ReplaySettings, energy_compensator
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
-from friction_audit.reporting.figures.replay import applied
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
@@ -77,29 +76,6 @@ def test_without_noise_no_dissipation_is_left_after_the_second_update(
     assert numbers is not None
     assert numbers.dissipation_removed_updated >= 0.99
     assert numbers.dissipation_removed < numbers.dissipation_removed_updated
-
-
-@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
-@pytest.mark.parametrize("window", [2, pytest.param(4, marks=pytest.mark.thorough)])
-@pytest.mark.parametrize("logs", [3, pytest.param(20, marks=pytest.mark.thorough)])
-def test_with_the_noise_of_a_panda_little_is_left(logs: int, window: int, operator: Operator) -> None:
-    noisy = BenchSettings(joints=(JOINT,), sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)
-    found = [joint_of(log_of(noisy, seed), energy_compensator(window=window)).numbers for seed in range(logs)]
-    removed = [numbers.dissipation_removed_updated for numbers in found if numbers is not None]
-    assert len(removed) == logs
-    assert np.median(removed) >= 0.95
-
-
-def test_the_coefficients_after_the_last_cycle_are_told() -> None:
-    joint = joint_of(log_of(BENCH), energy_compensator())
-    assert joint.history is not None
-    assert joint.last is not None
-    assert joint.last.coulomb_nm == joint.history.coulomb_estimated_nm[-1]
-    assert joint.last.viscous_nms_per_rad == joint.history.viscous_estimated_nms_per_rad[-1]
-    t, value = applied(joint, "coulomb_nm")
-    np.testing.assert_array_equal(value[:-2], joint.history.coulomb_applied_nm)
-    np.testing.assert_array_equal(value[-2:], joint.last.coulomb_nm)
-    np.testing.assert_array_equal(t[1:-1], joint.history.stop_s)
 
 
 @pytest.mark.parametrize(

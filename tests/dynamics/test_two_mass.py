@@ -15,7 +15,6 @@ from friction_audit.dynamics.transmission import Transmission
 from friction_audit.dynamics.two_mass import can_follow, link_of, move_two_sides
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import joint_with
 
 STEP_S = 0.0025
 T = np.arange(0.0, 3.0, STEP_S)
@@ -101,27 +100,6 @@ def test_friction_and_damping_only_ever_take_energy(share: float, gap: float, co
     taken = work(rows) - energy(rows, share, gap)
     path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(rows[2])))])
     assert (taken > coulomb_nm * path - 0.02 * np.abs(work(rows)).max()).all()
-
-
-def test_with_hardly_anything_before_the_spring_it_is_the_joint_with_nothing_before_it() -> None:
-    rigid = simulate_along(joint_with(inertia_kg_m2=B), recording(np.sin(T), np.cos(T)), drive(), WHOLE)
-    assert rigid is not None
-    seen = recording(np.cumsum(rigid) * STEP_S, rigid)
-    all_of_it, nearly = (simulate_along(joint_with(spring(one, 0.3)), seen, drive(), WHOLE) for one in (1.0, 0.995))
-    assert all_of_it is not None
-    assert nearly is not None
-    assert np.sqrt(np.mean((nearly - all_of_it)[40:] ** 2)) < 0.05 * np.sqrt(np.mean(all_of_it**2))
-
-
-def test_the_term_takes_along_the_motion_the_torque_that_made_it() -> None:
-    share, friction = 0.7, 0.2
-    rows = moved(share, friction, damping_ratio=0.1)
-    model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("coulomb", (friction,)), spring(share, 0.1)))
-    motion = recording(rows[0], rows[1])
-    left = [
-        np.sqrt(np.mean((one.torque(motion) - drive()) ** 2)) for one in (model, replace(model, terms=model.terms[:1]))
-    ]
-    assert left[0] < 0.15 * left[1]
 
 
 def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:

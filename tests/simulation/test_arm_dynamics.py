@@ -129,13 +129,6 @@ def test_sensors_read_the_inverse_dynamics_of_the_links_less_the_hand(carried_kg
 
 
 @LOADS
-def test_motors_obey_their_equation_at_every_tick(carried_kg: float) -> None:
-    motion = guided(carried_kg).motion
-    net = motion.interaction_nm + motion.compensation_nm - motion.friction_nm
-    assert_allclose(ROTORS * motion.inner_ddq, net, atol=1e-12)
-
-
-@LOADS
 def test_energy_balances_in_every_joint_and_over_the_arm(carried_kg: float) -> None:
     arm = guided(carried_kg)
     motion = arm.motion
@@ -161,11 +154,3 @@ def test_sensors_of_a_driven_arm_read_inverse_dynamics_and_friction() -> None:
     error = simulation.log.tau_J - inverse_dynamics(settings, motion) - motion.friction_nm
     assert np.abs(error).max() < 3e-3
     assert error.std(axis=0).max() < 1e-4
-
-
-def test_driven_arm_spends_on_friction_what_passes_its_sensors() -> None:
-    settings, simulation = driven()
-    motion = simulation.truth.motion
-    links = energies(settings, motion) - 0.5 * (ROTORS * motion.inner_dq**2).sum(axis=1)
-    passed = work(motion.port_nm * motion.inner_dq).sum(axis=1)
-    assert_allclose(passed, links - links[0] + motion.dissipated_j.sum(axis=1), atol=5e-4)

@@ -13,7 +13,6 @@ from friction_audit.simulation.assign import (
     Kind,
     PerJoint,
     as_nested,
-    assign,
     assign_text,
     assign_texts,
     paths,
@@ -213,7 +212,7 @@ def test_nested_settings_tell_what_kind_was_chosen() -> None:
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_what_is_written_reads_back(value: float) -> None:
-    assert assign(TREE, "duration_s", write_value(value)).duration_s == value
+    assert assign_text(TREE, f"duration_s={write_value(value)}").duration_s == value
 
 
 def test_values_of_the_joints_are_written_as_they_are_set() -> None:
@@ -227,7 +226,7 @@ def test_every_setting_of_a_scenario_can_be_assigned(scenario: Scenario) -> None
     listed = paths(scenario.settings)
     for path, value in listed.items():
         if not isinstance(value, PerJoint):
-            assert assign(scenario.settings, path, write_value(value)) == scenario.settings
+            assert assign_text(scenario.settings, f"{path}={write_value(value)}") == scenario.settings
         else:
             again = scenario.settings
             for part in write_value(value).split("  "):

@@ -1,3 +1,5 @@
+"""One joint on a bench: its recording, its sensors, its settings, and a compensator in the loop."""
+
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -5,8 +7,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.compensation.compensators import FixedCompensation
-from friction_audit.errors import UsageError
+from friction_audit.compensation.compensators import Compensator, EnergyCompensator, FixedCompensation
+from friction_audit.compensation.replay import run
+from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import (
     IDEAL_SENSORS,
@@ -17,7 +20,17 @@ from friction_audit.simulation import (
     Simulation,
     simulate,
 )
+from friction_audit.simulation.arm import ArmSettings, Servo, simulate_arm
+from friction_audit.simulation.bench import simulate_bench
+from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
+from friction_audit.simulation.effects.load_and_place import JointLimitStop
+from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, TimeDelay
+from friction_audit.simulation.effects.structure import InertiaError
 from friction_audit.simulation.motion import StopAndGo
+from friction_audit.simulation.sensors import draw_noise, quantise
+from friction_audit.simulation.settings import PANDA_SENSORS
+from friction_audit.simulation.simulation import require_sane
+from tests.simulation.mechanics.any_step import STEP_S
 
 SHORT = BenchSettings(duration_s=20.0)
 IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,))
@@ -47,34 +60,10 @@ def test_work_of_the_ideal_log_is_what_friction_took(settings: BenchSettings, se
     assert_allclose(work(simulation), taken, rtol=1e-6)
 
 
-def test_friction_holds_the_joint_still_within_the_coulomb_level() -> None:
-    motion = simulate(IDEAL, 6).truth.motion
-    still = only(motion.dq) == 0
-    assert 0.05 < still.mean() < 0.5
-    assert np.abs(motion.friction_nm[still]).max() <= 0.30 + 1e-12
-    assert_array_equal(np.diff(only(motion.q))[still[1:] & still[:-1]], 0.0)
-
-
-def test_same_seed_same_log_to_the_bit() -> None:
-    one, two, other = (simulate(SHORT, seed).log for seed in (9, 9, 10))
-    assert_array_equal(one.t, two.t)
-    for name, channel in one.channels().items():
-        assert_array_equal(channel, two.channels()[name])
-    assert one.source == two.source
-    assert one.source.sha256 != other.source.sha256
-
-
 def test_sensors_do_not_change_the_motion() -> None:
     ideal, noisy = simulate(IDEAL, 11), simulate(SHORT, 11)
     assert_array_equal(ideal.truth.motion.q, noisy.truth.motion.q)
     assert_array_equal(ideal.log.q, ideal.truth.motion.q)
-
-
-def test_source_does_not_tell_the_truth() -> None:
-    source = simulate(SHORT, 12, path="bench.csv").log.source
-    assert (source.path, source.format, source.robot) == ("bench.csv", "simulation", "unknown")
-    assert not source.findings
-    assert "0.3" not in repr(replace(source, sha256=""))
 
 
 def test_panda_sensors_have_the_measured_statistics() -> None:
@@ -108,14 +97,6 @@ def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven:
     assert_allclose(log.tau_J - log.gravity, (1 if driven else -1) * motion.interaction_nm, atol=1e-5)
 
 
-def test_progress_rises_to_the_end() -> None:
-    told: list[float] = []
-    simulate(replace(IDEAL, duration_s=45.0), 18, progress=told.append)
-    assert len(told) > 1
-    assert told == sorted(told)
-    assert told[-1] == 1.0
-
-
 @pytest.mark.parametrize(
     ("make", "words"),
     [
@@ -138,3 +119,196 @@ def test_progress_rises_to_the_end() -> None:
 def test_settings_out_of_range_are_refused(make: Callable[[], object], words: str) -> None:
     with pytest.raises(UsageError, match=words):
         make()
+
+
+# A compensator in the loop: what it leaves, what it learns, what it saw.
+
+TRUE = FixedCompensation(coulomb_nm=0.30, viscous_nms_per_rad=0.07)
+NOISY = replace(PANDA_SENSORS[0], clock_jitter_s=0.0, stale=0.0, lost=0.0)
+
+
+def compensated(settings: BenchSettings, compensator: Compensator, seed: int = 1) -> Simulation:
+    return simulate_bench(replace(settings, compensator=compensator), seed)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_energy_compensator_learns_the_friction_through_the_noise(seed: int) -> None:
+    settings = BenchSettings(duration_s=60.0, sensors=(PANDA_SENSORS[0],))
+    knew = compensated(settings, EnergyCompensator(window=8), seed).truth.compensators
+    assert_allclose(knew["coulomb_nm"][-1, 0], 0.30, atol=0.02)
+    assert_allclose(knew["viscous_nms_per_rad"][-1, 0], 0.07, atol=0.02)
+    assert knew["cycle"][-1, 0] > 25
+
+
+@pytest.mark.parametrize("compensator", [TRUE, EnergyCompensator(window=4)], ids=["fixed", "energy"])
+def test_the_log_is_what_the_compensator_saw(compensator: Compensator) -> None:
+    """A replay over the log finds every torque and everything it knew, to rounding."""
+    settings = BenchSettings(duration_s=20.0, sensors=(NOISY,))
+    simulation = compensated(settings, compensator)
+    log = simulation.log
+    assert log.tau_interaction is not None
+    assert log.tau_compensation is not None
+    again = run(compensator, log.t, log.dq[:, 0], log.tau_interaction[:, 0])
+    assert_allclose(log.tau_compensation[1:, 0], again["compensation_nm"][:-1], atol=1e-9)
+    for name, trace in simulation.truth.compensators.items():
+        assert_allclose(trace[:, 0], again[name], rtol=1e-6, atol=1e-9, err_msg=name)
+
+
+# At the ends of their ranges effects are still physics; beyond them they are refused.
+
+LIMITS_IDEAL = BenchSettings(duration_s=6.0, sensors=(IDEAL_SENSORS,))
+
+
+def ends(effect: type[HiddenEffect]) -> list[dict[str, str]]:
+    """Return one setting for each finite end of a parameter's range, the strength above zero."""
+    found = []
+    for item in effect.parameters():
+        found += [{item.name: f"{end:g}"} for end in (item.lower, item.upper) if np.isfinite(end)]
+    return [given for given in found if given.get(effect.strength_name()) != "0"]
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+def test_every_end_of_every_range_keeps_the_joint_under_the_hand(effect: type[HiddenEffect]) -> None:
+    plain = np.abs(simulate_bench(LIMITS_IDEAL, 1).truth.motion.dq).max()
+    for given in ends(effect):
+        for form in effect.forms or ("",):
+            group = effect.make(given | ({"form": form} if form else {}))
+            motion = simulate_bench(replace(LIMITS_IDEAL, hidden=(Hidden().holding(group),)), 1).truth.motion
+            assert np.abs(motion.dq).max() < 2.0 * plain, (given, form)
+
+
+@pytest.mark.parametrize("form", ["spring_damper", "quadratic"])
+def test_the_stiffest_wall_takes_energy(form: str) -> None:
+    """Energy that the hand has put in is never less than what friction took and what moves."""
+    group = JointLimitStop.make({"stiffness_nm_per_rad": "2000", "damping_s": "0.2", "at_rad": "0.2", "form": form})
+    motion = simulate_bench(replace(LIMITS_IDEAL, hidden=(Hidden(joint_limit_stop=group),)), 1).truth.motion
+    power = (motion.interaction_nm * motion.dq)[:, 0]
+    work = np.cumsum(0.5 * (power[1:] + power[:-1]) * 1e-3)
+    kept = motion.dissipated_j[1:, 0] + 0.5 * 0.3 * motion.dq[1:, 0] ** 2
+    assert np.abs(motion.q).max() < 0.4
+    assert (work - kept).min() > -1e-3 * work[-1]
+
+
+def test_an_inertia_error_that_leaves_no_inertia_is_refused() -> None:
+    hidden = Hidden(inertia_error=InertiaError(extra_kg_m2=-0.4))
+    with pytest.raises(UsageError, match="extra_kg_m2 leaves joint 1 an inertia of"):
+        simulate_bench(replace(LIMITS_IDEAL, hidden=(hidden,)), 1)
+
+
+# Late signals, and roundings that tell nothing.
+
+PLAIN = BenchSettings(duration_s=6.0)
+READING_IDEAL = replace(PLAIN, sensors=(IDEAL_SENSORS,), operator=Operator(stiffness_nm_per_rad=200.0))
+STEPS = {
+    "q": 1e-6,
+    "dq": 1e-6,
+    "tau_interaction": 0.0357,
+    "tau_J": 0.0357,
+    "gravity": 1e-6,
+    "tau_ext_hat_filtered": 1e-3,
+    "temperature": 0.1,
+}
+
+
+def lag_s(late: Float, prompt: Float) -> float:
+    """Return by how much a signal is late: where it differs least from the prompt one, by a parabola."""
+    shifts = np.arange(0, 60)
+    span = len(prompt) - len(shifts)
+    meets = np.array([np.sum((late[shift : shift + span] - prompt[:span]) ** 2) for shift in shifts])
+    best = int(np.argmin(meets[1:-1])) + 1
+    before, at, after = meets[best - 1 : best + 2]
+    return 1e-3 * float(best + 0.5 * (before - after) / (before - 2.0 * at + after))
+
+
+@pytest.mark.parametrize("delay_s", [4e-3, 12e-3, 7.4e-3])
+def test_delay_shifts_torque_or_motion_by_its_length(delay_s: float) -> None:
+    prompt = simulate_bench(READING_IDEAL, 1).log.channels()
+    for form, names in ((TORQUE_LATE, ["tau_interaction"]), (VELOCITY_LATE, ["q", "dq"])):
+        hidden = Hidden(time_delay=TimeDelay(delay_s=delay_s, form=form))
+        late = simulate_bench(replace(READING_IDEAL, hidden=(hidden,)), 1).log.channels()
+        for name, column in late.items():
+            if name in names:
+                assert_allclose(lag_s(column[:, 0], prompt[name][:, 0]), delay_s, atol=STEP_S)
+            else:
+                assert_array_equal(column, prompt[name])
+
+
+@pytest.mark.parametrize("logs_sensor", [False, True])
+@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
+def test_roundings_are_those_of_the_sensors_whatever_is_hidden(effect: type[HiddenEffect], logs_sensor: bool) -> None:
+    settings = replace(PLAIN, logs_sensor=logs_sensor, logs_temperature=True, gravity_nm=4.0 * logs_sensor)
+    for form in effect.forms or (None,):
+        hidden = Hidden().holding(effect.make({"form": form} if form else {}))
+        channels = simulate_bench(replace(settings, hidden=(hidden,), duration_s=2.0), 2).log.channels()
+        for name, column in channels.items():
+            assert_array_equal(column, quantise(column, STEPS[name]))
+
+
+TICKS = 20_000
+
+
+def rng(seed: int = 0) -> np.random.Generator:
+    return np.random.default_rng(seed)
+
+
+def autocorrelation(noise: np.ndarray, lag: int) -> float:
+    return float(np.corrcoef(noise[lag:], noise[:-lag])[0, 1])
+
+
+def test_ideal_sensors_have_no_noise_but_draw_it() -> None:
+    ideal, real, again = rng(1), rng(1), rng(1)
+    noise = draw_noise(TICKS, 1000.0, IDEAL_SENSORS, ideal)
+    draw_noise(TICKS, 1000.0, PANDA_SENSORS[0], real)
+    assert_array_equal(noise, np.zeros((3, TICKS + 1)))
+    assert ideal.random() == real.random() != again.random()
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
+def test_slow_part_keeps_the_variance_and_changes_the_colour(share: float) -> None:
+    sensors = Sensors(torque_noise_nm=0.05, torque_correlation_s=0.002, slow_noise_share=share, slow_correlation_s=0.02)
+    noise = draw_noise(20 * TICKS, 1000.0, sensors, rng(2))[0]
+    assert_allclose(noise.std(), 0.05, rtol=0.04)
+    for lag in (2, 10, 20):
+        expected = (1 - share) * np.exp(-lag / 2) + share * np.exp(-lag / 20)
+        assert_allclose(autocorrelation(noise, lag), expected, atol=0.03)
+
+
+def test_slow_part_may_be_white_too() -> None:
+    sensors = Sensors(torque_noise_nm=0.05, slow_noise_share=0.5, slow_correlation_s=0.0)
+    assert abs(autocorrelation(draw_noise(TICKS, 1000.0, sensors, rng())[0], 1)) < 0.03
+
+
+def test_share_above_one_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"slow_noise_share 1\.5: expected a share from 0 to 1"):
+        replace(IDEAL_SENSORS, slow_noise_share=1.5)
+
+
+# A simulation that diverges says so and gives no log.
+
+DIVERGING_SHORT = BenchSettings(duration_s=5.0)
+
+
+@pytest.mark.parametrize("stiffness", [1e9, 1e300])
+def test_a_grip_too_stiff_for_the_step_is_told(stiffness: float) -> None:
+    settings = replace(DIVERGING_SHORT, operator=Operator(stiffness_nm_per_rad=stiffness))
+    with pytest.raises(AnalysisError, match=r"stiff\.csv: .* diverged: joint 1 has a speed above 1000 rad/s"):
+        simulate_bench(settings, 1, path="stiff.csv")
+
+
+def test_a_load_that_no_joint_holds_is_told() -> None:
+    with pytest.raises(AnalysisError, match="joint 1 has a torque above 1e\\+06 N m"):
+        simulate_bench(replace(DIVERGING_SHORT, gravity_nm=1e300, logs_sensor=True), 1)
+
+
+def test_an_arm_whose_servos_are_too_stiff_is_told() -> None:
+    settings = ArmSettings(driven=True, servo=Servo(stiffness_nm_per_rad=1e9), duration_s=0.1)
+    with pytest.raises(AnalysisError, match="the simulation diverged"):
+        simulate_arm(settings, 1)
+
+
+def test_what_is_no_number_is_found_where_it_begins() -> None:
+    motion = simulate_bench(DIVERGING_SHORT, 1).truth.motion
+    speed = motion.dq.copy()
+    speed[700:] = np.nan
+    with pytest.raises(AnalysisError, match=r"joint 1 has a speed above 1000 rad/s at 0\.700 s, or none"):
+        require_sane(replace(motion, dq=speed), "log.csv")

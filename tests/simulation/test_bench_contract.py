@@ -9,10 +9,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.slow_and_events import UnloggedCompensation
-from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
+from friction_audit.simulation.settings import IDEAL_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
 
 SEED = 4
@@ -159,19 +159,3 @@ def test_all_effects_at_once(number: int, driven: bool) -> None:
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
     assert np.abs(simulation.truth.motion.dq).max() < 5.0
-
-
-def test_nothing_hidden_disturbs_the_noise_or_the_hand() -> None:
-    """The sensors' noise, the stamps, the losses and the intended motion are those of the seed alone."""
-    stiff = replace(PLAIN, operator=Operator(stiffness_nm_per_rad=3000.0, damping_nms_per_rad=90.0))
-    exact = replace(PANDA_SENSORS[0], torque_step_nm=0.0, velocity_step_rad_s=0.0, stale=0.0)
-    settings = replace(stiff, sensors=(exact,))
-    noises = []
-    for inside in (Hidden(), everything(0), everything(2)):
-        prompt = replace(inside, time_delay=Hidden().time_delay)
-        simulation = simulate_bench(replace(settings, hidden=(prompt,)), SEED)
-        tick = np.rint(simulation.log.t * 1e3).astype(int)
-        noises.append((simulation.log.t, simulation.log.dq[:, 0] - simulation.truth.motion.dq[tick, 0]))
-    for t, noise in noises[1:]:
-        assert_array_equal(t, noises[0][0])
-        assert_allclose(noise, noises[0][1], atol=1e-12)

@@ -104,10 +104,6 @@ def test_inertia_and_friction_are_taken_over() -> None:
     assert replace(settings, joints=IDEAL.joints) == IDEAL
 
 
-def test_a_joint_without_friction_has_none() -> None:
-    assert with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=0.2))).joints[0].coulomb_nm == 0.0
-
-
 def test_a_joint_without_inertia_is_refused() -> None:
     with pytest.raises(UsageError, match=r"the model's joint 1: inertia_kg_m2 = -0.1: expected more than zero"):
         with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=-0.1)))
@@ -136,26 +132,11 @@ def test_the_numbers_of_joints_must_agree() -> None:
         ("presliding", {"bristle_nm": 0.2, "reach_rad": 0.004, "yielding_exponent": 1.0}, "bear all of the Coulomb"),
         ("gravity_error", {"gravity_error_source": 2.0, "link_mass_kg": 1.0}, "errs in the joint's own angle"),
         (
-            "joint_elasticity",
-            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "soft_nm": 0.3},
-            "stiffens as a hyperbolic tangent",
-        ),
-        (
             "load_dependent_friction",
             {"load_friction_nm": 0.1, "load_exponent": 1.0, "load_static": 1.0},
             "not the weight alone",
         ),
         ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
-        (
-            "joint_elasticity",
-            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "far_share": 0.8},
-            "all inertia is on the link side of its spring",
-        ),
-        (
-            "backlash",
-            {"backlash_share": 1.0, "gap_rad": 0.002, "contact_hz": 40.0, "far_share": 0.6},
-            "all inertia is on the link side of its backlash",
-        ),
     ],
 )
 def test_a_term_without_an_equal_is_refused_by_name(name: str, values: dict[str, float], reason: str) -> None:

@@ -1,6 +1,5 @@
 """What the person, or the robot's commander, intends: what holds for every motion, and each by hand."""
 
-from dataclasses import replace
 from typing import Any, get_args
 
 import numpy as np
@@ -12,8 +11,8 @@ from scipy.spatial.transform import Rotation
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.motion import HandPath, MotionSettings, Sinusoid, SlowSweep, StopAndGo, plan_hand
-from friction_audit.simulation.motion.periodic import Commanded, frequencies_hz, intend_joints
-from friction_audit.simulation.motion.strokes import PEAK, plan_strokes
+from friction_audit.simulation.motion.periodic import Commanded, frequencies_hz
+from friction_audit.simulation.motion.strokes import plan_strokes
 
 DT = 1e-3
 TICKS = 20_000
@@ -58,14 +57,6 @@ def test_recording_too_short_for_any_motion_is_allowed(motion: type[MotionSettin
 USUAL_STROKES = StopAndGo()
 
 
-def test_the_first_stroke_starts_stops_and_is_fastest_half_way() -> None:
-    start, lasts, origin, length = plan_strokes(USUAL_STROKES, 10.0, _rng(5))[0]
-    motion = USUAL_STROKES.intend(100_000, 1e-4, _rng(5))
-    begin, middle, end = (round(1e4 * (start + share * lasts)) for share in (0.0, 0.5, 1.0))
-    assert_allclose(motion.position[[begin, middle, end]], origin + length * np.array([0.0, 0.5, 1.0]), atol=1e-3)
-    assert_allclose(motion.velocity[[begin, middle, end]], [0.0, PEAK * length / lasts, 0.0], atol=1e-3)
-
-
 def test_strokes_of_a_seed_stay_the_same() -> None:
     """The committed sample logs and benchmark tables depend on them."""
     strokes = plan_strokes(USUAL_STROKES, 10.0, _rng(5))
@@ -73,15 +64,6 @@ def test_strokes_of_a_seed_stay_the_same() -> None:
     assert table.shape == (3, 5)
     assert table[:, 0] == pytest.approx([0.5, 1.3437207168585683, -0.8773761539252232], rel=1e-9)
     assert table[:, -1] == pytest.approx([7.447505816635416, 0.9166654959031897, 0.38676348599823623], rel=1e-9)
-
-
-def test_mean_and_spread_of_the_peak_speeds() -> None:
-    strokes = plan_strokes(
-        replace(USUAL_STROKES, speed_limits_rad_s=(0.01, 9.0), range_rad=(-30.0, 30.0)), 3600.0, _rng(6)
-    )
-    speeds = PEAK * np.abs(strokes[:, 3]) / strokes[:, 1]
-    assert_allclose(speeds.mean(), 0.9, rtol=0.02)
-    assert_allclose(speeds.std() / speeds.mean(), 0.4, rtol=0.05)
 
 
 @given(
@@ -113,21 +95,6 @@ def test_paper_s_sinusoid() -> None:
     assert_allclose(velocity[::2000], 0.0, atol=1e-12)
 
 
-def test_rests_after_the_last_half_period_that_fits() -> None:
-    t, position, velocity = _intend(Sinusoid(period_s=4.0), 7.0)
-    assert_array_equal(velocity[t >= 6.0], 0.0)
-    assert_allclose(position[t >= 6.0], 1.0)
-    assert_array_equal(_intend(Sinusoid(period_s=4.0), 1.5)[1], 0.0)
-
-
-def test_smooth_start_comes_late_by_half_its_time() -> None:
-    t, position, velocity = _intend(Sinusoid(period_s=4.0, ease_s=2.0), 13.0)
-    late = t >= 2.0
-    assert_allclose(position[late], 0.5 * (1 - np.cos(np.pi / 2 * (t[late] - 1.0))), atol=1e-12)
-    assert np.abs(velocity[:100]).max() < 1e-5
-    assert velocity[-1] == 0.0
-
-
 @given(seed=st.integers(0, 2**32 - 1), spread=st.floats(0.0, 0.5), ease_s=st.sampled_from([0.0, 1.0, 3.0]))
 @settings(max_examples=30, deadline=None)
 def test_spread_keeps_the_half_periods(seed: int, spread: float, ease_s: float) -> None:
@@ -154,26 +121,6 @@ def test_one_speed_by_hand() -> None:
     assert_allclose(intention.position[[3000, 3500, 6000, 6500]], [-0.2, -0.2, 0.0, 0.0], atol=1e-12)
     assert_allclose(intention.position[[9000, 12_000]], [0.2, 0.0], atol=1e-12)
     assert_array_equal(intention.velocity[12_000:], 0.0)
-
-
-def test_a_pass_of_a_minute_has_every_speed_in_both_directions() -> None:
-    for seed in range(5):
-        intention = USUAL_SWEEP.intend(60_000, DT, _rng(seed))
-        for speed in np.geomspace(0.01, 1.0, 7):
-            for signed in (speed, -speed):
-                assert np.isclose(intention.velocity, signed, rtol=1e-9).sum() > 100
-
-
-def test_small_reversals_are_small_and_come_back() -> None:
-    sweep = replace(USUAL_SWEEP, reversals=20)
-    intention = sweep.intend(22_000, DT, _rng(1))
-    turns = np.flatnonzero(np.diff(np.sign(intention.velocity[:20_800])) != 0)
-    ways = np.abs(np.diff(intention.position[turns]))
-    ways = ways[ways > 1e-9]
-    assert len(ways) >= 20
-    assert ways.max() <= 3e-2 + 1e-12
-    assert np.sort(ways)[2] >= 1e-3
-    assert abs(intention.position[21_500]) < 1e-12
 
 
 @given(
@@ -204,25 +151,6 @@ def test_frequencies_by_hand() -> None:
     assert_array_equal(frequencies_hz(Commanded(lowest_hz=1.0), 1), frequencies[:1])
     assert len(np.unique(frequencies)) == 35
     assert len(np.unique(frequencies_hz(Commanded(sines=1), 20))) == 20
-
-
-def test_spectrum_has_the_sines_and_nothing_else() -> None:
-    ticks = 400_000
-    velocity = Commanded(sines=3).intend(ticks, DT, _rng(1)).velocity
-    spectrum = np.abs(np.fft.rfft(velocity * np.hanning(ticks + 1)))
-    found = np.flatnonzero((spectrum[1:-1] > spectrum[:-2]) & (spectrum[1:-1] > spectrum[2:])) + 1
-    found = found[spectrum[found] > 0.1 * spectrum.max()]
-    assert_allclose(found / (ticks * DT), frequencies_hz(Commanded(sines=3), 1)[0], atol=0.002)
-
-
-def test_joints_start_and_end_at_rest_and_are_independent() -> None:
-    joints = intend_joints(Commanded(), 7, 60_000, DT, _rng(3))
-    assert joints.position.shape == joints.velocity.shape == (60_001, 7)
-    for column in (joints.position, joints.velocity):
-        assert_array_equal(column[[0, -1]], 0.0)
-    slopes = (joints.position[2:] - joints.position[:-2]) / (2 * DT)
-    assert_allclose(slopes, joints.velocity[1:-1], atol=1e-4)
-    assert np.linalg.cond(np.corrcoef(joints.velocity.T)) < 5.0
 
 
 @given(
@@ -257,30 +185,6 @@ def test_velocities_are_the_derivatives(rotation_rad: float) -> None:
     assert_allclose(turned, hand.angular[1:-1], atol=2e-5 * rotation_rad)
 
 
-def test_a_hand_starts_and_ends_at_rest() -> None:
-    hand = plan_hand(HandPath(), TICKS, DT, _rng(2))
-    for signal in (hand.position, hand.rotation, hand.velocity, hand.angular):
-        assert signal.shape == (TICKS + 1, 3)
-        assert_array_equal(signal[0], 0.0)
-    assert_array_equal(hand.velocity[-1], 0.0)
-    assert_array_equal(plan_hand(HandPath(), 1000, DT, _rng(2)).position, 0.0)
-
-
-def test_seed_decides() -> None:
-    one, same, other = (plan_hand(HandPath(), TICKS, DT, _rng(seed)) for seed in (3, 3, 4))
-    assert_array_equal(one.position, same.position)
-    assert_array_equal(one.angular, same.angular)
-    assert np.abs(one.position - other.position).max() > 0.01
-
-
-def test_every_direction_is_moved_and_turned() -> None:
-    hand = plan_hand(HandPath(), 60_000, DT, _rng(5))
-    assert (np.ptp(hand.position, axis=0) > 0.12).all()
-    assert (np.ptp(hand.rotation, axis=0) > 0.5).all()
-    speed = np.linalg.norm(hand.velocity, axis=1)
-    assert 0.5 < (speed > 0).mean() < 0.9
-
-
 @given(
     seed=st.integers(0, 2**32 - 1),
     reach=st.floats(0.01, 0.5),
@@ -309,23 +213,13 @@ def test_bounds_of_a_hand_hold(
 # Settings of the wrong size, and what is said of them.
 REFUSED: list[tuple[type, dict[str, Any], str]] = [
     (StopAndGo, {"speed_rad_s": 0.0}, "speed_rad_s 0: expected a number above zero"),
-    (StopAndGo, {"speed_rad_s": float("nan")}, "speed_rad_s nan"),
     (StopAndGo, {"speed_spread": -0.1}, "speed_spread -0.1: expected zero or more"),
-    (StopAndGo, {"pause_s": (-1.0, 1.0)}, "shortest_pause_s -1"),
-    (StopAndGo, {"stroke_s": (0.0, 1.0)}, "shortest_stroke_s 0"),
     (StopAndGo, {"stroke_s": (2.0, 1.0)}, "stroke_s 2, 1: expected the smaller number first"),
-    (StopAndGo, {"speed_limits_rad_s": (0.0, 1.0)}, "slowest_rad_s 0"),
     (StopAndGo, {"range_rad": (0.1, 1.0)}, "range_rad 0.1, 1: expected a range around the start at 0"),
-    (StopAndGo, {"range_rad": (0.0, 0.0)}, "range_rad 0, 0"),
     (StopAndGo, {"reversing": 1.5}, "reversing 1.5: expected a number from 0 to 1"),
-    (Sinusoid, {"amplitude_rad": 0.0}, "amplitude_rad 0: expected a number above zero"),
     (Sinusoid, {"period_s": float("inf")}, "period_s inf"),
     (Sinusoid, {"spread": 0.6}, "spread 0.6: expected a number from 0 to 0.5"),
-    (Sinusoid, {"ease_s": -1.0}, "ease_s -1: expected zero or more"),
-    (SlowSweep, {"speeds_rad_s": (0.0, 1.0)}, "slowest_rad_s 0: expected a number above zero"),
-    (SlowSweep, {"speeds_rad_s": (1.0, 0.5)}, "speeds_rad_s 1, 0.5: expected the smaller number first"),
     (SlowSweep, {"steps": 0}, "steps 0"),
-    (SlowSweep, {"reversals": -1}, "reversals -1: expected a number from 0 to 1000"),
     (SlowSweep, {"ease_s": 4.0}, "ease_s 4: expected at most 3, longest_s or, with reversals, reversal_s"),
     (SlowSweep, {"ease_s": 0.6, "reversals": 2}, "ease_s 0.6: expected at most 0.5"),
     (
@@ -333,20 +227,12 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
         {"range_rad": (-0.1, 0.6)},
         "range_rad -0.1, 0.6: expected a range around the start at 0, from -0.2 or less",
     ),
-    (SlowSweep, {"range_rad": (-0.3, 0.3), "reversals": 2, "reversal_rad": (0.1, 1.0)}, "range_rad -0.3, 0.3"),
     (Commanded, {"lowest_hz": 0.0}, "lowest_hz 0: expected a number above zero"),
     (Commanded, {"sines": 0}, "sines 0"),
-    (Commanded, {"ease_s": 0.0}, "ease_s 0"),
-    (Commanded, {"peak_speed_rad_s": -1.0}, "peak_speed_rad_s -1"),
-    (Commanded, {"range_rad": (1.0, -1.0)}, "range_rad 1, -1: expected the smaller number first"),
     (Commanded, {"range_rad": (0.0, 1.0)}, "range_rad 0, 1: expected a range around the start at 0"),
     (HandPath, {"reach_m": 0.0}, "reach_m 0: expected 0.001 or more"),
     (HandPath, {"rotation_rad": 3.2}, "rotation_rad 3.2: expected less than half a turn"),
-    (HandPath, {"rotation_rad": -0.1}, "rotation_rad -0.1: expected zero or more"),
-    (HandPath, {"stroke_s": (0.0, 1.0)}, "shortest_stroke_s 0"),
     (HandPath, {"speed_m_s": (0.5, 0.2)}, "speed_m_s 0.5, 0.2: expected the smaller number first"),
-    (HandPath, {"turning_rad_s": 0.0}, "turning_rad_s 0"),
-    (HandPath, {"pause_s": (-0.1, 0.2)}, "shortest_pause_s -0.1"),
 ]
 WHERE = {
     StopAndGo: "stop-and-go",

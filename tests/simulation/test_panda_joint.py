@@ -17,7 +17,7 @@ from friction_audit.simulation import (
     simulate,
 )
 from friction_audit.simulation.effects.load_and_place import GravityError, JointLimitStop, PositionDependentFriction
-from friction_audit.simulation.effects.sensors import TorqueBias, TorqueCrosstalk
+from friction_audit.simulation.effects.sensors import TorqueBias
 from friction_audit.simulation.effects.structure import InertialCoupling
 
 JOINT = JointParameters()
@@ -42,22 +42,6 @@ def test_sensor_reads_gravity_less_the_interaction_torque() -> None:
     assert np.ptp(log.gravity[:, 1]) > 0.1
 
 
-def test_truth_of_the_joints_at_rest_is_gravity_alone() -> None:
-    motion = simulate(IDEAL, 1).truth.motion
-    for name in ("dq", "inner_dq", "inner_ddq", "interaction_nm", "friction_nm", "compensation_nm", "dissipated_j"):
-        assert_array_equal(getattr(motion, name)[:, OTHERS], 0.0)
-    assert_array_equal(motion.q[:, OTHERS], np.tile(np.array(IDEAL.pose_rad)[list(OTHERS)], (len(motion.t), 1)))
-    assert_array_equal(motion.support_nm + motion.port_nm, motion.interaction_nm)
-
-
-@pytest.mark.parametrize("joint", [1, 2, 4])
-def test_gravity_that_the_joint_bears_is_that_of_the_model(joint: int) -> None:
-    simulation = simulate(replace(IDEAL, joint=joint), 6)
-    assert simulation.log.gravity is not None
-    # As logged: rounded to 1e-6.
-    assert_allclose(simulation.truth.motion.support_nm, simulation.log.gravity, atol=1e-5)
-
-
 def test_motion_and_noise_are_those_of_the_single_joint() -> None:
     panda = simulate(SHORT, 2)
     bench = simulate(BenchSettings(joints=(JOINT,), sensors=(SHORT.sensors[3],), duration_s=5.0), 2)
@@ -69,20 +53,6 @@ def test_motion_and_noise_are_those_of_the_single_joint() -> None:
     noise = [simulate(SHORT, seed).log.dq[:500, 0] for seed in (2, 2, 3)]
     assert_array_equal(noise[0], noise[1])
     assert (noise[0] != noise[2]).mean() > 0.9
-
-
-def test_log_looks_like_that_of_a_panda() -> None:
-    log = simulate(replace(SHORT, joint=1), 3).log
-    assert log.joint_names == tuple(f"panda_joint{number}" for number in range(1, 8))
-    assert log.source.robot == "panda"
-    assert set(log.channels()) == {"q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered", "gravity"}
-    assert log.tau_J is not None
-    for joint, step in ((1, 0.0357), (7, 0.006)):
-        steps = log.tau_J[:, joint - 1] / step
-        assert_allclose(steps, np.rint(steps), atol=1e-6)
-    assert (log.dq.std(axis=0) > 0.002).all()
-    noise = np.asarray(np.corrcoef(log.dq[:, 1:], rowvar=False))
-    assert np.abs(noise[~np.eye(6, dtype=bool)]).max() < 0.1
 
 
 def test_compensator_is_logged_on_its_joint() -> None:
@@ -105,15 +75,6 @@ def test_faults_of_the_sensors_are_those_of_every_joint() -> None:
     assert_allclose((biased.tau_J - clean.tau_J)[:, 5], -0.2, atol=1e-9)
     assert_allclose((tilted.gravity - clean.gravity)[:, 1], 0.4 * np.sin(IDEAL.pose_rad[1]), atol=2e-6)
     assert_array_equal(biased.dq, clean.dq)
-
-
-def test_crosstalk_brings_the_moved_joint_s_torque_to_its_neighbour() -> None:
-    leaking = Hidden(torque_crosstalk=TorqueCrosstalk(share=0.05))
-    clean = simulate(IDEAL, 8)
-    mixed = simulate(replace(IDEAL, hidden=(leaking,) * 7), 8)
-    assert clean.log.tau_J is not None
-    assert mixed.log.tau_J is not None
-    assert np.abs(mixed.log.tau_J - clean.log.tau_J)[:, 4].max() > 0.01
 
 
 def test_places_inside_the_joint_are_counted_from_its_zero_and_stops_from_the_start() -> None:

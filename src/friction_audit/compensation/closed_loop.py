@@ -73,15 +73,9 @@ def fresh_tally() -> np.ndarray[tuple[int], np.dtype[np.void]]:
 
 @compiled()
 def count_energy(tally: Record, settings: Record, friction_j: float, net_j: float, moved: float, dt: float) -> None:
-    """Add an interval between two ticks.
+    """Add an interval between two ticks, in which friction and person gave energy, the joint moved, time passed.
 
-    Args:
-        tally: Changed.
-        settings: Of the compensator, for the speed of rest: there, noise would add up to a path.
-        friction_j: Energy that friction took. [J]
-        net_j: That less what the compensator gave. [J]
-        moved: Displacement. [rad]
-        dt: Duration. [s]
+    Below the speed of rest of the settings, noise would add up to a path.
     """
     tally.friction_j += friction_j
     tally.net_j += net_j
@@ -224,12 +218,8 @@ def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
     """Run a compensator along a recording; return the number of samples, fewer than n once it has diverged.
 
     The total torque S = F_m + u that drives the inner side in the recording stays. A compensator that gives u' instead
-    leaves F' = S - u' to the person, which is what the compensator then measures.
-
-    Args:
-        control: The compensator and what it is written into.
-        recorded: The recording.
-        q: Position, shape (n,), or empty where the compensator has no use for it. [rad]
+    leaves F' = S - u' to the person, which is what the compensator then measures. The position q, shape (n,), may be
+    empty where the compensator has no use for it.
     """
     settings, memory, tally, feed, cuts, torques, rows = control
     t, dq, torque, logged = recorded
@@ -256,13 +246,7 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
     """Move the joint and run its compensator at the stamps of a log; return the samples, fewer than n if it diverges.
 
     Where the joint starts again from the recording, its kinetic energy is put back to that of the recording: neither
-    compensator nor ledger shall take the difference for friction.
-
-    Args:
-        control: The compensator and what it is written into.
-        joint: Joint and operator.
-        drive: What drives it.
-        velocity: Receives the velocity, shape (n,). [rad/s]
+    compensator nor ledger shall take the difference for friction. ``velocity`` receives the velocity, shape (n,).
     """
     settings, memory, tally, feed, cuts, torques, rows = control
     t, push = drive.t, drive.push
@@ -273,8 +257,11 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
         write_torques(torques, memory, i, interaction)
         velocity[i] = v
         again = drive.restart[i] and i > 0
-        if again:
-            put_back(memory, 0.5 * joint.own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
+        if again:  # what is still in the joint, friction has not taken
+            surplus = 0.5 * joint.own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i])
+            memory.net_j -= surplus
+            memory.energy_j -= surplus
+            memory.active_energy_j -= surplus * memory.active
         if settings.kind == JOINT_MODEL:
             feed_friction(memory, feed, q, v, i)
         dt, cut = t[i] - t[i - 1] if i > 0 else 0.0, cuts[i] if len(cuts) > 1 else cuts[0]
@@ -294,15 +281,6 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
 
 
 @compiled()
-def put_back(memory: Record, surplus_j: float) -> None:
-    """Take kinetic energy out of the compensator's sums: what is still in the joint, friction has not taken."""
-    memory.net_j -= surplus_j
-    memory.energy_j -= surplus_j
-    if memory.active == 1:
-        memory.active_energy_j -= surplus_j
-
-
-@compiled()
 def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, joint: Joint) -> float:
     """Return what the sensor of a joint with tables feels of the push: that, less what the operator takes. [N m]"""
     spring, acceleration = joint.stiffness_nm_per_rad * q, 0.0
@@ -317,8 +295,12 @@ def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: F
 def move(
     q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, joint: Joint
 ) -> tuple[float, float, float, float]:
-    """Move on from one sample to the next; return position, velocity, direction, what friction took [J]."""
-    h, lost = span.h / pieces, 0.0
+    """Move on from one sample to the next; return position, velocity, direction, what friction took [J].
+
+    Friction is what turns with the direction, and the bristles. What acts the same way in both directions, as gravity
+    does, gives back what it takes.
+    """
+    h, lost, tables = span.h / pieces, 0.0, joint.tables
     rise = ((span.drive1 + u) - (span.drive0 + u)) / pieces
     for k in range(pieces):
         before, held, push = q, bent.copy(), span.drive0 + u + k * rise
@@ -326,20 +308,11 @@ def move(
         # The operator's spring is read where the joint will be if it goes on: right to the order of the step.
         near, far = joint.stiffness_nm_per_rad * q, joint.stiffness_nm_per_rad * (q + h * v)
         q, v, sign = advance(q, v, sign, Step(h, push - near, push + rise - far, begin, end), bent, joint.tables)
-        lost += dissipated(0.5 * (before + q), q - before, h, 0.5 * (begin + end), 0.5 * (held + bent), joint)
+        moved = q - before
+        if moved != 0.0:
+            place, speed, moment, mean = 0.5 * (before + q), abs(moved) / h, 0.5 * (begin + end), 0.5 * (held + bent)
+            both = taken(0, place, speed, moment, tables) - taken(1, place, speed, moment, tables)
+            level = 0.5 * both - joint.damping_nms_per_rad * speed
+            damping = bristle_damping(mean, math.copysign(1.0, moved), tables)
+            lost += level * abs(moved) + (bristle_nm(mean, 0.0, tables) + damping * moved / h) * moved
     return q, v, sign, lost
-
-
-@compiled()
-def dissipated(q: float, moved: float, h: float, moment: float, bent: Float, joint: Joint) -> float:
-    """Return what friction takes in a step with tables: what turns with the direction, and the bristles. [J]
-
-    What acts the same way in both directions, as gravity does, gives back what it takes.
-    """
-    if moved == 0.0:
-        return 0.0
-    speed, tables = abs(moved) / h, joint.tables
-    both = taken(0, q, speed, moment, tables) - taken(1, q, speed, moment, tables)
-    level = 0.5 * both - joint.damping_nms_per_rad * speed
-    damping = bristle_damping(bent, math.copysign(1.0, moved), tables)
-    return float(level * abs(moved) + (bristle_nm(bent, 0.0, tables) + damping * moved / h) * moved)

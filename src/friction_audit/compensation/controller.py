@@ -8,27 +8,7 @@ included, whose work is negative.
 
 import math
 
-import numpy as np
-from numpy.typing import NDArray
-
-from friction_audit.compensation.compensators.energy import energy_nm
-from friction_audit.compensation.compensators.feedback import filter_torque, observe, observed_nm, regulated_nm
-from friction_audit.compensation.compensators.law import (
-    DISTURBANCE_OBSERVER,
-    ENERGY,
-    FIXED,
-    JOINT_MODEL,
-    LUGRE,
-    SIGMOID,
-    TORQUE_REGULATION,
-)
-from friction_audit.compensation.compensators.model_based import (
-    fixed_nm,
-    joint_model_nm,
-    lugre_advance,
-    lugre_nm,
-    sigmoid_nm,
-)
+from friction_audit.compensation.compensators import energy, feedback, law, model_based
 from friction_audit.compensation.records import (
     COMBINED,
     ESTIMATED,
@@ -41,7 +21,6 @@ from friction_audit.compensation.records import (
     VISCOUS,
 )
 from friction_audit.compiled import Record, compiled
-from friction_audit.joint_log import Float
 
 EPSILON = 4.0 * 2.0**-52  # of a determinant that is zero but for rounding
 FIND = -1  # value of ``cut``: the joint finds its cycles itself
@@ -54,7 +33,7 @@ REVERSALS = 50
 
 @compiled()
 def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float, cut: int) -> float:
-    """Run a compensator for one tick, after the sensors were read.
+    """Run a compensator for one tick, after the sensors were read; return its torque u for the coming tick. [N m]
 
     Args:
         settings: Record of SETTINGS.
@@ -63,12 +42,10 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
         interaction_nm: Interaction torque F_m, measured while the torque of the previous call acted. [N m]
         dt: Time since the previous call; of no effect in the first. [s]
         cut: FIND, or 1 if a cycle ends at this tick and 0 if not.
-
-    Returns:
-        Torque u of compensation and passivity controller, for the coming tick. [N m] Once the loop has diverged, 0 for
-        good.
     """
-    if memory.unstable == 1 or beyond(dq, SPEED_BOUND_RAD_S) or beyond(interaction_nm, TORQUE_BOUND_NM):
+    # Not finite, or larger than its bound.
+    lost = not abs(dq) <= SPEED_BOUND_RAD_S or not abs(interaction_nm) <= TORQUE_BOUND_NM
+    if memory.unstable == 1 or lost:
         return float(give_up(memory))
     if memory.ticks > 0:
         add_up(settings, memory, dq, interaction_nm, dt)
@@ -82,16 +59,10 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
     choose(settings, memory)
     memory.observed_energy_j = settings.initial_energy_j + memory.energy_j  # (21)
     u = command(settings, memory, dq)
-    if beyond(u, TORQUE_BOUND_NM) or memory.reversals >= REVERSALS:
+    if not abs(u) <= TORQUE_BOUND_NM or memory.reversals >= REVERSALS:
         memory.ticks -= 1
         return float(give_up(memory))
     return float(u)
-
-
-@compiled()
-def beyond(value: float, bound: float) -> bool:
-    """Return True if a value is not finite or larger than its bound."""
-    return not abs(value) <= bound
 
 
 @compiled()
@@ -107,12 +78,12 @@ def give_up(memory: Record) -> float:
 @compiled()
 def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Advance what the law remembers over the interval since the previous tick."""
-    if settings.kind == LUGRE and memory.ticks > 0:
-        lugre_advance(settings.lugre, memory, dq, dt)
-    elif settings.kind == DISTURBANCE_OBSERVER and memory.ticks > 0:
-        observe(settings.disturbance_observer, memory, dq, interaction_nm, dt)
-    elif settings.kind == TORQUE_REGULATION:
-        filter_torque(settings.torque_regulation, memory, interaction_nm, dt)
+    if settings.kind == law.LUGRE and memory.ticks > 0:
+        model_based.lugre_advance(settings.lugre, memory, dq, dt)
+    elif settings.kind == law.DISTURBANCE_OBSERVER and memory.ticks > 0:
+        feedback.observe(settings.disturbance_observer, memory, dq, interaction_nm, dt)
+    elif settings.kind == law.TORQUE_REGULATION:
+        feedback.filter_torque(settings.torque_regulation, memory, interaction_nm, dt)
 
 
 @compiled()
@@ -200,7 +171,13 @@ def estimate(settings: Record, memory: Record) -> int:
         net_path += path_weight * memory.usable_coulomb_nm
         net_square += square_weight * memory.usable_viscous_nms_per_rad
         path_path, square_square = path_path + path_weight, square_square + square_weight
-        coulomb, viscous = solve(path_path, path_square, square_square, net_path, net_square)
+        determinant = path_path * square_square - path_square * path_square
+        if determinant <= EPSILON * path_path * square_square:  # of rank one: by its pseudo-inverse
+            coulomb = (path_path * net_path + path_square * net_square) / (path_path + square_square) ** 2
+            viscous = (path_square * net_path + square_square * net_square) / (path_path + square_square) ** 2
+        else:
+            coulomb = (square_square * net_path - path_square * net_square) / determinant
+            viscous = (path_path * net_square - path_square * net_path) / determinant
         memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = coulomb, viscous
         # Non-negative least squares: of a pair with a negative coefficient the other alone fits, and less of it.
         if settings.ridge > 0.0 and coulomb < 0.0:
@@ -220,19 +197,10 @@ def estimate(settings: Record, memory: Record) -> int:
 
 
 @compiled()
-def solve(a: float, b: float, c: float, right: float, low: float) -> tuple[float, float]:
-    """Solve [[a, b], [b, c]] x = [right, low], of rank one by its pseudo-inverse."""
-    determinant = a * c - b * b
-    if determinant <= EPSILON * a * c:
-        return (a * right + b * low) / (a + c) ** 2, (b * right + c * low) / (a + c) ** 2
-    return (c * right - b * low) / determinant, (a * low - b * right) / determinant
-
-
-@compiled()
 def choose(settings: Record, memory: Record) -> None:
     """Choose the coefficients to apply: given, forced or estimated."""
     coulomb, viscous = settings.coulomb_nm, settings.viscous_nms_per_rad
-    if settings.kind == ENERGY:
+    if settings.kind == law.ENERGY:
         forced = not math.isnan(settings.forced_coulomb_nm) and memory.cycle + 1 >= settings.forced_from_cycle
         if forced and not (settings.forced_until_acted == 1 and memory.released == 1):
             coulomb, viscous = settings.forced_coulomb_nm, settings.forced_viscous_nms_per_rad
@@ -240,45 +208,39 @@ def choose(settings: Record, memory: Record) -> None:
             coulomb = settings.factor * memory.usable_coulomb_nm
             viscous = settings.factor * memory.usable_viscous_nms_per_rad
     memory.coulomb_nm, memory.viscous_nms_per_rad = coulomb, viscous
-    if coulomb != 0.0 or viscous != 0.0 or settings.kind > ENERGY:
+    if coulomb != 0.0 or viscous != 0.0 or settings.kind > law.ENERGY:
         memory.active = 1
 
 
 @compiled()
 def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
     """Return the torque that the law of the compensator asks for. [N m]"""
-    if settings.kind == FIXED:
-        return float(fixed_nm(settings, memory, dq))
-    if settings.kind == ENERGY:
-        return float(energy_nm(settings, memory, dq))
-    if settings.kind == SIGMOID:
-        return float(sigmoid_nm(settings.sigmoid, dq))
-    if settings.kind == LUGRE:
-        return float(lugre_nm(settings.lugre, memory, dq))
-    if settings.kind == DISTURBANCE_OBSERVER:
-        return float(observed_nm(settings.disturbance_observer, memory, dq))
-    if settings.kind == TORQUE_REGULATION:
-        return float(regulated_nm(settings.torque_regulation, memory))
-    if settings.kind == JOINT_MODEL:
-        return float(joint_model_nm(settings.joint_model, memory, dq))
+    if settings.kind == law.FIXED:
+        return float(model_based.fixed_nm(settings, memory, dq))
+    if settings.kind == law.ENERGY:
+        return float(energy.energy_nm(settings, memory, dq))
+    if settings.kind == law.SIGMOID:
+        return float(model_based.sigmoid_nm(settings.sigmoid, dq))
+    if settings.kind == law.LUGRE:
+        return float(model_based.lugre_nm(settings.lugre, memory, dq))
+    if settings.kind == law.DISTURBANCE_OBSERVER:
+        return float(feedback.observed_nm(settings.disturbance_observer, memory, dq))
+    if settings.kind == law.TORQUE_REGULATION:
+        return float(feedback.regulated_nm(settings.torque_regulation, memory))
+    if settings.kind == law.JOINT_MODEL:
+        return float(model_based.joint_model_nm(settings.joint_model, memory, dq))
     return 0.0
-
-
-@compiled()
-def damping(settings: Record, memory: Record, dq: float) -> float:
-    """Return the damping alpha of (22), which there pays the deficit within a tick and here over a horizon; capped."""
-    deficit = -memory.observed_energy_j
-    if settings.passivity == 0 or deficit <= 0.0 or abs(dq) < settings.minimum_speed_rad_s:
-        return 0.0
-    horizon = max(settings.period_s, settings.payback_s)
-    return float(min(deficit / (dq * dq * horizon), settings.max_damping_nms_per_rad))
 
 
 @compiled()
 def command(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
-    law, alpha = compensation(settings, memory, dq), damping(settings, memory, dq)
-    wanted = law - alpha * dq
+    # The damping alpha of (22), which there pays the deficit within a tick and here over a horizon; capped.
+    asked, alpha, deficit = compensation(settings, memory, dq), 0.0, -memory.observed_energy_j
+    if settings.passivity != 0 and deficit > 0.0 and abs(dq) >= settings.minimum_speed_rad_s:
+        horizon = max(settings.period_s, settings.payback_s)
+        alpha = min(deficit / (dq * dq * horizon), settings.max_damping_nms_per_rad)
+    wanted = asked - alpha * dq
     # Limits of the total only: a law limited around the last total would be dragged along with the braking (wind-up).
     step_nm = settings.max_torque_rate_nm_s * settings.period_s
     low, high = max(-settings.max_torque_nm, memory.u_nm - step_nm), min(settings.max_torque_nm, memory.u_nm + step_nm)
@@ -287,43 +249,8 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     change = u - memory.u_nm
     memory.reversals = memory.reversals + 1 if u != wanted and change * memory.last_change_nm < 0.0 else 0
     memory.last_change_nm = change
-    memory.u_nm, memory.compensation_nm, memory.passivity_nm, memory.limited_nm = u, law, -alpha * dq, u - wanted
+    memory.u_nm, memory.compensation_nm, memory.passivity_nm, memory.limited_nm = u, asked, -alpha * dq, u - wanted
     memory.damping_nms_per_rad = alpha
     if alpha > 0.0:
         memory.acted = 1
     return float(u)
-
-
-@compiled()
-def trace(memory: Record, row: Float) -> None:
-    """Write the quantities named in ``records.TRACE`` into a row, shape (len(TRACE),)."""
-    row[0] = memory.u_nm
-    row[1] = memory.compensation_nm
-    row[2] = memory.passivity_nm
-    row[3] = memory.damping_nms_per_rad
-    row[4] = memory.coulomb_nm
-    row[5] = memory.viscous_nms_per_rad
-    row[6] = memory.estimated_coulomb_nm
-    row[7] = memory.estimated_viscous_nms_per_rad
-    row[8] = memory.energy_j
-    row[9] = memory.observed_energy_j
-    row[10] = memory.active_energy_j
-    row[11] = memory.dissipated_j
-    row[12] = memory.limited_nm
-    row[13] = memory.cycle
-    row[14] = memory.acted
-    row[15] = memory.status
-    row[16] = memory.refused
-    row[17] = memory.unstable
-    row[18] = memory.observed_friction_nm
-
-
-@compiled()
-def run_records(
-    settings: Record, memory: Record, t: Float, dq: Float, interaction_nm: Float, cut: NDArray[np.int64], out: Float
-) -> None:
-    """Run one compensator over signals of shape (n,); write its traces into ``out``, shape (n, len(TRACE))."""
-    for i in range(len(t)):
-        dt = t[i] - t[i - 1] if i > 0 else 0.0
-        step(settings, memory, dq[i], interaction_nm[i], dt, cut[i])
-        trace(memory, out[i])

@@ -18,12 +18,8 @@ CORNER_RAD_S = 2.0 * math.pi * 20.0  # of the low-pass on the hand's speed
 def hand_rests(cycle: Float, speed: float, dt: float, initiation: float, termination: float) -> bool:
     """Return True if the hand has moved and come to rest again; the caller then resets ``cycle[UNDER_WAY]``.
 
-    Args:
-        cycle: State of the hand, shape (CYCLE_STATE,); changed.
-        speed: Speed of the end effector as measured. [m/s]
-        dt: Time since the previous call. [s]
-        initiation: Filtered speed above which a cycle begins. [m/s]
-        termination: Filtered speed at which it ends. [m/s]
+    The state ``cycle`` of the hand changes by its measured speed [m/s] over a time [s]; a cycle begins above a filtered
+    speed and ends at another.
     """
     cycle[FILTERED_M_S] += (1.0 - math.exp(-CORNER_RAD_S * dt)) * (speed - cycle[FILTERED_M_S])
     if cycle[FILTERED_M_S] > initiation:
@@ -37,13 +33,9 @@ def hand_cuts(
 ) -> NDArray[np.int64]:
     """Find where a controller would have ended the cycles of all joints: 1 where a cycle ends, else 0, shape (n,).
 
-    Args:
-        t: Time, shape (n,). [s]
-        speed: Speed of the end effector, shape (n,). [m/s]
-        dq: Velocity of every joint, shape (n, j). [rad/s]
-        thresholds: Hand speeds at which a cycle begins and ends. [m/s]
-        rest_rad_s: Speed up to which a joint counts as at rest. [rad/s]
-        minimum_path_rad: A cycle goes on until every joint has moved this far. [rad]
+    Speed of the end effector, shape (n,) [m/s], velocity of every joint, shape (n, j) [rad/s]; the thresholds are the
+    hand speeds at which a cycle begins and ends [m/s]. It goes on until every joint has moved the least path, in which
+    motion up to the speed of rest does not count.
     """
     cuts = np.zeros(len(t), np.int64)
     cycle = np.zeros(CYCLE_STATE)

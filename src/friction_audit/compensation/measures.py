@@ -143,11 +143,7 @@ def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] 
     """Return the first cycle after a step of friction, and friction after over before; None without a step.
 
     Before and after it, Coulomb and viscous friction of their own describe the cycles: the split where they do so best.
-
-    Args:
-        path: Path of each cycle, shape (m,). [rad]
-        square: Integral of its squared velocity, shape (m,). [rad^2/s]
-        friction: What friction took in it, shape (m,). [J]
+    Of each cycle, shape (m,): path [rad], integral of its squared velocity [rad^2/s], what friction took [J].
     """
     cycles = len(path)
     if cycles < 2 * IN_A_ROW or not path.min() > 0.0 or not friction.any():

@@ -1,7 +1,7 @@
 """Settings and memory of the compensators as numpy records, which compiled code reads by field name."""
 
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import asdict
 from math import inf, nan
 
 import numpy as np
@@ -17,7 +17,7 @@ from friction_audit.compensation.compensators import (
     kind_of,
 )
 from friction_audit.compensation.compensators.energy import LONGEST_WINDOW, MODELS
-from friction_audit.compensation.compensators.law import Guard, numbers_of
+from friction_audit.compensation.compensators.law import numbers_of
 from friction_audit.errors import UsageError
 
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))  # values of ``model``
@@ -38,86 +38,47 @@ SETTINGS = np.dtype(
     ]
 )
 
-# Fields of MEMORY that ``controller.trace`` writes, in this order.
-TRACE = (
-    "u_nm",
-    "compensation_nm",
-    "passivity_nm",
-    "damping_nms_per_rad",
-    "coulomb_nm",
-    "viscous_nms_per_rad",
-    "estimated_coulomb_nm",
-    "estimated_viscous_nms_per_rad",
-    "energy_j",
-    "observed_energy_j",
-    "active_energy_j",
-    "dissipated_j",
-    "limited_nm",
-    "cycle",
-    "acted",
-    "status",
-    "refused",
-    "unstable",
-    "observed_friction_nm",
-)
-
-MEMORY = np.dtype(
+# What is kept of every tick of a simulation: the first fields of MEMORY.
+TRACE = np.dtype(
     [
-        ("ticks", "i8"),
-        ("cycle", "i8"),  # cycles completed
-        ("acted", "i8"),  # 1 if the passivity controller has acted in the present cycle
-        ("released", "i8"),
-        ("status", "i8"),
-        ("refused", "i8"),  # cycles that gave no estimate for another reason than their number
-        ("count", "i8"),
-        ("active", "i8"),
-        ("dq", "f8"),
-        ("interaction_nm", "f8"),
-        ("filtered_rad_s", "f8"),
-        ("direction", "f8"),
-        ("net_j", "f8"),
-        ("path_rad", "f8"),
-        ("square_rad2_s", "f8"),
-        ("longest_gap_s", "f8"),
-        ("u_nm", "f8"),
-        ("compensation_nm", "f8"),
-        ("passivity_nm", "f8"),
-        ("limited_nm", "f8"),
-        ("damping_nms_per_rad", "f8"),
+        *((name, "f8") for name in ("u_nm", "compensation_nm", "passivity_nm", "damping_nms_per_rad")),
         ("coulomb_nm", "f8"),
         ("viscous_nms_per_rad", "f8"),
         ("estimated_coulomb_nm", "f8"),  # NaN before there is one; may be negative
         ("estimated_viscous_nms_per_rad", "f8"),
-        ("usable_coulomb_nm", "f8"),  # 0 before there is one; never negative
-        ("usable_viscous_nms_per_rad", "f8"),
         ("energy_j", "f8"),  # E_m (2)
         ("observed_energy_j", "f8"),  # the ledger of (21)
         ("active_energy_j", "f8"),  # E_m since the compensator first acted
         ("dissipated_j", "f8"),  # by the passivity controller
-        ("bristle_rad", "f8"),
+        ("limited_nm", "f8"),
+        ("cycle", "i8"),  # cycles completed
+        ("acted", "i8"),  # 1 if the passivity controller has acted in the present cycle
+        ("status", "i8"),
+        ("refused", "i8"),  # cycles that gave no estimate for another reason than their number
+        ("unstable", "i8"),  # 1 once the loop has diverged: the torque is then 0 for good, and nothing is added up
         ("observed_friction_nm", "f8"),
+    ]
+)
+MEMORY = np.dtype(
+    [
+        *TRACE.descr,
+        *((name, "i8") for name in ("ticks", "released", "count", "active", "reversals")),
+        ("unstable_tick", "i8"),  # -1 before
+        *((name, "f8") for name in ("dq", "interaction_nm", "filtered_rad_s", "direction", "net_j", "path_rad")),
+        *((name, "f8") for name in ("square_rad2_s", "longest_gap_s", "last_change_nm", "bristle_rad")),
         ("filtered_interaction_nm", "f8"),
+        ("usable_coulomb_nm", "f8"),  # 0 before there is one; never negative
+        ("usable_viscous_nms_per_rad", "f8"),
         ("q_rad", "f8"),  # place of the tick for which the next two hold, friction by a joint's model
         ("modelled_nm", "f8"),
         ("bristle_nm", "f8"),
-        ("unstable", "i8"),  # 1 once the loop has diverged: the torque is then 0 for good, and nothing is added up
-        ("unstable_tick", "i8"),  # -1 before
-        ("reversals", "i8"),
-        ("last_change_nm", "f8"),
         ("rows", "f8", (LONGEST_WINDOW, 3)),
     ]
 )
 
 
 def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.void]:
-    """Pack compensators into records of SETTINGS.
-
-    Args:
-        compensators: One per joint; None where nothing runs.
-        rate: Ticks of the controller. [Hz]
-
-    Returns:
-        Records, shape (joints,).
+    """Pack compensators, None where nothing runs, into records of SETTINGS, shape (joints,), for a rate of ticks [Hz].
 
     Raises:
         UsageError: If the rate is not above zero.
@@ -127,20 +88,14 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
     records = np.zeros(len(compensators), SETTINGS)
     for record, compensator in zip(records, compensators, strict=True):
         # Estimation and ledger run with a compensator of any kind.
-        values = _of_energy(
-            compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
-        )
+        energy = compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
         kind = kind_of(compensator)
-        values |= {"kind": kind.code, "period_s": 1.0 / rate}
+        values = _of_energy(energy) | {"kind": kind.code, "period_s": 1.0 / rate}
         if isinstance(compensator, FixedCompensation):
-            values |= {
-                name: getattr(compensator, name) for name in ("coulomb_nm", "viscous_nms_per_rad", "dead_band_rad_s")
-            }
+            values |= asdict(compensator)
         if kind.group is not None:
-            for name in kind.group.names or ():
-                record[kind.name][name] = getattr(compensator, name)
-            guard = guard_of(compensator)
-            values |= {item.name: getattr(guard, item.name) for item in fields(Guard)}
+            record[kind.name] = tuple(getattr(compensator, name) for name in kind.group.names or ())
+            values |= asdict(guard_of(compensator))
         for name, value in values.items():
             record[name] = value
     return records

@@ -20,7 +20,7 @@ from friction_audit.compensation.compensators import (
     guard_of,
 )
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.controller import FIND, run_records
+from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.counterfactual import (
     Scene,
     fitted_joint,
@@ -115,13 +115,15 @@ def _replay_joint(
     found, recorded = friction.joints[column], recording_of(interaction, column)
     limits = settings.limits(limits_of(robot, found.joint))
     model = None if settings.joint_model is None else settings.joint_model.joint(found.joint)
+    nothing = np.broadcast_to(0.0, len(recorded.t))
     joint = JointReplay(
         joint=found.joint,
         name=found.name,
         compensator=settings.compensator,
         limits=limits,
         model=model,
-        without=_uncompensated(recorded),
+        # Without a compensator the same motion takes all of the total torque from outside.
+        without=Signals(recorded.t, recorded.dq, recorded.total, nothing, nothing, nothing),
     )
     wanted = settings.compensator if settings.competitor is None else tune(settings.competitor, found, robot, model)
     if isinstance(wanted, str):
@@ -198,19 +200,6 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator |
     return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)
 
 
-def _uncompensated(recorded: Recorded) -> Signals:
-    """Without a compensator the same motion takes all of the total torque from outside."""
-    nothing = np.broadcast_to(0.0, len(recorded.t))
-    return Signals(
-        t=recorded.t,
-        dq=recorded.dq,
-        interaction_nm=recorded.total,
-        compensation_nm=nothing,
-        passivity_nm=nothing,
-        limited_nm=nothing,
-    )
-
-
 def _scene(
     interaction: Interaction,
     cycles: EnergyCycles,
@@ -271,7 +260,7 @@ def run(
     interaction_nm: Float,
     *,
     cuts: NDArray[np.bool_] | None = None,
-) -> dict[str, Float]:
+) -> np.ndarray[tuple[int], np.dtype[np.void]]:
     """Run the compensator of one joint in open loop.
 
     Args:
@@ -282,11 +271,13 @@ def run(
         cuts: True where a cycle ends; None to find the cycles from ``dq``.
 
     Returns:
-        By the names in ``records.TRACE``, arrays of shape (n,); a torque at sample i acts from t[i] on.
+        Records of ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
     """
     rate = (len(t) - 1) / (t[-1] - t[0])
-    settings, memory = pack([compensator], float(rate)), fresh_memory(1)
-    cut = np.full(len(t), FIND, np.int64) if cuts is None else cuts.astype(np.int64)
-    out = np.empty((len(t), len(TRACE)))
-    run_records(settings[0], memory[0], t, dq, interaction_nm, cut, out)
-    return dict(zip(TRACE, out.T, strict=True))
+    settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)
+    cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
+    seen, words = np.empty((len(t), len(TRACE)), np.int64), memory.view(np.int64)
+    for i, dt in enumerate(np.diff(t, prepend=t[0])):
+        step(settings, memory[0], dq[i], interaction_nm[i], dt, cut[i])
+        seen[i] = words[: len(TRACE)]
+    return seen.view(TRACE)[:, 0]

@@ -28,20 +28,6 @@ class Step(NamedTuple):
 
 
 @compiled()
-def break_away(start: float, end: float, forwards: float, backwards: float) -> tuple[float, float]:
-    """Return the share of a step after which a held joint moves, and the direction; 1 and 0 where it does not move."""
-    if start > forwards:
-        return 0.0, 1.0
-    if start < backwards:
-        return 0.0, -1.0
-    if end > forwards:
-        return (forwards - start) / (end - start), 1.0
-    if end < backwards:
-        return (backwards - start) / (end - start), -1.0
-    return 1.0, 0.0
-
-
-@compiled()
 def rest_of(step: Step, share: float) -> Step:
     """Return what is left of a step after a share of it."""
     return Step(
@@ -70,13 +56,7 @@ def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tabl
 def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> tuple[float, float, float]:
     """Move a joint with tables on by a step; return position, velocity and direction at the end.
 
-    Args:
-        q: Position. [rad]
-        v: Velocity. [rad/s]
-        sign: Direction in which it slides; 0 if friction holds it.
-        step: The step.
-        bent: State of the bristles, shape (1 + m,); changed.
-        tables: What the joint takes.
+    The direction is 0 if friction holds it; the state of the bristles, shape (1 + m,), changes.
     """
     for _ in range(EVENTS):
         if sign == 0.0:
@@ -85,8 +65,14 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
             if forwards < backwards:
                 # Bristles bear all the friction: nothing dry is left that could hold the joint.
                 forwards = backwards = 0.5 * (forwards + backwards)
-            share, sign = break_away(step.drive0 - held, step.drive1 - held, forwards, backwards)
-            if sign == 0.0:
+            # The share of the step after which it moves, and the direction.
+            start, end, share = step.drive0 - held, step.drive1 - held, 0.0
+            if start > forwards or start < backwards:
+                sign = 1.0 if start > forwards else -1.0
+            elif end > forwards or end < backwards:
+                sign, level = (1.0, forwards) if end > forwards else (-1.0, backwards)
+                share = (level - start) / (end - start)
+            else:
                 return q, 0.0, 0.0
             step = rest_of(step, share)
         after = slide(q, v, sign, step, bent, tables)
@@ -108,18 +94,9 @@ def run_pieces(
 ) -> Float:
     """Move a joint with tables through pieces of a recording, each from the recorded start.
 
-    Args:
-        step_s: Spacing of the samples. [s]
-        steps: Steps per sample.
-        drive: Torque at the samples, linear between, shape (n,). [N m]
-        q: Recorded position, shape (n,). [rad]
-        dq: Recorded velocity, shape (n,). [rad/s]
-        pieces: First and last sample of each piece, shape (p, 2).
-        bent: State of the bristles along the recording, shape (n, 1 + m).
-        tables: What the joint takes.
-
-    Returns:
-        Position and velocity, NaN outside of the pieces, shape (2, n).
+    Pieces are first and last sample, shape (p, 2); a sample of ``step_s`` takes ``steps`` steps. The drive is linear
+    between samples. Drive, recorded position and velocity have the shape (n,), the bristles' state along the recording
+    (n, 1 + m). Returns position and velocity, NaN outside of the pieces, shape (2, n).
     """
     out = np.full((2, len(drive)), np.nan)
     for p in range(len(pieces)):

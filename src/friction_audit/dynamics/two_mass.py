@@ -56,13 +56,8 @@ def _ringing_steps(link: Link, far_kg_m2: float, step_s: float) -> int:
 def follow(q: Float, dq: Float, load: Float, step_s: float, link: Link, far: Tables) -> Float:
     """Return position, velocity and bristles of a far side whose near side moves as recorded, shape (n, 3 + m).
 
-    Args:
-        q: Position of the near side, shape (n,). [rad]
-        dq: Its velocity. [rad/s]
-        load: Load on the gear. [N m]
-        step_s: Spacing of the samples. [s]
-        link: What is between the sides.
-        far: What the far side takes, with its inertia.
+    Of the near side: position [rad] and velocity [rad/s]; load on the gear [N m]; what the far side takes, with its
+    inertia.
     """
     ringing = ceil(step_s * sqrt(link.stiffness_nm_per_rad / far.inertia_kg_m2) / SHARE_OF_SWING)
     between = between_samples(step_s, min(max(ringing, steps_per_sample(step_s, far)), MOST_STEPS))
@@ -81,16 +76,8 @@ def move_two_sides(
 ) -> Float:
     """Move a joint through pieces of a recording, each from the recorded start.
 
-    The state of the far side at a start follows from the recorded motion before.
-
-    Args:
-        drive: Measured torque, linear between samples, shape (n,). [N m]
-        load: Load on the gear, likewise. [N m]
-        near: Recorded position [rad] and velocity [rad/s] of the near side.
-        step_s: Spacing of the samples. [s]
-        pieces: First and last sample of each piece, shape (p, 2).
-        link: What is between the sides.
-        far: What the far side takes, with its inertia.
+    Measured torque and load on the gear are linear between samples, shape (n,); ``near`` is the recorded position and
+    velocity of the near side. The state of the far side at a start follows from the recorded motion before.
 
     Returns:
         Position and velocity of the near side, then of the far one, shape (4, n); outside of the pieces as recorded and

@@ -104,14 +104,9 @@ POINT = Record(
         Column("value", float, "value of the swept setting"),
         Column("tuning", str, "its name", "tuning.name"),
         Column("stable", bool, "whether the loop was stable with every person"),
-        Column(
-            "stable_share",
-            float,
-            "share of the persons with whom it was",
-            lambda point: 1.0 - point.losses / len(point.outcomes),
-        ),
-        Column("energy_slope_w", VALUE, "mean power that the person gives"),
-        Column("rms_torque_nm", VALUE, "root mean square of the person's torque"),
+        Column("stable_share", float, "share of the persons with whom it was"),
+        _measured("energy_slope_w", "mean power that the person gives"),
+        _measured("rms_torque_nm", "root mean square of the person's torque"),
     )
 )
 SWEEP = Record(

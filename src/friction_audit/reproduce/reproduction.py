@@ -125,7 +125,8 @@ def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool 
         traces = {name: simulation.truth.compensators[name][ticks, joint] for name in SHOWN}
     else:  # what a compensator that does nothing would have seen: energy and cycles
         observer = EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0)
-        traces = run(observer, log.t, log.dq[:, joint], torque) | dict.fromkeys(APPLIED, np.zeros_like(log.t))
+        seen = run(observer, log.t, log.dq[:, joint], torque)
+        traces = {name: seen[name] for name in SHOWN} | dict.fromkeys(APPLIED, np.zeros_like(log.t))
     ends = np.flatnonzero(np.diff(traces["cycle"])) + 1
     return Course(
         t=log.t,

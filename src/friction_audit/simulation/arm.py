@@ -1,6 +1,6 @@
 """A whole arm, its hand guided by a person or its joints moved by its own motors; MuJoCo does the dynamics."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from math import inf
 
 import numpy as np
@@ -8,14 +8,14 @@ import numpy as np
 from friction_audit.compensation.hand_cycles import CYCLE_STATE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.robot import STANDARD_GRAVITY, Arm, load_arm
+from friction_audit.robot import STANDARD_GRAVITY, load_arm
 from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import Progress, make_motion, make_traces
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
-from friction_audit.simulation.mechanics.tick import guide, load_masses, settle, tick_arm
+from friction_audit.simulation.mechanics.tick import guide, load_masses, settle, tick
 from friction_audit.simulation.mechanism import assemble, rotor_mass
-from friction_audit.simulation.motion import Commanded, HandMotion, HandPath, Intention, intend_joints, plan_hand
+from friction_audit.simulation.motion import Commanded, HandMotion, HandPath, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
 from friction_audit.simulation.settings import (
     PANDA_SENSORS,
@@ -50,9 +50,8 @@ class Hand:
     path: HandPath = field(default_factory=HandPath)  # the intended path
 
     def __post_init__(self) -> None:
-        springs = ("stiffness_n_per_m", "turning_stiffness_nm_per_rad")
-        dampers = ("damping_ns_per_m", "turning_damping_nms_per_rad")
-        require_within("hand", 0, inf, **{name: getattr(self, name) for name in ("mass_kg", *springs, *dampers)})
+        numbers = [(item.name, getattr(self, item.name)) for item in fields(self) if item.name != "path"]
+        require_within("hand", 0, inf, **dict(numbers))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,8 +63,8 @@ class Servo:
     motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
 
     def __post_init__(self) -> None:
-        names = ("stiffness_nm_per_rad", "damping_nms_per_rad")
-        require_within("servo", 0.0, inf, **{name: getattr(self, name) for name in names})
+        stiffness, damping = self.stiffness_nm_per_rad, self.damping_nms_per_rad
+        require_within("servo", 0.0, inf, stiffness_nm_per_rad=stiffness, damping_nms_per_rad=damping)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -136,16 +135,10 @@ def move(settings: ArmSettings, streams: Streams, progress: Progress | None = No
 
     Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
     """
-    ticks, known, pose = count_ticks(settings.duration_s, settings.rate_hz), load_arm(), np.array(settings.pose_rad)
+    ticks, pose = count_ticks(settings.duration_s, settings.rate_hz), np.array(settings.pose_rad)
     mechanism = assemble(_with_brakes(settings), ticks, pose, streams, driven=settings.driven)
-    rotor, dt = rotor_mass(settings.joints, settings.hidden), mechanism.clock.dt
     gravity = np.zeros((ticks + 1, len(settings.joints)))
-    drive: RigidBody
-    if settings.driven:
-        command = intend_joints(settings.servo.motion, len(settings.joints), ticks, dt, streams.person)
-        drive = ServoedArm(settings, known, mechanism, rotor, command)
-    else:
-        drive = GuidedArm(settings, known, mechanism, rotor, plan_hand(settings.hand.path, ticks, dt, streams.person))
+    drive: RigidBody = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
     settle(mechanism.joints, mechanism.body, drive.load(pose))
     for k in range(ticks + 1):
         drive.tick(k, gravity[k])
@@ -167,36 +160,33 @@ HAND_INERTIA_KG_M2 = 0.002  # of the hand about any axis through the flange; a g
 
 
 class RigidBody:
-    """The true arm, the controller's model of it, and the mechanism that moves.
+    """The true arm, the controller's model of it, and the mechanism that moves."""
 
-    Attributes:
-        settings: What is simulated.
-        mechanism: What moves.
-        rotor: Mass matrix of the motors, shape (n, n). [kg m^2]
-    """
-
-    def __init__(self, settings: ArmSettings, known: Arm, mechanism: Mechanism, rotor: Float, held_kg: float) -> None:
+    def __init__(self, settings: ArmSettings, mechanism: Mechanism, held_kg: float) -> None:
         import mujoco as mj
 
-        self.settings, self.mechanism, self.rotor = settings, mechanism, rotor
-        self._mj = mj
+        self.settings, self.mechanism, self._mj = settings, mechanism, mj
+        self.rotor = rotor_mass(settings.joints, settings.hidden)
         turning = np.eye(3) * (HAND_INERTIA_KG_M2 if held_kg > 0 else 0.0)
-        true = known.with_load(settings.carried_kg + held_kg, np.zeros(3), turning)
-        self._known, self._model = known.model, true.model
+        known = load_arm()
+        self._known, self._model = (
+            known.model,
+            known.with_load(settings.carried_kg + held_kg, np.zeros(3), turning).model,
+        )
         self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
         self._flange = self._model.body(known.flange).id
         self._cycle = np.zeros(CYCLE_STATE)
-        self._half = 0.5 * mechanism.clock.dt
+        self._ticks, self._dt = len(mechanism.out) - 1, mechanism.clock.dt
         self._joints = n = len(settings.joints)
         self._mass, self._bias, self._held, self._jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
         # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.
         body = mechanism.body
-        link = body.inner[:n] if settings.driven else slice(n)
-        self._link, self._y, self._v, self._a = link, body.y, body.v, body.a
+        self._link = body.inner[:n] if settings.driven else slice(n)
+        self._y, self._v, self._a = body.y, body.v, body.a
 
     def predict(self, k: int) -> tuple[Float, Float]:
         """Return position and velocity at tick k, half a tick after the mechanism's state except at the start."""
-        ahead = self._half if k > 0 else 0.0
+        ahead = 0.5 * self._dt if k > 0 else 0.0
         y, v, a = self._y[self._link], self._v[self._link], self._a[self._link]
         return y + ahead * (v + 0.5 * ahead * a), v + ahead * a
 
@@ -235,11 +225,10 @@ class RigidBody:
 class GuidedArm(RigidBody):
     """An arm whose hand is guided."""
 
-    def __init__(
-        self, settings: ArmSettings, known: Arm, mechanism: Mechanism, rotor: Float, intended: HandMotion
-    ) -> None:
-        super().__init__(settings, known, mechanism, rotor, settings.hand.mass_kg)
+    def __init__(self, settings: ArmSettings, mechanism: Mechanism, person: np.random.Generator) -> None:
         hand = settings.hand
+        super().__init__(settings, mechanism, hand.mass_kg)
+        intended = plan_hand(hand.path, self._ticks, self._dt, person)
         self._springs = np.repeat([hand.stiffness_n_per_m, hand.turning_stiffness_nm_per_rad], 3)
         self._dampers = np.repeat([hand.damping_ns_per_m, hand.turning_damping_nms_per_rad], 3)
         self._lift = -hand.mass_kg * np.array([*STANDARD_GRAVITY, 0.0, 0.0, 0.0])
@@ -259,54 +248,39 @@ class GuidedArm(RigidBody):
         """Move on from half a tick before tick k to half a tick after it."""
         q, dq = self.predict(k)
         mass, bias = self.compute(q, dq)
-        mj, data, jacobian = self._mj, self._data, self._jacobian
+        mj, data, jacobian, springs, dampers = self._mj, self._data, self._jacobian, self._springs, self._dampers
         mj.mj_jacBody(self._model, data, jacobian[:3], jacobian[3:], self._flange)
         mj.mju_mat2Quat(self._quaternion, (self._orientation[k] @ data.xmat[self._flange].reshape(3, 3).T).ravel())
         mj.mju_quat2Vel(self._turn, self._quaternion, 1.0)
-        off = np.concatenate([self._place[k] - data.xpos[self._flange], self._turn])
-        target = self._target[k]
-        pull = self._springs * off + self._dampers * target + self._lift
+        off, target = np.concatenate([self._place[k] - data.xpos[self._flange], self._turn]), self._target[k]
+        pull = springs * off + dampers * target + self._lift
         gravity[:] = self.support(q)
-        guide(
-            self.mechanism.body,
-            mass,
-            bias,
-            jacobian,
-            self._springs,
-            self._dampers,
-            pull,
-            self._springs * target,
-            q,
-            self.rotor,
-            gravity,
-        )
+        body = self.mechanism.body
+        guide(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity)
         by_hand = self.settings.compensator is not None and self.settings.hand_cycles
-        tick_arm(self.mechanism, jacobian, self._cycle, by_hand, k)
+        tick(self.mechanism, jacobian, self._cycle, by_hand, k)
 
 
 class ServoedArm(RigidBody):
     """An arm that moves by itself."""
 
-    def __init__(
-        self, settings: ArmSettings, known: Arm, mechanism: Mechanism, rotor: Float, command: Intention
-    ) -> None:
-        super().__init__(settings, known, mechanism, rotor, 0.0)
-        servo = settings.servo
-        self._command = replace(command, position=command.position + np.array(settings.pose_rad))
-        body = mechanism.body
-        body.stiffness[:] = np.eye(len(body.y)) * servo.stiffness_nm_per_rad
-        body.drive_damping[:] = np.eye(len(body.y)) * servo.damping_nms_per_rad
+    def __init__(self, settings: ArmSettings, mechanism: Mechanism, person: np.random.Generator) -> None:
+        super().__init__(settings, mechanism, 0.0)
+        self._servo, body = settings.servo, mechanism.body
+        self._command = intend_joints(self._servo.motion, self._joints, self._ticks, self._dt, person)
+        body.stiffness[:] = np.eye(len(body.y)) * self._servo.stiffness_nm_per_rad
+        body.drive_damping[:] = np.eye(len(body.y)) * self._servo.damping_nms_per_rad
 
     def tick(self, k: int, gravity: Float) -> None:
         """Move on from half a tick before tick k to half a tick after it."""
         q, dq = self.predict(k)
         mass, bias = self.compute(q, dq)
         gravity[:] = self.support(q)
-        body, servo, n = self.mechanism.body, self.settings.servo, self._joints
-        place, speed = self._command.position[k], self._command.velocity[k]
+        body, servo, n = self.mechanism.body, self._servo, self._joints
+        place, speed = self._command.position[k] + self.settings.pose_rad, self._command.velocity[k]
         body.push[:n] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
         load_masses(body, self.rotor, mass)
         by_hand = False
-        tick_arm(self.mechanism, self._jacobian, self._cycle, by_hand, k)
+        tick(self.mechanism, self._jacobian, self._cycle, by_hand, k)

@@ -7,7 +7,7 @@ be assigned too, by name: ``SlowSweep`` is ``slow_sweep``, None is ``none``.
 import math
 import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import MISSING, Field, fields, is_dataclass, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from difflib import SequenceMatcher
 from functools import partial
 from math import inf
@@ -19,11 +19,11 @@ from friction_audit.joint_numbers import require_joints, split_joints, write_joi
 
 Settings = TypeVar("Settings")
 Value = float | int | bool | str | tuple["Value", ...] | None
-Reader = Callable[[str], Value]  # raises ValueError with what it expected
 Change = Callable[[Any], Any]  # what is there -> what shall be there
 
 APART = ("hidden",)  # parts of the settings that have an option of their own
 NOTHING = "none"
+UNIONS = (Union, UnionType)
 LIKE, TIE = 0.7, 0.01  # names more alike than the first may have been meant; the place in the tree breaks ties
 
 
@@ -127,30 +127,17 @@ def assign_texts(settings: Settings, entries: Iterable[str]) -> Settings:
 def assign_text(settings: Settings, entry: str) -> Settings:
     """Return the settings with ``"name=value"`` or ``"name=value@2,5"`` assigned.
 
-    Raises:
-        UsageError: If the text has another shape, or as ``assign`` does.
-    """
-    assignment, joints = split_joints(entry, f"--set {entry}")
-    path, equals, text = assignment.partition("=")
-    if not equals or not path.strip():
-        raise UsageError(f"--set {entry}: expected NAME=VALUE, e.g. duration_s=60")
-    return assign(settings, path.strip(), text.strip(), joints)
-
-
-def assign(settings: Settings, path: str, text: str, joints: tuple[int, ...] | None = None) -> Settings:
-    """Return the settings with one value replaced.
-
-    Args:
-        settings: The tree.
-        path: Dotted path of a setting, or as much of its end as no other one shares.
-        text: The value, e.g. ``"80"``, ``"0.2,0.7"``, ``"true"``.
-        joints: Numbers (1..n) of the joints that it is for; None for all.
+    The name is the dotted path of a setting, or as much of its end as no other one shares; without joints, all have it.
 
     Raises:
         UsageError: If there is no such setting or more than one, or value or joints do not fit.
     """
+    assignment, joints = split_joints(entry, f"--set {entry}")
+    name, equals, text = (part.strip() for part in assignment.partition("="))
+    if not equals or not name:
+        raise UsageError(f"--set {entry}: expected NAME=VALUE, e.g. duration_s=60")
     known = {".".join(leaf.path): leaf for leaf in _leaves(settings)}
-    full = _find(path, tuple(known))
+    full = _find(name, tuple(known))
     at = "" if joints is None else f"@{write_joint_numbers(joints)}"
     where, leaf = f"--set {full}={text}{at}", known[full]
     if joints is not None:
@@ -191,26 +178,26 @@ def _put(node: Any, path: tuple[str, ...], change: Change, joints: tuple[int, ..
     """Return a node with the value at a path below it changed, for some joints or for all."""
     if not path:
         return change(node)
-    name, *rest = path
-    old = getattr(node, name)
-    put = partial(_put, path=tuple(rest), change=change)
+    old, rest = getattr(node, path[0]), path[1:]
     if rest and isinstance(old, tuple):
         meant = range(1, len(old) + 1) if joints is None else joints
-        new = tuple(put(one, joints=None) if number in meant else one for number, one in enumerate(old, start=1))
+        each = enumerate(old, start=1)
+        new: Any = tuple(_put(one, rest, change, None) if number in meant else one for number, one in each)
     else:
-        new = put(old, joints=joints)
-    return replace(node, **{name: new})
+        new = _put(old, rest, change, joints)
+    return replace(node, **{path[0]: new})
 
 
 def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
     hints = get_type_hints(type(node))
     for item in fields(node):
         if item.name not in APART:
-            below = _below(getattr(node, item.name), item, hints[item.name])
+            value = getattr(node, item.name)
+            below = _below(value, hints[item.name], endless=inf in (value, item.default))
             yield from (leaf._replace(path=(item.name, *leaf.path)) for leaf in below)
 
 
-def _below(value: Any, item: Field[Any], hint: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any value, any annotation
+def _below(value: Any, hint: Any, *, endless: bool) -> Iterator[_Leaf]:  # noqa: ANN401 - any value, any annotation
     """Yield the settings that a field of a dataclass holds, the field itself with an empty path."""
     kinds = _kinds_of(hint)
     if kinds:
@@ -225,14 +212,13 @@ def _below(value: Any, item: Field[Any], hint: Any) -> Iterator[_Leaf]:  # noqa:
             if all(path in one for one in own):
                 values: Any = tuple(one[path].value for one in own)
                 yield leaf._replace(value=PerJoint(values))
-    elif not kinds:
-        read = _reader_of(hint, endless=inf in (value, item.default))
-        if read is not None:
-            yield _Leaf((), value, lambda text: _always(read(text)))
+    elif not kinds and _is_plain(hint):
 
+        def read(text: str) -> Change:
+            found = _read(text, hint, endless=endless)
+            return lambda _: found
 
-def _always(value: Value) -> Change:
-    return lambda _: value
+        yield _Leaf((), value, read)
 
 
 def _name_of(kind: type) -> str:
@@ -241,7 +227,7 @@ def _name_of(kind: type) -> str:
 
 def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
     """Return the kinds that an annotation leaves open, by name; empty where it leaves nothing open."""
-    members = get_args(hint) if get_origin(hint) in (Union, UnionType) else ()
+    members = get_args(hint) if get_origin(hint) in UNIONS else ()
     return {_name_of(member): member for member in members} if any(map(is_dataclass, members)) else {}
 
 
@@ -257,56 +243,41 @@ def _turn_into(kinds: dict[str, type], name: str) -> Change:
         raise ValueError(f"one of {', '.join(kinds)}")
 
     def change(old: object) -> object:
-        if isinstance(old, kinds[name]):
-            return old
-        if not _can_be_made(kinds[name]):
+        if not isinstance(old, kinds[name]) and not _can_be_made(kinds[name]):
             raise UsageError(f"{name} has no usual values; a scenario must have it")
-        return kinds[name]()
+        return old if isinstance(old, kinds[name]) else kinds[name]()
 
     return change
 
 
-def _reader_of(hint: Any, *, endless: bool = False) -> Reader | None:  # noqa: ANN401 - any annotation
-    """Return what reads a value of an annotated type, None where text cannot give one; an endless number may be inf."""
-    plain: dict[Any, Reader] = {
-        float: partial(_read_number, kind=float, endless=endless),
-        int: partial(_read_number, kind=int),
-        bool: _read_bool,
-        str: str,
-    }
-    if hint in plain:
-        return plain[hint]
-    origin, arguments = get_origin(hint), get_args(hint)
-    if origin is Literal:
-        return lambda text: _read_word(text, arguments)
+def _is_plain(hint: Any) -> bool:  # noqa: ANN401 - any annotation
+    """Return True for a number, a word, several of one type, or one that may be None: what text can give."""
+    origin, members = get_origin(hint), set(get_args(hint)) - {Ellipsis}
     if origin is tuple:
-        return _tuple_reader(arguments)
-    others = [one for one in arguments if one is not NoneType]
-    if origin in (Union, UnionType) and NoneType in arguments and len(others) == 1:
-        present = _reader_of(others[0])
-        return None if present is None else lambda text: None if text == NOTHING else present(text)
-    return None
+        return len(members) == 1 and members <= {float, int, str}
+    if origin in UNIONS:
+        return len(members) == 2 and NoneType in members and all(map(_is_plain, members - {NoneType}))  # noqa: PLR2004
+    return origin is Literal or hint in (float, int, bool, str)
 
 
-def _tuple_reader(arguments: tuple[Any, ...]) -> Reader | None:
-    """Return the reader of a tuple of numbers or words of one type: a fixed number of them, or any, even none."""
-    kinds = set(arguments) - {Ellipsis}
-    kind = kinds.pop() if len(kinds) == 1 else tuple
-    item = None if kind is tuple or get_origin(kind) is tuple else _reader_of(kind)
-    if item is None:
-        return None
-    count = None if Ellipsis in arguments else len(arguments)
+def _read(text: str, hint: Any, *, endless: bool = False) -> Value:  # noqa: ANN401 - any annotation that is plain
+    """Read a value of an annotated type; an endless number may be inf. ValueError says what was expected."""
+    origin, members = get_origin(hint), get_args(hint)
+    if origin is tuple:
+        parts = [] if text == NOTHING and Ellipsis in members else text.split(",")
+        if Ellipsis not in members and len(parts) != len(members):
+            raise ValueError(f"{len(members)} values separated by commas, found {len(parts)}")
+        return tuple(_read(part.strip(), members[0]) for part in parts)
+    if origin in UNIONS:
+        return None if text == NOTHING else _read(text, next(one for one in members if one is not NoneType))
+    if origin is Literal or hint is bool:
+        if text not in (members or ("true", "false")):
+            raise ValueError(f"one of {', '.join(members)}" if members else "true or false")
+        return text if members else text == "true"
+    return text if hint is str else _read_number(text, hint, endless=endless)
 
-    def read(text: str) -> Value:
-        parts = [] if text == NOTHING and count is None else text.split(",")
-        if count not in (None, len(parts)):
-            raise ValueError(f"{count} values separated by commas, found {len(parts)}")
-        return tuple(item(part.strip()) for part in parts)
 
-    return read
-
-
-def _read_number(text: str, kind: type[float] | type[int], *, endless: bool = False) -> float:
+def _read_number(text: str, kind: type[float] | type[int], *, endless: bool) -> float:
     if endless and text == "inf":
         return inf
     try:
@@ -316,15 +287,3 @@ def _read_number(text: str, kind: type[float] | type[int], *, endless: bool = Fa
     if not math.isfinite(value):
         raise ValueError("a number" if kind is float else "a whole number")
     return value
-
-
-def _read_bool(text: str) -> bool:
-    if text not in ("true", "false"):
-        raise ValueError("true or false")
-    return text == "true"
-
-
-def _read_word(text: str, words: tuple[Any, ...]) -> str:
-    if text not in words:
-        raise ValueError(f"one of {', '.join(map(str, words))}")
-    return text

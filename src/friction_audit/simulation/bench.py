@@ -149,4 +149,5 @@ def make_traces(mechanism: Mechanism) -> dict[str, Float]:
     """Return the memory of the compensators, by name, shape (n + 1, j) each."""
     if not mechanism.traced.shape[2]:
         return {}
-    return {name: mechanism.traced[:, :, column] for column, name in enumerate(TRACE)}
+    traced = mechanism.traced.view(TRACE)[:, :, 0]
+    return {name: traced[name] for name in TRACE.names or ()}

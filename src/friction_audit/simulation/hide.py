@@ -9,6 +9,7 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from math import inf
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from friction_audit.errors import UsageError
@@ -49,16 +50,19 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
     hidden, taken = list(settings.hidden), set[tuple[str, int]]()
     for entry in entries:
         where = f"--effect {entry}"
-        effect, given, joints = _parse(entry, where)
+        described, joints = split_joints(entry, where)
+        name, colon, parameters = described.partition(":")
+        effect = _find(name.strip(), where)
         if effect.needs_neighbours and len(hidden) == 1:
-            raise UsageError(f"{where}: takes an arm of several joints; {_scenarios_with_neighbours()}")
+            several = ", ".join(scenario.name for scenario in SCENARIOS if len(scenario.settings.hidden) > 1)
+            raise UsageError(f"{where}: takes an arm of several joints; choose another scenario: {several}")
         meant = settings.moving if joints is None else joints
         require_joints(meant, len(hidden), where)
         again = [joint for joint in meant if (effect.name, joint) in taken]
         if again:
             raise UsageError(f"{where}: joint {write_joint_numbers(again)} has {effect.name} already; give it once")
         taken.update((effect.name, joint) for joint in meant)
-        group = effect.make(given)
+        group = effect.make(_parameters(parameters, where) if colon else {})
         for joint in meant:
             hidden[joint - 1] = hidden[joint - 1].holding(group)
     return replace(settings, hidden=tuple(hidden))
@@ -68,25 +72,16 @@ def hidden_effects(settings: Any) -> tuple[HiddenInJoint, ...]:  # noqa: ANN401 
     """Return the effects that do anything, joint by joint."""
     found = []
     for joint, groups in enumerate(settings.hidden, start=1):
-        for group in groups.each():
-            if group.hidden:
-                values = group.values()
-                form = values.pop(FORM, None)
-                numbers = {name: float(value) for name, value in values.items()}
-                text = None if form is None else str(form)
-                found.append(HiddenInJoint(joint=joint, name=group.name, form=text, parameters=numbers))
+        for group in filter(attrgetter("hidden"), groups.each()):
+            values = group.values()
+            form = values.pop(FORM, None)
+            found.append(HiddenInJoint(joint=joint, name=group.name, form=form, parameters=values))
     return tuple(found)
 
 
 def settings_in_sight(settings: Any) -> dict[str, Any]:  # noqa: ANN401 - settings of any scenario
     """Return all settings but the hidden effects, nested as they are."""
     return {name: value for name, value in as_nested(settings).items() if name != "hidden"}
-
-
-def _parse(entry: str, where: str) -> tuple[type[HiddenEffect], dict[str, str], tuple[int, ...] | None]:
-    described, joints = split_joints(entry, where)
-    name, colon, parameters = described.partition(":")
-    return _find(name.strip(), where), _parameters(parameters, where) if colon else {}, joints
 
 
 def _find(name: str, where: str) -> type[HiddenEffect]:
@@ -110,11 +105,6 @@ def _parameters(text: str, where: str) -> dict[str, str]:
     return given
 
 
-def _scenarios_with_neighbours() -> str:
-    names = [scenario.name for scenario in SCENARIOS if len(scenario.settings.hidden) > 1]
-    return f"choose another scenario: {', '.join(names)}"
-
-
 NOMINAL = ("coulomb", "viscous")  # terms that are settings of the joint itself
 EQUALS: dict[str, type[HiddenEffect]] = {
     name: effect for effect in EFFECTS for name in (effect.name, *effect.stands_for)
@@ -136,7 +126,8 @@ def with_model(settings: Settings, model: "ArmModel") -> Settings:
     joints, hidden = list(settings.joints), list(settings.hidden)
     for k, joint in enumerate(model.joints):
         if joint is not None:
-            joints[k] = _simple(joint, f"the model's joint {k + 1}")
+            where = f"the model's joint {k + 1}"
+            joints[k] = _simple(joint, where)
             setting = Setting(
                 joint=joints[k],
                 start_rad=starts[k],
@@ -144,8 +135,7 @@ def with_model(settings: Settings, model: "ArmModel") -> Settings:
                 duration_s=settings.duration_s,
                 outer_kg_m2=inf if hasattr(settings, "pose_rad") else settings.operator.inertia_kg_m2,
             )
-            groups = _groups(joint, setting, f"the model's joint {k + 1}")
-            hidden[k] = replace(hidden[k], **groups)
+            hidden[k] = replace(hidden[k], **_groups(joint, setting, where))
     return replace(settings, joints=tuple(joints), hidden=tuple(hidden))
 
 
@@ -155,12 +145,8 @@ def _simple(joint: "JointModel", where: str) -> JointParameters:
             f"{where}: inertia_kg_m2 = {joint.inertia_kg_m2:g}: expected more than zero; it is of a torque from which "
             "a rigid-body model took the inertia out: give that of the joint"
         )
-    coulomb, viscous = joint.values("coulomb"), joint.values("viscous")
-    return JointParameters(
-        inertia_kg_m2=joint.inertia_kg_m2,
-        coulomb_nm=0.0 if coulomb is None else coulomb[0],
-        viscous_nms_per_rad=0.0 if viscous is None else viscous[0],
-    )
+    (coulomb,), (viscous,) = (joint.values(name) or (0.0,) for name in NOMINAL)
+    return JointParameters(inertia_kg_m2=joint.inertia_kg_m2, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
 def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, HiddenEffect]:
@@ -168,11 +154,19 @@ def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, Hidd
     for term in joint.terms:
         if term.name in NOMINAL:
             continue
-        found = _equal(term, setting, f"{where}: {term.name}")
-        if found.name in groups:
+        about = f"{where}: {term.name}"
+        try:
+            found = equal_of(term, setting)
+        except NoEqualError as reason:
             raise UsageError(
-                f"{where}: {term.name}: another term is a {found.name} already; put them together in the file"
-            )
+                f"{about}: the simulator has no equal of it: {reason}; take the term out of the file, or hide a like "
+                "effect by --effect"
+            ) from None
+        except UsageError as error:
+            wrong = str(error).removeprefix(f"--effect {EQUALS[term.name].name}: ")
+            raise UsageError(f"{about}: {wrong}") from error
+        if found.name in groups:
+            raise UsageError(f"{about}: another term is a {found.name} already; put them together in the file")
         groups[found.name] = found
     return groups
 
@@ -206,15 +200,3 @@ def _values_of(term: "FittedTerm") -> dict[str, float]:
 
 def _made(effect: type[HiddenEffect], given: Given) -> HiddenEffect:
     return effect.make({key: v if isinstance(v, str) else repr(float(v)) for key, v in given.items()})
-
-
-def _equal(term: "FittedTerm", setting: Setting, where: str) -> HiddenEffect:
-    try:
-        return equal_of(term, setting)
-    except NoEqualError as reason:
-        raise UsageError(
-            f"{where}: the simulator has no equal of it: {reason}; take the term out of the file, or hide a like "
-            "effect by --effect"
-        ) from None
-    except UsageError as error:
-        raise UsageError(f"{where}: {str(error).removeprefix(f'--effect {EQUALS[term.name].name}: ')}") from error

@@ -88,7 +88,7 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
         loop=make_loop(settings, ticks, streams),
         clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
         out=np.zeros((ticks + 1, ROWS, n)),
-        traced=np.zeros((ticks + 1, n, len(TRACE) if settings.compensator is not None else 0)),
+        traced=np.zeros((ticks + 1, n, len(TRACE) if settings.compensator is not None else 0), np.int64),
     )
 
 
@@ -100,9 +100,11 @@ def make_loop(settings: "Settings", ticks: int, streams: Streams) -> Loop:
         noise, velocity[:, j], position[:, j] = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
         drift = torque_drift_nm(inside.torque_drift, t, streams.drifts[j])
         torque[:, j] = noise + inside.torque_bias.torque_nm + drift
+    memory = fresh_memory(len(settings.joints))
     return Loop(
-        settings=pack_compensators(of_each_joint(settings.compensator, len(settings.joints)), CONTROL_RATE_HZ),
-        memory=fresh_memory(len(settings.joints)),
+        settings=pack_compensators(of_each_joint(settings.compensator, len(memory)), CONTROL_RATE_HZ),
+        memory=memory,
+        words=memory.view(np.int64).reshape(len(memory), -1),
         torque_noise=torque,
         velocity_noise=velocity,
         position_noise=position,

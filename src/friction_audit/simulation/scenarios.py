@@ -1,5 +1,6 @@
 """Scenarios: settings with a name; and the simulation of any settings."""
 
+import re
 from dataclasses import dataclass, replace
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
@@ -24,7 +25,12 @@ class Scenario:
     name: str  # as on the command line
     summary: str  # one line
     settings: AnySettings  # what is simulated; every number of it can be set
-    figure: str | None = None  # the figure of the paper that it belongs to, or None
+
+    @property
+    def figure(self) -> str | None:
+        """The figure of the paper that it belongs to, or None."""
+        found = re.match(r"fig(\d+)", self.name)
+        return f"Fig. {found[1]}" if found else None
 
 
 # Rotary friction that stands for 1 Ns/mm of the paper, on a lever of sqrt(1e-5) m = 3.2 mm: 10 Ns/mm are then
@@ -53,9 +59,8 @@ def _sinusoidal(
     operator: Operator = _FIRM_HAND,
 ) -> BenchSettings:
     """Return an ideal joint with a sinusoidal operator; every 2 s an energy cycle ends."""
-    joint = JointParameters(inertia_kg_m2=0.3, coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad)
     return BenchSettings(
-        joints=(joint,),
+        joints=(JointParameters(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad),),
         hidden=(hidden or Hidden(),),
         sensors=(IDEAL_SENSORS,),
         operator=operator,
@@ -109,76 +114,58 @@ _TRUE_VALUES = FixedCompensation(coulomb_nm=_COULOMB_NM, viscous_nms_per_rad=_TE
 # The figures of the paper, in their order.
 PAPER_SCENARIOS: tuple[Scenario, ...] = (
     Scenario(
-        "fig3",
-        "viscous friction, without compensation: the energy that a person puts in",
-        _sinusoidal(_TEN, 8.0),
-        "Fig. 3",
+        "fig3", "viscous friction, without compensation: the energy that a person puts in", _sinusoidal(_TEN, 8.0)
     ),
     Scenario(
         "fig6",
         "viscous friction that doubles at 6 s, compensated by its estimate",
         _sinusoidal(_TEN, 10.0, EnergyCompensator(model="viscous", zero_crossings=True), hidden=_DOUBLES_AT_6_S),
-        "Fig. 6",
     ),
     Scenario(
         "fig7-unprotected",
         "viscous friction compensated by half as much again, without passivity controller",
         _sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=False)),
-        "Fig. 7",
     ),
     Scenario(
         "fig7",
         "viscous friction compensated by half as much again, until the passivity controller acts",
         _sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=True)),
-        "Fig. 7",
     ),
     Scenario(
-        "fig8",
-        "a joint as in the paper's experiment, moved by a person, without compensation",
-        _experiment(None),
-        "Fig. 8",
+        "fig8", "a joint as in the paper's experiment, moved by a person, without compensation", _experiment(None)
     ),
     Scenario(
         "fig9-friction",
         "Coulomb and viscous friction, without compensation: plateaus over the velocity",
         _sinusoidal(_TEN, 8.0, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
-        "Fig. 9",
     ),
     Scenario(
         "fig9-compensated",
         "Coulomb and viscous friction compensated by their true values: an ellipse over the velocity",
         _sinusoidal(_TEN, 8.0, _TRUE_VALUES, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
-        "Fig. 9",
     ),
     Scenario(
-        "fig10",
-        "the same, combined friction compensated from the last two cycles",
-        _experiment(_COMBINED_OF_TWO),
-        "Fig. 10",
+        "fig10", "the same, combined friction compensated from the last two cycles", _experiment(_COMBINED_OF_TWO)
     ),
     Scenario(
         "fig10-published",
         "the same, by (20) as printed instead of a ridge regression towards the coefficients in use",
         _experiment(replace(_COMBINED_OF_TWO, ridge=PUBLISHED)),
-        "Fig. 10",
     ),
     Scenario(
         "fig10-slow-noise",
         "the same, a tenth of the variance of the torque noise wandering over 50 ms",
         _experiment(_COMBINED_OF_TWO, PANDA_SENSORS[0]),
-        "Fig. 10",
     ),
     Scenario(
         "fig12",
         "a Panda guided by a hand, all joints compensated from the last two cycles of the hand",
         ArmSettings(compensator=_COMBINED_OF_TWO, duration_s=30.0),
-        "Fig. 12",
     ),
     Scenario(
         "fig13",
         "a Panda guided by the same hand, without compensation: what methods are compared with",
         ArmSettings(duration_s=30.0),
-        "Fig. 13",
     ),
 )
 

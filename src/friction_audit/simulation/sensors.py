@@ -74,14 +74,9 @@ def bench_channels(settings: "Settings", motion: TrueMotion, loop: "Loop") -> di
 def arm_channels(
     settings: "Settings", motion: TrueMotion, loop: "Loop", gravity: Float, *, driven: bool
 ) -> dict[str, Float]:
-    """Return the channels of an arm that logs the torque at its sensors, gravity in it.
+    """Return the channels of an arm that logs the torque at its sensors, gravity in it, shape (n + 1, j). [N m]
 
-    Args:
-        settings: Sensors and what is hidden.
-        motion: The truth.
-        loop: The noise.
-        gravity: Gravity torque at every tick, shape (n + 1, j). [N m]
-        driven: True if the robot moves by itself: friction is then on the link's side of the sensor.
+    If the robot moves by itself, friction is on the link's side of the sensor.
     """
     q, dq, port = _sense(settings, motion, loop, np.zeros_like(motion.q))
     tau_J = port if driven else -port

@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -206,6 +206,11 @@ class JointByJoint:
     """Compensators that differ from joint to joint."""
 
     compensators: tuple[Compensator, ...]  # one per joint
+
+    def scaled(self, factor: float) -> "JointByJoint":
+        """Return them with their gains times a factor."""
+        each: tuple[Any, ...] = self.compensators
+        return JointByJoint(compensators=tuple(one.scaled(factor) for one in each))
 
 
 AnyCompensator = Compensator | JointByJoint  # what runs in an arm; None where nothing does

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.slow_and_events import (
-    DRAG,
     KNOCK,
     STEP,
     ContactEvent,
@@ -19,7 +18,6 @@ from friction_audit.simulation.effects.slow_and_events import (
 )
 from friction_audit.simulation.effects.velocity import (
     BRISTLES,
-    DAHL,
     DELAYED,
     FIRST_YIELD,
     LAG_MEMORY,
@@ -86,13 +84,6 @@ def test_dahl_after_its_displacement(exponent: float, share: float) -> None:
         assert SIGMA0 * dahl_advance(0.0, SIGMA0, COULOMB_NM, 0.1, 5.0, exponent) == pytest.approx(COULOMB_NM)
 
 
-@pytest.mark.parametrize("slipped", [1, 4, 8])
-def test_maxwell_slip_after_some_elements_slipped(slipped: int) -> None:
-    path = YIELDS[slipped - 1]
-    expected = COULOMB_NM / BRISTLES * np.sum(np.minimum(1.0, path / YIELDS))
-    assert Bristles(MAXWELL_SLIP).move(path) == pytest.approx(expected)
-
-
 @EACH_FORM
 @unhurried
 @given(path=PATHS, start=st.floats(-0.01, 0.01), level=st.floats(0.1, 1.0))
@@ -100,24 +91,6 @@ def test_many_steps_go_where_one_goes(form: int, path: float, start: float, leve
     one, many = Bristles(form), Bristles(form)
     one.deflection[:] = many.deflection[:] = start
     assert many.move(path, level=level, steps=20) == pytest.approx(one.move(path, level=level), abs=1e-9)
-
-
-@EACH_FORM
-def test_without_micro_damping_friction_is_one_of_path_and_not_of_speed(form: int) -> None:
-    slow, fast = Bristles(form), Bristles(form)
-    for path in (0.02, -0.004, 0.001, -0.03):
-        assert slow.move(path, velocity=0.001) == pytest.approx(fast.move(path, velocity=1.0))
-
-
-def test_the_loop_of_maxwell_slip_has_the_area_of_its_slips() -> None:
-    amplitude, steps = 0.02, 4000
-    bristles = Bristles(MAXWELL_SLIP)
-    bristles.move(amplitude)
-    work = 0.0
-    for path in (-2.0 * amplitude, 2.0 * amplitude):
-        force = [bristles.move(0.0), *(bristles.move(path / steps) for _ in range(steps))]
-        work += float(np.trapezoid(force)) * path / steps
-    assert work == pytest.approx(np.sum(4.0 * COULOMB_NM / BRISTLES * (amplitude - YIELDS)), rel=1e-4)
 
 
 @EACH_FORM
@@ -137,47 +110,6 @@ def test_no_path_takes_energy_from_friction(
         assert taken >= bristles.stored_j - 1e-12
 
 
-def test_an_inner_loop_leaves_maxwell_slip_where_it_was_and_the_others_weaker() -> None:
-    change = {}
-    for form in (LUGRE, DAHL, MAXWELL_SLIP):
-        bristles = Bristles(form)
-        before = bristles.move(0.004)
-        bristles.move(-0.002)
-        change[form] = bristles.move(0.002) - before
-    assert change[MAXWELL_SLIP] == pytest.approx(0.0, abs=1e-12)
-    assert max(change[LUGRE], change[DAHL]) < -0.01
-
-
-@EACH_FORM
-def test_under_a_load_that_swings_below_break_away_all_but_maxwell_slip_creep_on(form: int) -> None:
-    inertia, viscous, h, swing, swings = 0.2, 1.0, 1e-3, 2000, 12
-    bristles, dq = Bristles(form, damping_s=0.005), 0.0
-    q = np.zeros(swings * swing + 1)
-    for step in range(swings * swing):
-        load = 0.15 + 0.1 * math.sin(2.0 * math.pi * step / swing)
-        friction = bristles.move(h * dq, velocity=abs(dq)) if dq else 0.0
-        q[step + 1] = q[step] + h * dq
-        dq += h / inertia * (load - friction - viscous * dq)
-    crept = np.diff(q[::swing])
-    if form == MAXWELL_SLIP:
-        assert abs(crept[-1]) < min(1e-6, 0.1 * abs(crept[4]))
-    else:
-        assert crept[-1] > max(1e-4, 0.5 * crept[4])
-
-
-@EACH_FORM
-def test_rest_and_a_joint_without_coulomb_friction_leave_bristles_as_they_are(form: int) -> None:
-    bristles = Bristles(form)
-    bristles.move(0.002)
-    before = bristles.deflection.copy()
-    presliding_advance(bristles.group, bristles.deflection, COULOMB_NM, COULOMB_NM, 0.0, 10.0)
-    np.testing.assert_array_equal(bristles.deflection, before)
-    deflection: Float = np.zeros(BRISTLES)
-    presliding_advance(bristles.group, deflection, 0.0, 0.0, 1.0, 0.01)
-    assert not deflection.any()
-    assert presliding_force_nm(bristles.group, deflection, 0.0, 0.0, 1.0) == 0.0
-
-
 # Frictional lag
 
 H = 1e-4
@@ -194,13 +126,6 @@ def test_relaxing_has_63_percent_of_a_jump_after_the_lag_and_delayed_all_of_it()
     late = seen([1.0] * 400, [H] * 400, lag_s=0.03, form=DELAYED)
     assert max(late[:294]) == 0.0
     assert min(late[305:]) == 1.0
-
-
-@pytest.mark.parametrize("lag", [0.0002, 0.0013, 0.02, 0.05])
-def test_delayed_shows_a_sinusoid_as_it_was(lag: float) -> None:
-    t = H * np.arange(1, 5001)
-    late = seen(1.0 - np.cos(20.0 * t), [H] * len(t), lag_s=lag, form=DELAYED)
-    np.testing.assert_allclose(late, 1.0 - np.cos(20.0 * np.maximum(0.0, t - lag)), atol=2e-5)
 
 
 @unhurried
@@ -239,24 +164,6 @@ def test_a_knock_is_half_a_sine_a_step_is_there_and_gone_and_steps_add_up() -> N
     assert [contact(t, 0.0, STEP) for t in (5.05, 5.15, 5.25, 5.45)] == [-3.0, -2.0, -3.0, 0.0]
 
 
-@pytest.mark.parametrize("velocity", [-1.0, -0.01, 0.01, 1.0])
-def test_a_drag_takes_energy_whatever_its_sign(velocity: float) -> None:
-    assert max(contact(t, velocity, DRAG) * velocity for t in (1.1, 5.05)) < 0.0
-    assert contact(1.1, 0.05, DRAG) == pytest.approx(-1.0)
-    assert contact(1.1, 0.0, DRAG) == 0.0
-
-
-@EACH_FORM
-def test_events_add_up_and_without_any_there_is_no_torque(form: int) -> None:
-    group = ContactEvent(torque_nm=1.0, per_minute=600.0, length_s=0.4, form=form)
-    events = draw_events(group, 5.0, np.random.default_rng(3))
-    for t in np.linspace(0.0, 5.0, 101):
-        alone = [contact(t, 0.3, form, event[np.newaxis]) for event in events]
-        assert contact(t, 0.3, form, events) == pytest.approx(sum(alone))
-    for none in (np.zeros((0, 3)), np.array([[np.inf, 0.0, 0.0]])):
-        assert contact(1.1, 0.5, form, none) == 0.0
-
-
 @unhurried
 @given(seed=st.integers(0, 2**31), duration=st.floats(0.04, 300.0), per_minute=st.floats(0.1, 60.0))
 def test_events_are_ordered_short_and_over_before_the_end(seed: int, duration: float, per_minute: float) -> None:
@@ -267,16 +174,3 @@ def test_events_are_ordered_short_and_over_before_the_end(seed: int, duration: f
     assert np.all(start + length <= duration + 1e-9)
     assert np.all((length >= min(0.05, duration)) & (length <= 0.5))
     assert np.all((np.abs(size) > 0.0) & (np.abs(size) <= 5.0 * 0.5))
-
-
-def test_many_events_have_the_given_median_a_heavy_tail_and_both_signs_and_none_are_drawn_where_none_are_hidden() -> (
-    None
-):
-    group = ContactEvent(torque_nm=0.5, per_minute=60.0, length_s=0.2)
-    _, length, size = draw_events(group, 60_000.0, np.random.default_rng(1)).T
-    assert len(size) == pytest.approx(60_000, rel=0.02)
-    assert (np.median(np.abs(size)), np.median(length)) == pytest.approx((0.5, 0.2), rel=0.02)
-    assert np.mean(np.abs(size) > 1.5) == pytest.approx(1.0 / 18.0, rel=0.1)  # Pareto: 1/2 (1/3)^2
-    assert np.mean(size > 0.0) == pytest.approx(0.5, abs=0.02)
-    for nothing in (ContactEvent(), ContactEvent(torque_nm=1.0, per_minute=0.0)):
-        assert draw_events(nothing, 60.0, np.random.default_rng(0)).shape == (0, 3)

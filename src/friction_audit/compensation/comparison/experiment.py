@@ -1,6 +1,6 @@
 """The methods side by side: sweeps, the choice of tunings, trials and stability margins."""
 
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
@@ -16,10 +16,8 @@ from friction_audit.compensation.comparison.methods import (
     NO_COMPENSATION,
     OTHER,
     PAPER,
-    Joint,
     Method,
     Scene,
-    Sweep,
     Tuning,
 )
 from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row
@@ -32,22 +30,13 @@ from friction_audit.compensation.comparison.trial import (
     make_course,
     measure,
 )
-from friction_audit.compensation.compensators import (
-    Compensator,
-    DisturbanceObserver,
-    EnergyCompensator,
-    FixedCompensation,
-    JointModelCompensation,
-    LugreCompensation,
-    SigmoidCompensation,
-    TorqueRegulation,
-)
-from friction_audit.errors import UsageError
 from friction_audit.simulation.scenarios import simulate
 
 Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
 FIRST_TUNING_SEED = 10_000  # the sweeps are made for other persons than those that are reported
 MARGIN_TRIALS = 6  # simulations that a stability margin takes, about
+LARGEST = 32.0  # factor of the gain up to which a stability margin is searched; more is of no interest
+HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 
 
 class _Trial(NamedTuple):
@@ -56,16 +45,7 @@ class _Trial(NamedTuple):
     settings: Any
     seed: int
     reference: Reference
-    drawn: bool
-
-
-class Candidate(NamedTuple):
-    """A row before its trials; its fields are those of ``Row``."""
-
-    method: Method
-    tuning: Tuning
-    role: str
-    tuning_losses: int | None = None
+    drawn: bool = False
 
 
 def compare(
@@ -104,32 +84,45 @@ class _Experiment:
     def __init__(
         self, scene: Scene, seeds: int, methods: tuple[Method, ...], pool: Executor, progress: Progress | None
     ) -> None:
-        self.scene, self.methods, self.pool, self.progress = scene, methods, pool, progress
+        self.scene, self.methods, self.pool, self.progress, plan = scene, methods, pool, progress, scene.plan
         self.seeds = tuple(range(seeds))
-        self.tuning_seeds = tuple(FIRST_TUNING_SEED + n for n in range(scene.plan.tuning_seeds))
-        self.margin_seeds = self.seeds[: scene.plan.margin_seeds]
-        self._done, self._all = 0, self._count()
-
-    def _count(self) -> int:
-        """Return the number of trials, about."""
-        values = sum(len(self._values(sweep)) for _, sweep in self._sweeps())
-        others = sum(len(method.others) for method in self.methods) if self.scene.plan.with_others else 0
-        rows = sum(1 + bool(method.full) + bool(method.sweeps) for method in self.methods) + others - 1
-        references = len(self.seeds) + len(self.tuning_seeds)
-        margins = MARGIN_TRIALS * len(self.margin_seeds)
-        return references + values * len(self.tuning_seeds) + rows * (len(self.seeds) + margins)
-
-    def _values(self, sweep: Sweep) -> tuple[float, ...]:
-        return sweep.values[:: ceil(len(sweep.values) / self.scene.plan.most_values)]
-
-    def _sweeps(self) -> list[tuple[Method, Sweep]]:
-        return [(method, sweep) for method in self.methods for sweep in method.sweeps[: self.scene.plan.sweeps]]
+        self.tuning_seeds = tuple(range(FIRST_TUNING_SEED, FIRST_TUNING_SEED + plan.tuning_seeds))
+        self.margin_seeds = self.seeds[: plan.margin_seeds]
+        self.sweeps = [
+            (method, sweep, sweep.values[:: ceil(len(sweep.values) / plan.most_values)])
+            for method in methods
+            for sweep in method.sweeps[: plan.sweeps]
+        ]
+        values = sum(len(values) for *_, values in self.sweeps)
+        others = sum(len(method.others) for method in methods) if plan.with_others else 0
+        rows = sum(1 + bool(method.full) + bool(method.sweeps) for method in methods) + others - 1
+        per_row = seeds + MARGIN_TRIALS * len(self.margin_seeds)
+        self._done, self._all = 0, seeds + (1 + values) * len(self.tuning_seeds) + rows * per_row
 
     def run(self) -> Comparison:
         """Sweep, choose, try."""
-        references = self._references((*self.seeds, *self.tuning_seeds))
-        curves = self._sweep(references)
-        candidates = [one for method in self.methods for one in self._candidates(method, curves)]
+        seeds, idle = (*self.seeds, *self.tuning_seeds), self.scene.compensated(NO_COMPENSATION)
+        # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation.
+        self.idle = dict(zip(seeds, self._map(_refer, [(idle, seed) for seed in seeds]), strict=True))
+        curves = self._sweep()
+        chosen = [(method, *one) for method in self.methods for one in self._tunings(method, curves)]
+        tunings = [tuning for _, tuning, *_ in chosen]
+        trials, margins = self._trials(tunings, self.seeds, drawn=True), self._margins(tunings)
+        rows = []
+        for (method, tuning, role, losses), tried, own in zip(chosen, trials, margins, strict=True):
+            course = tried[0][1]
+            assert course is not None  # that of the first seed
+            row = Row(
+                method=method.name,
+                label=method.label,
+                tuning=tuning,
+                role=role,
+                tuning_losses=losses,
+                outcomes=tuple(outcome for outcome, _ in tried),
+                margins=own,
+                course=course,
+            )
+            rows.append(row)
         return Comparison(
             scene=self.scene.name,
             title=self.scene.title,
@@ -137,101 +130,73 @@ class _Experiment:
             seeds=self.seeds,
             tuning_seeds=self.tuning_seeds,
             margin_seeds=self.margin_seeds,
-            rows=self._try(candidates, references),
+            rows=tuple(rows),
             curves=curves,
         )
 
-    def _map(self, work: Callable[[Any], Any], jobs: Iterable[Any]) -> list[Any]:
-        """Work jobs off, in their order, and tell how far it is."""
+    def _map(self, work: Callable[[Any], Any], jobs: Iterable[Any], trials: int = 1) -> list[Any]:
+        """Work jobs off, in their order, and report the progress; each takes about so many trials."""
         results = []
         for result in self.pool.map(work, list(jobs)):
             results.append(result)
-            self._done += 1
+            self._done += trials
             if self.progress is not None:
                 self.progress(min(self._done / self._all, 1.0))
         return results
 
-    def _references(self, seeds: Sequence[int]) -> dict[int, Reference]:
-        settings = self.scene.compensated(NO_COMPENSATION)
-        found = self._map(_refer, [(settings, seed) for seed in seeds])
-        self._uncompensated = {seed: trial for seed, (_, trial) in zip(seeds, found, strict=True)}
-        return {seed: reference for seed, (reference, _) in zip(seeds, found, strict=True)}
-
-    def _sweep(self, references: dict[int, Reference]) -> tuple[Curve, ...]:
+    def _sweep(self) -> tuple[Curve, ...]:
         """Make the sweeps of all methods, all trials in one heap."""
-        sweeps = self._sweeps()
-        if not sweeps:
-            return ()
-        tunings = [sweep.at(value) for _, sweep in sweeps for value in self._values(sweep)]
-        heaps = iter(self._trials(tunings, self.tuning_seeds, references))
+        tunings = [sweep.at(value) for _, sweep, values in self.sweeps for value in values]
+        tried = zip(tunings, self._trials(tunings, self.tuning_seeds), strict=True)
         curves = []
-        for method, sweep in sweeps:
-            values = self._values(sweep)
-            points = tuple(Point(value=value, tuning=sweep.at(value), outcomes=next(heaps)[0]) for value in values)
-            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, points))
+        for method, sweep, values in self.sweeps:
+            points = [
+                Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in heap))
+                for value, (tuning, heap) in zip(values, tried, strict=False)
+            ]
+            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
         return tuple(curves)
 
     def _trials(
-        self, tunings: Sequence[Tuning], seeds: Sequence[int], references: dict[int, Reference], *, drawn: bool = False
-    ) -> list[tuple[tuple[Outcome, ...], Course | None]]:
-        """Return the outcomes of every tuning, one per seed, and the course of the first if it is to be drawn."""
+        self, tunings: Sequence[Tuning], seeds: Sequence[int], *, drawn: bool = False
+    ) -> list[list[tuple[Outcome, Course | None]]]:
+        """Return the outcome of every tuning and seed, and the course of the first seed if it is to be drawn."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
-        jobs = [_Trial(one, seed, references[seed], drawn and seed == seeds[0]) for one in settings for seed in seeds]
+        jobs = [_Trial(s, seed, self.idle[seed][0], drawn and seed == seeds[0]) for s in settings for seed in seeds]
         done = iter(self._map(_work, jobs))
-        heaps = [
-            [self._uncompensated[seed] if tuning is NO_COMPENSATION else next(done) for seed in seeds]
-            for tuning in tunings
+        return [
+            [self.idle[seed][1:] if tuning is NO_COMPENSATION else next(done) for seed in seeds] for tuning in tunings
         ]
-        return [(tuple(outcome for outcome, _ in heap), heap[0][1]) for heap in heaps]
 
-    def _candidates(self, method: Method, curves: Sequence[Curve]) -> Iterator[Candidate]:
-        """Yield the tunings of a method that are reported."""
-        mine = [curve for curve in curves if curve.method == method.name]
-        chosen = [Candidate(method, method.paper, PAPER)]
+    def _tunings(self, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
+        """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
+        chosen: list[tuple[Tuning, str, int | None]] = [(method.paper, PAPER, None)]
         if method.full is not None:
-            chosen.append(Candidate(method, method.full, FULL))
-        if mine:
-            chosen.append(choose_best(method, mine))
+            chosen.append((method.full, FULL, None))
+        points = [point for curve in curves if curve.method == method.name for point in curve.points]
+        if points:
+            best = choose_best(points)
+            chosen.append((best.tuning, BEST, best.losses))
         yield from chosen
         if self.scene.plan.with_others:
             # A further tuning that is the best one has its row already.
-            named = {one.tuning.name for one in chosen}
-            yield from (Candidate(method, tuning, OTHER) for tuning in method.others if tuning.name not in named)
+            named = {tuning.name for tuning, *_ in chosen}
+            yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in named)
 
-    def _try(self, candidates: Sequence[Candidate], references: dict[int, Reference]) -> tuple[Row, ...]:
-        tried = self._trials([one.tuning for one in candidates], self.seeds, references, drawn=True)
-        margins = self._margins([one.tuning for one in candidates], references)
-        rows = []
-        for one, (outcomes, course), own in zip(candidates, tried, margins, strict=True):
-            assert course is not None  # that of the first seed
-            named = (one.method.name, one.method.label, one.tuning, one.role, one.tuning_losses)
-            rows.append(Row(*named, outcomes=outcomes, margins=own, course=course))
-        return tuple(rows)
-
-    def _margins(self, tunings: Sequence[Tuning], references: dict[int, Reference]) -> list[tuple[float, ...]]:
+    def _margins(self, tunings: Sequence[Tuning]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
         seeds, settings = self.margin_seeds, self.scene.settings
         shorter = replace(settings, duration_s=self.scene.plan.margin_share * settings.duration_s)
-        short = replace(self.scene, settings=shorter)
-        searches = [(tuning, seed) for tuning in tunings for seed in seeds]
-
-        def hold(asked: Sequence[tuple[int, float]]) -> list[bool]:
-            jobs = []
-            for number, factor in asked:
-                tuning, seed = searches[number]
-                bolder = short.compensated(amplified(tuning, factor))
-                jobs.append(_Trial(bolder, seed, references[seed], drawn=False))
-            return self._map(_holds, jobs)
-
-        margins = find_margins(len(searches), hold)
-        return [tuple(margins[n * len(seeds) : (n + 1) * len(seeds)]) for n in range(len(tunings))]
+        short = [replace(self.scene, settings=shorter).compensated(tuning) for tuning in tunings]
+        jobs = [_Trial(one, seed, self.idle[seed][0]) for one in short for seed in seeds]
+        margins = iter(self._map(_margin, jobs, MARGIN_TRIALS))
+        return [tuple(next(margins) for _ in seeds) for _ in tunings]
 
 
-def _refer(job: tuple[Any, int]) -> tuple[Reference, tuple[Outcome, Course]]:
-    """Return the reference of a seed, and the outcome of that trial, which is the one without compensation."""
+def _refer(job: tuple[Any, int]) -> tuple[Reference, Outcome, Course]:
     simulation = simulate(*job)
     reference = find_reference(simulation)
-    return reference, (measure(simulation, reference), make_course(simulation, reference))
+    return reference, measure(simulation, reference), make_course(simulation, reference)
 
 
 def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
@@ -240,93 +205,37 @@ def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
     return measure(simulation, trial.reference), course
 
 
-def _holds(trial: _Trial) -> bool:
-    return isinf(find_loss(simulate(trial.settings, trial.seed), trial.reference))
+def _margin(trial: _Trial) -> float:
+    def holds(factor: float) -> bool:
+        settings = replace(trial.settings, compensator=trial.settings.compensator.scaled(factor))
+        return isinf(find_loss(simulate(settings, trial.seed), trial.reference))
+
+    return find_margin(holds)
 
 
-def choose_best(method: Method, curves: Sequence[Curve]) -> Candidate:
-    """Return the tuning of all sweeps whose energy slope is closest to zero; of equals, the first.
+def choose_best(points: Sequence[Point]) -> Point:
+    """Return the point of all sweeps whose energy slope is closest to zero; of equals, the first.
 
     Only tunings with which no person of the sweeps lost the loop count; where there is none, those with which fewest
     did, and the row says so.
     """
-    points = [point for curve in curves for point in curve.points]
-    best = min(points, key=lambda point: (point.losses, point.off_w))
-    return Candidate(method, best.tuning, BEST, best.losses)
+    return min(points, key=lambda point: (point.losses, point.off_w))
 
 
-LARGEST = (
-    32.0  # stability margin: by which factor the gain may grow before the loop is unstable; more is of no interest
-)
-HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
-
-
-def amplified(tuning: Tuning, factor: float) -> Tuning:
-    """Return a tuning with its gain times a factor."""
-
-    def make(joint: Joint) -> Compensator:
-        return amplify(tuning.make(joint), factor)
-
-    return replace(tuning, make=make)
-
-
-def amplify(compensator: Compensator, factor: float) -> Compensator:
-    """Return a compensator with its gain times a factor.
-
-    The gain is what stands between what is measured and the torque: the whole law of a model, the factor on the
-    estimate of the energy method, the bandwidth of an observer, the torque gain B / B_theta - 1 of a torque regulation.
-
-    Raises:
-        UsageError: For the terms of a model file, which run in a replay only.
-    """
-    match compensator:
-        case FixedCompensation() | SigmoidCompensation() | LugreCompensation():
-            return compensator.scaled(factor)
-        case EnergyCompensator():
-            return replace(compensator, factor=factor * compensator.factor)
-        case DisturbanceObserver():
-            return replace(compensator, observer_gain_per_s=factor * compensator.observer_gain_per_s)
-        case TorqueRegulation():
-            inertia = compensator.inertia_kg_m2 / (1.0 + factor * compensator.torque_gain)
-            return replace(compensator, desired_inertia_kg_m2=inertia)
-        case JointModelCompensation():
-            raise UsageError("margin: the terms of a model file have no gain; expected a compensator of compare")
-
-
-def search_margin() -> Generator[float, bool, float]:
-    """Search the largest stable factor by doubling and bisection.
-
-    Yields:
-        A factor; expects to be sent whether the loop holds with it.
+def find_margin(holds: Callable[[float], bool]) -> float:
+    """Search the largest factor of the gain with which a loop holds, by doubling and bisection.
 
     Returns:
-        The largest stable factor; infinity if ``LARGEST`` is stable, 0 if 1 is not.
+        The factor; infinity if ``LARGEST`` is stable, 0 if 1 is not.
     """
-    if not (yield 1.0):
+    if not holds(1.0):
         return 0.0
     low, high = 1.0, 2.0
-    while (yield high):
+    while holds(high):
         if high >= LARGEST:
             return inf
         low, high = high, 2.0 * high
     for _ in range(HALVINGS):
         middle = sqrt(low * high)
-        low, high = (middle, high) if (yield middle) else (low, middle)
+        low, high = (middle, high) if holds(middle) else (low, middle)
     return low
-
-
-def find_margins(searches: int, hold: Callable[[Sequence[tuple[int, float]]], Sequence[bool]]) -> list[float]:
-    """Return several margins, searched for side by side."""
-    margins = [0.0] * searches
-    under_way = {number: search_margin() for number in range(searches)}
-    asked = {number: next(search) for number, search in under_way.items()}
-    while asked:
-        answers = hold(tuple(asked.items()))
-        following: dict[int, float] = {}
-        for number, answer in zip(asked, answers, strict=True):
-            try:
-                following[number] = under_way[number].send(answer)
-            except StopIteration as end:
-                margins[number] = end.value
-        asked = following
-    return margins

@@ -1,8 +1,9 @@
 """Compensation methods, their tunings and what is varied in them; and the joint, or the arm, that all are tried on."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from functools import partial
+from typing import Any
 
 from friction_audit.compensation.compensators import (
     Compensator,
@@ -35,8 +36,7 @@ class Joint:
 
     column: int  # which joint of the arm, counted from 0
     parameters: JointParameters  # motor and friction, as the link truly sees them
-    max_torque_nm: float  # what the joint can give [N m]
-    max_torque_rate_nm_s: float  # how fast it can change [N m/s]
+    guard: Guard  # with the torque that the joint can give, and how fast that can change
     payback_s: float  # time over which a passivity controller may pay without driving its elastic mode [s]
 
 
@@ -46,23 +46,15 @@ def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> J
     Its mode is that of the link held fast, the lowest; torque control of the motor is in mode and damping, its dead
     time to first order.
     """
-    known, parameters, loop = Guard().payback_s, motor.at_link, motor.torque_loop
+    known, loop, limits = Guard().payback_s, motor.torque_loop, limits_of("panda", column + 1)
     if gear.compliance_rad_per_nm > 0.0:
         bare = (gear.compliance_rad_per_nm * motor.inertia_kg_m2) ** -0.5
         damping = gear.damping_ratio + 0.5 * bare * (loop.damping_s - loop.gain * loop.dead_time_s)
         if damping > 0.0:
             faster = (1.0 + loop.gain) ** 0.5
             known = payback_s(faster * bare, damping / faster)
-    return Joint(
-        column=column,
-        parameters=parameters,
-        max_torque_nm=limits_of("panda", column + 1).torque_nm,
-        max_torque_rate_nm_s=limits_of("panda", column + 1).rate_nm_s,
-        payback_s=known,
-    )
-
-
-Make = Callable[[Joint], Compensator]  # joint -> compensator
+    guard = Guard(max_torque_nm=limits.torque_nm, max_torque_rate_nm_s=limits.rate_nm_s)
+    return Joint(column=column, parameters=motor.at_link, guard=guard, payback_s=known)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -71,10 +63,10 @@ class Tuning:
 
     name: str  # short name
     meaning: str  # what it means, in words
-    make: Make  # joint -> compensator
+    make: Callable[[Joint], Any]  # joint -> compensator
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Sweep:
     """One setting of a method, varied."""
 
@@ -112,35 +104,38 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _guard(joint: Joint) -> Guard:
-    return Guard(max_torque_nm=joint.max_torque_nm, max_torque_rate_nm_s=joint.max_torque_rate_nm_s)
-
-
 def _fixed(coulomb_nm: float, viscous_nms_per_rad: float) -> FixedCompensation:
     return FixedCompensation(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad)
 
 
 def _fitted(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
-    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S), guard=_guard(joint))
+    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S), guard=joint.guard)
 
 
-def _bristles(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
-    viscous, guard = viscous_nms_per_rad, _guard(joint)
-    return LugreCompensation(coulomb_nm=coulomb_nm, breakaway_nm=coulomb_nm, viscous_nms_per_rad=viscous, guard=guard)
+def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:
+    plateau = {"coulomb_nm": coulomb_nm, "breakaway_nm": coulomb_nm}
+    return LugreCompensation(**plateau, viscous_nms_per_rad=viscous, guard=joint.guard)
 
 
-def _modelled(law: Callable[[Joint, float, float], Compensator], scale: float) -> Tuning:
-    """Return a law with the true Coulomb and viscous friction times a scale."""
-    return Tuning(
-        name="right" if scale == 1.0 else f"{100 * (scale - 1):+.0f} %",
-        meaning="the true friction" if scale == 1.0 else f"friction {scale:g} times the true one",
-        make=lambda joint: law(
-            joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad
-        ),
+def _model_based(name: str, label: str, law: Callable[[Joint, float, float], Compensator], other: Tuning) -> Method:
+    """Return a method that applies a law with the true Coulomb and viscous friction times a scale."""
+
+    def scaled(scale: float) -> Tuning:
+        return Tuning(
+            name="right" if scale == 1.0 else f"{100 * (scale - 1):+.0f} %",
+            meaning="the true friction" if scale == 1.0 else f"friction {scale:g} times the true one",
+            make=lambda joint: law(
+                joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad
+            ),
+        )
+
+    return Method(
+        name=name,
+        label=label,
+        paper=scaled(MODELLED_SHARE),
+        others=(other, *map(scaled, (1.0, 0.8, 1.2))),
+        sweeps=(Sweep("scaled", "modelled over true friction", SCALES, scaled),),
     )
-
-
-_sigmoid, _lugre = partial(_modelled, _fitted), partial(_modelled, _bristles)
 
 
 def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tuning:
@@ -152,17 +147,8 @@ def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tu
             inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
             observer_gain_per_s=gain_per_s,
             compensation_gain=share,
-            guard=_guard(joint),
+            guard=joint.guard,
         ),
-    )
-
-
-def _observer_sweep(ratio: float) -> Sweep:
-    return Sweep(
-        name=f"{ratio:g} B",
-        axis="observer gain [1/s]",
-        values=OBSERVER_GAINS_PER_S,
-        at=lambda gain_per_s: _observer(ratio, gain_per_s),
     )
 
 
@@ -175,7 +161,7 @@ def _regulation(gain: float) -> Tuning:
         make=lambda joint: TorqueRegulation(
             inertia_kg_m2=joint.parameters.inertia_kg_m2,
             desired_inertia_kg_m2=joint.parameters.inertia_kg_m2 / (1.0 + gain),
-            guard=_guard(joint),
+            guard=joint.guard,
         ),
     )
 
@@ -187,9 +173,7 @@ def _energy(window: float) -> Tuning:
         make=lambda joint: EnergyCompensator(
             model="combined",
             window=int(window),
-            max_torque_nm=joint.max_torque_nm,
-            max_torque_rate_nm_s=joint.max_torque_rate_nm_s,
-            payback_s=joint.payback_s,
+            **(asdict(joint.guard) | {"passivity": True, "payback_s": joint.payback_s}),
         ),
     )
 
@@ -198,33 +182,25 @@ def _energy(window: float) -> Tuning:
 NO_COMPENSATION = Tuning(name="none", meaning="no compensation", make=lambda _: _fixed(0.0, 0.0))
 METHODS: tuple[Method, ...] = (
     Method(name=NONE, label="none", paper=NO_COMPENSATION),
-    Method(
-        name="sigmoid",
-        label="model-based",
-        paper=_sigmoid(MODELLED_SHARE),
-        others=(
-            Tuning(
-                name="another arm",
-                meaning="as published for another Panda",
-                make=lambda joint: replace(PUBLISHED[joint.column], guard=_guard(joint)),
-            ),
-            *(_sigmoid(1.0), _sigmoid(0.8), _sigmoid(1.2)),
+    _model_based(
+        "sigmoid",
+        "model-based",
+        _fitted,
+        Tuning(
+            name="another arm",
+            meaning="as published for another Panda",
+            make=lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
         ),
-        sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_sigmoid),),
     ),
-    Method(
-        name="lugre",
-        label="LuGre",
-        paper=_lugre(MODELLED_SHARE),
-        others=(
-            Tuning(
-                name="another arm",
-                meaning="plateaus as published for another Panda",
-                make=lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2, 0.0),
-            ),
-            *(_lugre(1.0), _lugre(0.8), _lugre(1.2)),
+    _model_based(
+        "lugre",
+        "LuGre",
+        _bristles,
+        Tuning(
+            name="another arm",
+            meaning="plateaus as published for another Panda",
+            make=lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2),
         ),
-        sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_lugre),),
     ),
     Method(
         name="disturbance_observer",
@@ -232,13 +208,11 @@ METHODS: tuple[Method, ...] = (
         paper=_observer(*OBSERVER, OBSERVED_SHARE),
         full=_observer(*OBSERVER),
         sweeps=(
-            Sweep(
-                name="share",
-                axis="share of the observed friction",
-                values=SHARES,
-                at=lambda share: _observer(*OBSERVER, share),
+            Sweep("share", "share of the observed friction", SHARES, partial(_observer, *OBSERVER)),
+            *(
+                Sweep(f"{ratio:g} B", "observer gain [1/s]", OBSERVER_GAINS_PER_S, partial(_observer, ratio))
+                for ratio in INERTIA_RATIOS
             ),
-            *map(_observer_sweep, INERTIA_RATIOS),
         ),
     ),
     Method(
@@ -247,10 +221,10 @@ METHODS: tuple[Method, ...] = (
         paper=_regulation(1.0 / SHAPED_RATIO - 1.0),
         sweeps=(
             Sweep(
-                name="B_theta",
-                axis="torque gain $B / B_\\theta - 1$",
-                values=tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS),
-                at=_regulation,
+                "B_theta",
+                "torque gain $B / B_\\theta - 1$",
+                tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS),
+                _regulation,
             ),
         ),
     ),
@@ -259,7 +233,7 @@ METHODS: tuple[Method, ...] = (
         label="proposed (energy)",
         paper=_energy(2.0),
         others=(_energy(4.0),),
-        sweeps=(Sweep(name="k", axis="cycles per estimate $k$", values=WINDOWS, at=_energy),),
+        sweeps=(Sweep("k", "cycles per estimate $k$", WINDOWS, _energy),),
     ),
     Method(
         name="oracle",

@@ -2,7 +2,9 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from math import inf, isfinite
+from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -50,18 +52,12 @@ def median_interval(values: Sequence[float]) -> Interval:
     return Interval(ranked[(len(ranked) - 1) // 2], low, high)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Point:
-    """One value of a sweep, tried by the persons who are not reported."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Tried:
+    """A tuning that was tried by some persons."""
 
-    value: float  # the value
-    tuning: Tuning  # the tuning that it makes
+    tuning: Tuning
     outcomes: tuple[Outcome, ...]  # one per seed
-
-    @property
-    def stable(self) -> bool:
-        """True if no seed lost the loop."""
-        return self.losses == 0
 
     @property
     def losses(self) -> int:
@@ -69,14 +65,30 @@ class Point:
         return sum(not outcome.stable for outcome in self.outcomes)
 
     @property
-    def energy_slope_w(self) -> Interval:
-        """Slope of the net energy, over the seeds in which the loop held. [W]"""
-        return mean_interval([outcome.energy_slope_w for outcome in self.outcomes if outcome.stable])
+    def stable_share(self) -> float:
+        """Share of the seeds in which the loop held."""
+        return 1.0 - self.losses / len(self.outcomes)
+
+    def interval(self, measure: Callable[[Outcome], float]) -> Interval:
+        """Return mean and interval of a measure over the seeds in which the loop held."""
+        return mean_interval([measure(outcome) for outcome in self.outcomes if outcome.stable])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Point(Tried):
+    """One value of a sweep, tried by the persons who are not reported."""
+
+    value: float
 
     @property
-    def rms_torque_nm(self) -> Interval:
-        """Rms interaction torque, over the seeds in which the loop held. [N m]"""
-        return mean_interval([outcome.rms_torque_nm for outcome in self.outcomes if outcome.stable])
+    def stable(self) -> bool:
+        """True if no seed lost the loop."""
+        return self.losses == 0
+
+    @property
+    def energy_slope_w(self) -> Interval:
+        """Slope of the net energy. [W]"""
+        return self.interval(attrgetter("energy_slope_w"))
 
     @property
     def off_w(self) -> float:
@@ -98,44 +110,29 @@ class Curve:
     @property
     def boldest_stable(self) -> float | None:
         """The last value before the first at which the loop was lost; None if it is lost at once."""
-        stable: float | None = None
-        for point in self.points:
-            if not point.stable:
-                break
-            stable = point.value
-        return stable
+        stable = [point.value for point in takewhile(lambda point: point.stable, self.points)]
+        return stable[-1] if stable else None
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Row:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Row(Tried):
     """A method with a tuning, tried by all persons."""
 
     method: str  # name of the method
     label: str  # its label
-    tuning: Tuning  # the tuning
-    role: str  # ``"paper"``, ``"best"`` or ``"other"``
+    role: str  # ``"paper"``, ``"full"``, ``"best"`` or ``"other"``
     # with how many of the persons of the sweeps the loop was lost at the setting that the tuning was chosen by; None if
     # it was not chosen from a sweep
     tuning_losses: int | None
-    outcomes: tuple[Outcome, ...]  # one per seed
-    # factor by which the gain may grow, see ``margin``, one per seed for which it was looked for; infinite if more than
-    # anybody asks for, 0 if the loop is lost as it is
+    # factor by which the gain may grow, one per seed for which it was looked for; infinite if more than anybody asks
+    # for, 0 if the loop is lost as it is
     margins: tuple[float, ...]
     course: Course  # what figures show of the first seed
-
-    def interval(self, measure: Callable[[Outcome], float]) -> Interval:
-        """Return mean and interval of a measure over the seeds in which the loop held."""
-        return mean_interval([measure(outcome) for outcome in self.outcomes if outcome.stable])
 
     @property
     def margin(self) -> Interval:
         """Median of the stability margins; NaN if none was looked for."""
         return median_interval(self.margins)
-
-    @property
-    def stable_share(self) -> float:
-        """Share of the seeds in which the loop held."""
-        return sum(outcome.stable for outcome in self.outcomes) / len(self.outcomes)
 
     @property
     def lost_s(self) -> tuple[float, ...]:

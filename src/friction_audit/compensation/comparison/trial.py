@@ -1,6 +1,6 @@
 """One method, one tuning, one seed -> what a person would have noticed."""
 
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,10 +82,8 @@ def find_reference(simulation: Simulation) -> Reference:
             f"compare: seed {simulation.truth.seed}: {len(ends)} cycles in {motion.t[-1]:g} s, expected at least "
             f"{FEWEST}; choose a longer --duration"
         )
-    at_rest = motion.inner_dq == 0.0
-    columns = [_settled(column) for column in at_rest.T]
-    torque = motion.interaction_nm[ends[SECOND] :]
-    return Reference(ends=ends, resting=np.stack(columns, axis=1), rms_torque_nm=_rms(torque))
+    resting = np.stack([_settled(column) for column in (motion.inner_dq == 0.0).T], axis=1)
+    return Reference(ends=ends, resting=resting, rms_torque_nm=_rms(motion.interaction_nm[ends[SECOND] :]))
 
 
 def _settled(at_rest: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -105,9 +103,8 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
     lost = find_loss(simulation, reference)
     vibration = _rms(vibration_nm(torque)[after:])
     felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
-    joints = [one.at_link for one in simulation.truth.settings.joints]
-    true = [(one.inertia_kg_m2, one.coulomb_nm, one.viscous_nms_per_rad) for one in joints]
-    inertia, coulomb, viscous = np.mean(felt / np.array(true), axis=0)
+    true = [astuple(one.at_link)[:3] for one in simulation.truth.settings.joints]
+    inertia, coulomb, viscous = map(float, np.mean(felt / np.array(true), axis=0))
     resting = reference.resting
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
     return Outcome(
@@ -120,9 +117,9 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
         vibration_nm=float(np.hypot.reduce(vibration)),
         standstill_rad_s=_rms_of(motion.inner_dq[resting]),
         chatter_nm=_rms_of(changes[resting]),
-        coulomb_left=float(coulomb),
-        viscous_left=float(viscous),
-        inertia_left=float(inertia),
+        coulomb_left=coulomb,
+        viscous_left=viscous,
+        inertia_left=inertia,
     )
 
 

@@ -1,7 +1,8 @@
 """The compensator of the paper: Coulomb and viscous friction estimated from energy, cycle by cycle."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
+from typing import Self
 
 from friction_audit.compensation.compensators.law import Guard, require_not_negative, require_positive, soft_sign
 from friction_audit.compiled import Record, compiled
@@ -74,6 +75,10 @@ class EnergyCompensator(Guard):
         require_not_negative("compensator", self, "ridge", "factor", "dead_band_rad_s", "ramp_rad_s")
         require_positive("compensator", self, "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
         Guard.__post_init__(self)
+
+    def scaled(self, factor: float) -> Self:
+        """Return it with the factor on its estimate times another."""
+        return replace(self, factor=factor * self.factor)
 
     @property
     def unknowns(self) -> int:

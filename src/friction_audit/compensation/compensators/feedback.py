@@ -8,7 +8,8 @@ control of flexible joint robots, International Journal of Robotics Research 26(
 """
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 
 from friction_audit.compensation.compensators.law import (
     Guard,
@@ -45,6 +46,10 @@ class DisturbanceObserver:
             raise UsageError(
                 f"disturbance observer: compensation_gain {self.compensation_gain:g}: expected a share above 0, up to 1"
             )
+
+    def scaled(self, factor: float) -> Self:
+        """Return it with its bandwidth times a factor."""
+        return replace(self, observer_gain_per_s=factor * self.observer_gain_per_s)
 
 
 @compiled()
@@ -92,6 +97,10 @@ class TorqueRegulation:
     def torque_gain(self) -> float:
         """B / B_theta - 1."""
         return self.inertia_kg_m2 / self.desired_inertia_kg_m2 - 1.0
+
+    def scaled(self, factor: float) -> Self:
+        """Return it with its torque gain times a factor."""
+        return replace(self, desired_inertia_kg_m2=self.inertia_kg_m2 / (1.0 + factor * self.torque_gain))
 
 
 @compiled()

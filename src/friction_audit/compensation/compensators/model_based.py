@@ -104,14 +104,8 @@ def fit_sigmoid(
     """Return the sigmoid nearest to Coulomb and viscous friction over speeds up to a highest one, by least squares.
 
     The steepness is given and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
-    it may be, which at standstill turns noise of the velocity into torque.
-
-    Args:
-        coulomb_nm: Coulomb friction. [N m]
-        viscous_nms_per_rad: Viscous friction. [N m s/rad]
-        top_speed_rad_s: Highest speed that counts; all up to it count alike. [rad/s]
-        offset_nm: By so much friction is larger in the positive direction than on average. [N m]
-        steepness_s_per_rad: phi2. [s/rad]
+    it may be, which at standstill turns noise of the velocity into torque. By the offset friction is larger in the
+    positive direction than on average.
 
     Raises:
         UsageError: If there is no friction to fit, or the offset is larger than it.

@@ -4,27 +4,8 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Self, get_type_hints
 
 from friction_audit.errors import UsageError
+from friction_audit.simulation.effects import load_and_place, sensors, slow_and_events, structure, velocity
 from friction_audit.simulation.effects.effect import HiddenEffect
-from friction_audit.simulation.effects.load_and_place import (
-    CableSpring,
-    GravityError,
-    JointLimitStop,
-    LoadDependentFriction,
-    PositionDependentFriction,
-    TorqueRipple,
-)
-from friction_audit.simulation.effects.sensors import TimeDelay, TorqueBias, TorqueCrosstalk, TorqueDrift
-from friction_audit.simulation.effects.slow_and_events import ContactEvent, FrictionStep, UnloggedCompensation, WarmUp
-from friction_audit.simulation.effects.structure import Backlash, InertiaError, InertialCoupling, JointElasticity
-from friction_audit.simulation.effects.velocity import (
-    AsymmetricCoulomb,
-    AsymmetricViscous,
-    FrictionalLag,
-    NonlinearViscous,
-    Presliding,
-    Stiction,
-    Stribeck,
-)
 
 __all__ = ["EFFECTS", "Hidden", "HiddenEffect"]
 
@@ -33,31 +14,31 @@ __all__ = ["EFFECTS", "Hidden", "HiddenEffect"]
 class Hidden:
     """One group per effect, named as the effect."""
 
-    stribeck: Stribeck = Stribeck()
-    stiction: Stiction = Stiction()
-    nonlinear_viscous: NonlinearViscous = NonlinearViscous()
-    asymmetric_coulomb: AsymmetricCoulomb = AsymmetricCoulomb()
-    asymmetric_viscous: AsymmetricViscous = AsymmetricViscous()
-    presliding: Presliding = Presliding()
-    frictional_lag: FrictionalLag = FrictionalLag()
-    load_dependent_friction: LoadDependentFriction = LoadDependentFriction()
-    position_dependent_friction: PositionDependentFriction = PositionDependentFriction()
-    torque_ripple: TorqueRipple = TorqueRipple()
-    gravity_error: GravityError = GravityError()
-    cable_spring: CableSpring = CableSpring()
-    joint_limit_stop: JointLimitStop = JointLimitStop()
-    torque_bias: TorqueBias = TorqueBias()
-    torque_drift: TorqueDrift = TorqueDrift()
-    time_delay: TimeDelay = TimeDelay()
-    torque_crosstalk: TorqueCrosstalk = TorqueCrosstalk()
-    joint_elasticity: JointElasticity = JointElasticity()
-    backlash: Backlash = Backlash()
-    inertia_error: InertiaError = InertiaError()
-    inertial_coupling: InertialCoupling = InertialCoupling()
-    warm_up: WarmUp = WarmUp()
-    friction_step: FrictionStep = FrictionStep()
-    contact_event: ContactEvent = ContactEvent()
-    unlogged_compensation: UnloggedCompensation = UnloggedCompensation()
+    stribeck: velocity.Stribeck = velocity.Stribeck()
+    stiction: velocity.Stiction = velocity.Stiction()
+    nonlinear_viscous: velocity.NonlinearViscous = velocity.NonlinearViscous()
+    asymmetric_coulomb: velocity.AsymmetricCoulomb = velocity.AsymmetricCoulomb()
+    asymmetric_viscous: velocity.AsymmetricViscous = velocity.AsymmetricViscous()
+    presliding: velocity.Presliding = velocity.Presliding()
+    frictional_lag: velocity.FrictionalLag = velocity.FrictionalLag()
+    load_dependent_friction: load_and_place.LoadDependentFriction = load_and_place.LoadDependentFriction()
+    position_dependent_friction: load_and_place.PositionDependentFriction = load_and_place.PositionDependentFriction()
+    torque_ripple: load_and_place.TorqueRipple = load_and_place.TorqueRipple()
+    gravity_error: load_and_place.GravityError = load_and_place.GravityError()
+    cable_spring: load_and_place.CableSpring = load_and_place.CableSpring()
+    joint_limit_stop: load_and_place.JointLimitStop = load_and_place.JointLimitStop()
+    torque_bias: sensors.TorqueBias = sensors.TorqueBias()
+    torque_drift: sensors.TorqueDrift = sensors.TorqueDrift()
+    time_delay: sensors.TimeDelay = sensors.TimeDelay()
+    torque_crosstalk: sensors.TorqueCrosstalk = sensors.TorqueCrosstalk()
+    joint_elasticity: structure.JointElasticity = structure.JointElasticity()
+    backlash: structure.Backlash = structure.Backlash()
+    inertia_error: structure.InertiaError = structure.InertiaError()
+    inertial_coupling: structure.InertialCoupling = structure.InertialCoupling()
+    warm_up: slow_and_events.WarmUp = slow_and_events.WarmUp()
+    friction_step: slow_and_events.FrictionStep = slow_and_events.FrictionStep()
+    contact_event: slow_and_events.ContactEvent = slow_and_events.ContactEvent()
+    unlogged_compensation: slow_and_events.UnloggedCompensation = slow_and_events.UnloggedCompensation()
 
     def __post_init__(self) -> None:
         """Refuse stiction where bristles hold the joint: it never rests as a whole."""

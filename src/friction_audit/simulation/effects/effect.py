@@ -171,7 +171,7 @@ class HiddenEffect:
         """True if it does anything."""
         return bool(getattr(self, self.strength_name()) != 0.0)
 
-    def values(self) -> dict[str, float | str]:
+    def values(self) -> dict[str, Any]:
         """Return its parameters by name, the form as its word."""
         numbers = {item.name: getattr(self, item.name) for item in fields(self)}
         return numbers | ({FORM: self.forms[numbers[FORM]]} if self.forms else {})

@@ -98,25 +98,21 @@ class PositionDependentFriction(HiddenEffect):
 
 
 @compiled()
-def _place_shape(form: int, angle: float, phase: float) -> float:
-    """Return the relative change of the level at an angle of the cycle, between -1 and 1."""
-    if form == HARMONICS:
-        first = FIRST_WEIGHT * math.sin(angle + phase)
-        second = SECOND_WEIGHT * math.sin(SECOND_ORDER * angle + phase)
-        return float(first + second + THIRD_WEIGHT * math.sin(THIRD_ORDER * angle + phase))
-    if form == PATCH:
-        return float(math.exp(PATCH_SHARPNESS * (math.cos(angle + phase) - 1.0)))
-    return float(math.sin(angle + phase))
-
-
-@compiled()
 def place_factor(group: Record, q: float) -> float:
     """Return the factor of the Coulomb level at a position: 1 on average, never below 0, so passive.
 
     Periodic after Armstrong-Helouvry, Control of Machines with Friction (1991), who found several spatial frequencies
     in one joint; the patch stands for a worn or dirty tooth.
     """
-    change = _place_shape(group.form, group.cycles_per_rev * q, group.phase_rad)
+    angle, phase = group.cycles_per_rev * q, group.phase_rad
+    if group.form == HARMONICS:
+        first = FIRST_WEIGHT * math.sin(angle + phase)
+        second = SECOND_WEIGHT * math.sin(SECOND_ORDER * angle + phase)
+        change = first + second + THIRD_WEIGHT * math.sin(THIRD_ORDER * angle + phase)
+    elif group.form == PATCH:
+        change = math.exp(PATCH_SHARPNESS * (math.cos(angle + phase) - 1.0))
+    else:
+        change = math.sin(angle + phase)
     return float(max(0.0, 1.0 + group.share * change))
 
 
@@ -150,7 +146,7 @@ def cogging_nm(group: Record, q: float) -> float:
 
     Conservative: it gives back over a cycle what it took.
     """
-    if group.form != COGGING:
+    if group.form != COGGING or group.torque_nm == 0.0:
         return 0.0
     angle = group.cycles_per_rev * q
     return float(group.torque_nm * (math.sin(angle) + group.second_share * math.cos(2.0 * angle)))

@@ -79,11 +79,6 @@ def delayed(signal: Float, delay_s: float, dt: float) -> Float:
     """Return a signal that comes late, the first value held until it arrives; the very same array without a delay.
 
     Between two samples the line is read linearly: finely sampled, it neither overshoots at a jump nor smooths much.
-
-    Args:
-        signal: Finely sampled truth, shape (n,) or (n, j).
-        delay_s: Delay, not negative.
-        dt: Spacing of the samples.
     """
     if delay_s == 0.0:
         return signal

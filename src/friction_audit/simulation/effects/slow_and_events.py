@@ -214,10 +214,13 @@ class UnloggedCompensation(HiddenEffect):
 def unlogged_nm(group: Record, velocity: float) -> float:
     """Return the torque that helps the motion, of the sign of the velocity. [N m]
 
-    Not passive by its nature: it feeds the joint, and above the joint's own friction it drives it.
+    Not passive by its nature: it feeds the joint, and above the joint's own friction it drives it. The sigmoid is that
+    of Gaz et al. (2019), shifted through the origin: phi1 is twice the Coulomb friction, phi2 one over the width; phi2
+    phi3 is that of the published joint 1, so that the plateaus differ by a fifth. As tanh it does not overflow.
     """
     if group.form == SIGMOID:
-        return float(group.share * sigmoid_nm(group, velocity))
+        shifted = math.tanh(0.5 * (velocity / group.width_rad_s + SKEW))
+        return float(group.share * (group.coulomb_nm * (shifted - math.tanh(0.5 * SKEW))))
     if group.form == DEAD_BAND:
         if abs(velocity) <= group.width_rad_s:
             return 0.0
@@ -225,14 +228,3 @@ def unlogged_nm(group: Record, velocity: float) -> float:
     else:
         coulomb = group.coulomb_nm * math.tanh(velocity / group.width_rad_s)
     return float(group.share * (coulomb + group.viscous_nms_per_rad * velocity))
-
-
-@compiled()
-def sigmoid_nm(group: Record, velocity: float) -> float:
-    """Return the friction of a Panda joint after Gaz et al. (2019): a sigmoid shifted through the origin. [N m]
-
-    phi1 is twice the Coulomb friction, phi2 one over the width; phi2 phi3 is that of the published joint 1, so that the
-    two plateaus differ by a fifth. A logistic function is written as tanh, which does not overflow.
-    """
-    shifted = math.tanh(0.5 * (velocity / group.width_rad_s + SKEW))
-    return float(group.coulomb_nm * (shifted - math.tanh(0.5 * SKEW)))

@@ -67,14 +67,12 @@ def elastic_torque_nm(group: Record, stretch: float) -> float:
 
 
 @compiled()
-def elastic_damping_nms_per_rad(group: Record, inertia: float) -> float:
-    """Return the damping between motor and link that gives the damping ratio; 0 for a rigid joint. [N m s/rad]
+def damping_nms_per_rad(ratio: float, compliance: float, inertia: float) -> float:
+    """Return the damping between motor and link, or of touching flanks, that gives a damping ratio. [N m s/rad]
 
     Inertia: the reduced one of both sides. [kg m^2]
     """
-    if group.compliance_rad_per_nm == 0.0:
-        return 0.0
-    return float(2.0 * group.damping_ratio * math.sqrt(inertia / group.compliance_rad_per_nm))
+    return 2.0 * ratio * math.sqrt(inertia / compliance)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -111,21 +109,6 @@ def engaged(group: Record, stretch: float) -> float:
     if stretch < -half:
         return float(stretch + half)
     return 0.0
-
-
-@compiled()
-def contact_nm(group: Record, engaged_rad: float) -> float:
-    """Return the elastic torque of the flanks, signed as the stretch that is left after the dead zone. [N m]"""
-    return float(engaged_rad / group.contact_compliance_rad_per_nm)
-
-
-@compiled()
-def contact_damping_nms_per_rad(group: Record, inertia: float) -> float:
-    """Return the damping of the flanks while they touch, which takes the energy of the impact. [N m s/rad]
-
-    Inertia: the reduced one of both sides. [kg m^2]
-    """
-    return float(2.0 * group.contact_damping_ratio * math.sqrt(inertia / group.contact_compliance_rad_per_nm))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

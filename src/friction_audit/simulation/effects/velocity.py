@@ -171,46 +171,6 @@ class Presliding(HiddenEffect):
 
 
 @compiled()
-def presliding_stiffness(group: Record, coulomb_nm: float) -> float:
-    """Return the stiffness at rest, constant at any level; takes a displacement > 0. [N m/rad]"""
-    return float(coulomb_nm / group.displacement_rad)
-
-
-@compiled()
-def lugre_advance(z: float, sigma0: float, level: float, velocity: float, h: float) -> float:
-    """Move the deflection on by h at constant velocity: the exact solution of Canudas de Wit et al. (1995), eq. 1.
-
-    Stable for every h, because the deflection decays towards its steady value by an exponential.
-    """
-    decay = sigma0 * abs(velocity) * h / level
-    reached = -math.expm1(-decay) / decay if decay > 0.0 else 1.0
-    return z * math.exp(-decay) + velocity * h * reached
-
-
-@compiled()
-def lugre_rate(z: float, sigma0: float, level: float, velocity: float) -> float:
-    """Return the rate of the deflection: Canudas de Wit et al. (1995), eq. 1."""
-    return velocity - sigma0 * abs(velocity) * z / level
-
-
-@compiled()
-def lugre_force(z: float, rate: float, sigma0: float, sigma1: float) -> float:
-    """Return the force of the bristles of Canudas de Wit et al. (1995), without the viscous term."""
-    return sigma0 * z + sigma1 * rate
-
-
-@compiled()
-def passive_damping(sigma1: float, level: float, velocity: float) -> float:
-    """Return the micro-damping, less at speed, so that LuGre is passive at every viscous coefficient.
-
-    With the stored energy sigma0 z^2 / 2, the dissipated power is a quadratic form in z and v that is not negative as
-    long as sigma1 |v| <= 4 level. A constant sigma1 would take a viscous coefficient above sigma1 (Fs - Fc) / Fc
-    (Barabanov and Ortega 2000).
-    """
-    return sigma1 / (1.0 + sigma1 * abs(velocity) / (4.0 * level))
-
-
-@compiled()
 def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: float, exponent: float) -> float:
     """Move the deflection on by h at constant velocity: the exact solution of Dahl (1976) for any exponent.
 
@@ -253,9 +213,12 @@ def presliding_advance(
     if coulomb_nm <= 0.0:
         return
     level = max(level, LEAST_LEVEL * coulomb_nm)
-    sigma0 = presliding_stiffness(group, coulomb_nm)
+    sigma0 = coulomb_nm / group.displacement_rad
     if group.form == LUGRE:
-        bristles[0] = lugre_advance(bristles[0], sigma0, level, velocity, h)
+        # The exact solution of Canudas de Wit et al. (1995), eq. 1, stable for every h.
+        decay = sigma0 * abs(velocity) * h / level
+        reached = -math.expm1(-decay) / decay if decay > 0.0 else 1.0
+        bristles[0] = bristles[0] * math.exp(-decay) + velocity * h * reached
     elif group.form == DAHL:
         bristles[0] = dahl_advance(bristles[0], sigma0, level, velocity, h, group.exponent)
     else:
@@ -275,10 +238,14 @@ def presliding_force_nm(group: Record, bristles: Float, coulomb_nm: float, level
     if coulomb_nm <= 0.0:
         return 0.0
     level = max(level, LEAST_LEVEL * coulomb_nm)
-    sigma0 = presliding_stiffness(group, coulomb_nm)
+    sigma0 = coulomb_nm / group.displacement_rad
     if group.form == LUGRE:
-        sigma1 = passive_damping(group.damping_s * sigma0, level, velocity)
-        return float(lugre_force(bristles[0], lugre_rate(bristles[0], sigma0, level, velocity), sigma0, sigma1))
+        # The micro-damping is less at speed, so that LuGre is passive at every viscous coefficient: with the stored
+        # energy sigma0 z^2 / 2 it is as long as sigma1 |v| <= 4 level (Barabanov and Ortega 2000).
+        sigma1 = group.damping_s * sigma0
+        sigma1 = sigma1 / (1.0 + sigma1 * abs(velocity) / (4.0 * level))
+        rate = velocity - sigma0 * abs(velocity) * bristles[0] / level
+        return float(sigma0 * bristles[0] + sigma1 * rate)
     if group.form == DAHL:
         return float(sigma0 * bristles[0])
     force = 0.0

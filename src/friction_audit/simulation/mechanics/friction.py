@@ -70,14 +70,6 @@ def holding_level(joint: Record, state: Record, q: float, sign: float, t: float,
 
 
 @compiled()
-def cogging_torque(joint: Record, q: float) -> float:
-    """Return the torque of a motor that cogs, positive towards positive velocity. [N m]"""
-    if joint.hidden.torque_ripple.torque_nm == 0.0:
-        return 0.0
-    return float(load_and_place.cogging_nm(joint.hidden.torque_ripple, q))
-
-
-@compiled()
 def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
     """Return all torques on the inner side but friction, positive towards positive velocity. [N m]"""
     hidden = joint.hidden
@@ -132,9 +124,9 @@ def load_joint(
     q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]
     body.inner_torque[j] = body.support[j] + other_torque(joint, state, events, q, dq, t)
     if state.driven:
-        body.force[j] += cogging_torque(joint, body.y[j] + ahead * body.v[j])
+        body.force[j] += load_and_place.cogging_nm(joint.hidden.torque_ripple, body.y[j] + ahead * body.v[j])
     else:
-        body.inner_torque[j] += cogging_torque(joint, q)
+        body.inner_torque[j] += load_and_place.cogging_nm(joint.hidden.torque_ripple, q)
     body.force[c] += body.inner_torque[j]
     lagging = joint.hidden.frictional_lag.lag_s != 0.0
     body.viscous[j] = 0.0 if lagging else viscous_now(joint, state, t, duration)
@@ -168,13 +160,19 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
     """Add the spring and the damper, or the flanks, between the two sides of a joint."""
     c = body.inner[j]
     stretch = body.y[c] + ahead * body.v[c] - body.y[j] - ahead * body.v[j]
-    engaged = structure.engaged(joint.hidden.backlash, stretch)
-    if engaged == 0.0 and joint.hidden.backlash.gap_rad != 0.0:
+    elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
+    engaged = structure.engaged(flanks, stretch)
+    if engaged == 0.0 and flanks.gap_rad != 0.0:
         return
     ringing = body.mass[c, c] * body.mass[j, j] / (body.mass[c, c] + body.mass[j, j])
-    torque, damping = _transmitted(joint, engaged, ringing)
+    torque, compliance = structure.elastic_torque_nm(elastic, engaged), elastic.compliance_rad_per_nm
+    ratio = elastic.damping_ratio
+    if compliance == 0.0:
+        compliance, ratio = flanks.contact_compliance_rad_per_nm, flanks.contact_damping_ratio
+        torque = engaged / compliance
+    damping = structure.damping_nms_per_rad(ratio, compliance, ringing)
     closing = body.v[c] + ahead * body.a[c] - body.v[j] - ahead * body.a[j]
-    if joint.hidden.backlash.gap_rad != 0.0 and (torque + damping * closing) * engaged < 0.0:
+    if flanks.gap_rad != 0.0 and (torque + damping * closing) * engaged < 0.0:
         return  # Flanks that part push no more, and they never pull.
     body.force[c] -= torque
     body.force[j] += torque
@@ -182,12 +180,3 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
     body.damping[j, j] += damping
     body.damping[c, j] -= damping
     body.damping[j, c] -= damping
-
-
-@compiled()
-def _transmitted(joint: Record, engaged: float, ringing: float) -> tuple[float, float]:
-    """Return spring torque and damping of a transmission twisted beyond its gap."""
-    elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
-    if elastic.compliance_rad_per_nm != 0.0:
-        return structure.elastic_torque_nm(elastic, engaged), structure.elastic_damping_nms_per_rad(elastic, ringing)
-    return structure.contact_nm(flanks, engaged), structure.contact_damping_nms_per_rad(flanks, ringing)

@@ -125,14 +125,12 @@ def pad_events(tables: Sequence[Float]) -> Float:
     return padded
 
 
-# What is kept of every tick and joint, place and speed of the outer side, the others as in ``TrueMotion``; their rows.
+# What ``tick.keep`` keeps of every tick and joint: place and speed of the outer side, the others as in ``TrueMotion``.
 KEPT = (
     *("outer_q", "outer_dq", "inner_q", "inner_dq", "inner_ddq", "port_nm", "support_nm", "friction_nm"),
     *("compensation_nm", "passivity_nm", "unlogged_nm", "dissipated_j", "warmth"),
 )
 ROWS = len(KEPT)
-OUTER, OUTER_SPEED, INNER, SPEED, ACCELERATION, PORT, SUPPORT, FRICTION = range(8)
-COMPENSATION, PASSIVITY, UNLOGGED, DISSIPATED, WARMTH = range(8, ROWS)
 
 
 class Clock(NamedTuple):
@@ -148,6 +146,7 @@ class Loop(NamedTuple):
 
     settings: Any  # records of the compensators, shape (n,)
     memory: Any  # their memory, shape (n,); changed
+    words: NDArray[np.int64]  # the same memory, field by field, shape (n, fields)
     torque_noise: Float  # error of the torque as read, shape (ticks + 1, n) [N m]
     velocity_noise: Float  # error of the velocity as read, shape (ticks + 1, n) [rad/s]
     position_noise: Float  # error of the position as read, shape (ticks + 1, n); no compensator looks at it [rad]
@@ -165,4 +164,4 @@ class Mechanism(NamedTuple):
     loop: Loop  # compensators and what they see
     clock: Clock
     out: Float  # truth of every tick, shape (ticks + 1, ROWS, n)
-    traced: Float  # memory of the compensators, shape (ticks + 1, n, columns); no columns without one
+    traced: NDArray[np.int64]  # TRACE of the compensators, shape (ticks + 1, n, fields); no fields without one

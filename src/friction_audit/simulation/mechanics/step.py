@@ -134,17 +134,6 @@ def _stop_time(body: Record, c: int, h: float, share: float) -> float:
 
 
 @compiled()
-def _take(state: Record, body: Record, c: int, way: float, h: float) -> None:
-    """Count the work of friction over a piece of the way, and the time at rest."""
-    if body.mode[c] == 0.0:
-        state.rest_s += h
-        return
-    state.rest_s = 0.0
-    sign = 1.0 if body.mode[c] == FREE else body.mode[c]
-    state.dissipated_j += sign * body.level[c] * way + body.viscous[body.joint[c]] * way * way / h
-
-
-@compiled()
 def _drift(states: Record, body: Record, h: float) -> None:
     if h <= 0.0:
         return
@@ -152,7 +141,14 @@ def _drift(states: Record, body: Record, h: float) -> None:
         after = body.v[c] + h * body.a[c]
         way = 0.5 * h * (body.v[c] + after)
         if body.joint[c] >= 0:
-            _take(states[body.joint[c]], body, c, way, h)
+            # The time at rest, or the work of friction over this piece of the way.
+            state, mode = states[body.joint[c]], body.mode[c]
+            if mode == 0.0:
+                state.rest_s += h
+            else:
+                state.rest_s = 0.0
+                sign = 1.0 if mode == FREE else mode
+                state.dissipated_j += sign * body.level[c] * way + body.viscous[body.joint[c]] * way * way / h
         body.y[c] += way
         body.v[c] = after
 

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from friction_audit.compensation.controller import FIND, trace
+from friction_audit.compensation.controller import FIND
 from friction_audit.compensation.controller import step as compensate
 from friction_audit.compensation.hand_cycles import INITIATION_M_S, TERMINATION_M_S, UNDER_WAY, hand_rests
 from friction_audit.compiled import Record, compiled
@@ -28,7 +28,7 @@ def _twist(joint: Record, load_nm: float) -> float:
     low, high = 0.0, 2.0 * abs(load_nm) * (elastic.compliance_rad_per_nm + flanks.contact_compliance_rad_per_nm)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        torque = structure.elastic_torque_nm(elastic, middle) if soft else structure.contact_nm(flanks, middle)
+        torque = structure.elastic_torque_nm(elastic, middle) if soft else middle / flanks.contact_compliance_rad_per_nm
         if torque < abs(load_nm):
             low = middle
         else:
@@ -86,20 +86,13 @@ def keep(states: Record, body: Record, out: Float) -> None:
     """Write the truth of an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
         c = body.inner[j]
-        out[row.OUTER, j], out[row.OUTER_SPEED, j], out[row.INNER, j], out[row.SPEED, j] = (
-            body.y[j],
-            body.v[j],
-            body.y[c],
-            body.v[c],
+        kept = (
+            *(body.y[j], body.v[j], body.y[c], body.v[c], body.a[c], body.port[j], body.support[j], body.friction[j]),
+            *(states[j].compensation_nm - states[j].passivity_nm, states[j].passivity_nm, states[j].unlogged_nm),
+            *(states[j].dissipated_j, states[j].warmth),
         )
-        out[row.ACCELERATION, j], out[row.PORT, j], out[row.SUPPORT, j] = body.a[c], body.port[j], body.support[j]
-        out[row.FRICTION, j], out[row.COMPENSATION, j] = (
-            body.friction[j],
-            states[j].compensation_nm - states[j].passivity_nm,
-        )
-        out[row.PASSIVITY, j] = states[j].passivity_nm
-        out[row.UNLOGGED, j], out[row.DISSIPATED, j] = states[j].unlogged_nm, states[j].dissipated_j
-        out[row.WARMTH, j] = states[j].warmth
+        for i in range(row.ROWS):
+            out[i, j] = kept[i]
 
 
 @compiled()
@@ -116,35 +109,6 @@ def control(joints: Record, states: Record, body: Record, loop: Record, clock: R
         interaction = body.support[j] - read
         state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
         state.passivity_nm = loop.memory[j].passivity_nm
-
-
-@compiled()
-def run_bench(mechanism: Record, push: Float, gravity: Float, driven: bool, first: int, last: int) -> None:
-    """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
-
-    ``push`` is the torque of the drive with the joint at zero, ``gravity`` amplitude and phase of the load's gravity
-    torque.
-    """
-    joints, states, events, body, loop, clock, out, traced = mechanism
-    half, link = 0.5 * clock.dt, body.inner[0] if driven else 0
-    for k in range(first, last):
-        t = k * clock.dt
-        place = body.y[link] + (half * body.v[link] if k > 0 else 0.0)
-        weight = gravity[0] * np.sin(place + gravity[1])
-        body.support[0] = -weight if driven else weight
-        body.push[0] = push[k] - body.support[0]
-        before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
-        body.push_rate[0] = 0.5 * (before + after) / clock.dt
-        body.push_bend[0] = (after - before) / clock.dt**2
-        if k > 0:
-            advance(joints, states, events, body, clock, t - half, -half)
-        evaluate(joints, states, events, body, clock, t)
-        keep(states, body, out[k])
-        control(joints, states, body, loop, clock, k, FIND)
-        if traced.shape[2] > 0:
-            trace(loop.memory[0], traced[k, 0])
-        if k + 1 < len(push):
-            advance(joints, states, events, body, clock, t, 0.0)
 
 
 @compiled()
@@ -214,10 +178,10 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
 
 
 @compiled()
-def tick_arm(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int) -> None:
+def tick(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int) -> None:
     """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise.
 
-    ``by_hand``: the hand ends the cycles of all joints.
+    ``by_hand``: the hand ends the cycles of all joints; only then its Jacobian and its cycle matter.
     """
     joints, states, events, body, loop, clock, out, traced = mechanism
     t, half = k * clock.dt, 0.5 * clock.dt
@@ -227,8 +191,28 @@ def tick_arm(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k:
     keep(states, body, out[k])
     cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if by_hand else FIND
     control(joints, states, body, loop, clock, k, cut)
-    if traced.shape[2] > 0:
-        for j in range(len(joints)):
-            trace(loop.memory[j], traced[k, j])
+    for j in range(len(joints)):
+        for field in range(traced.shape[2]):
+            traced[k, j, field] = loop.words[j, field]
     if k + 1 < len(out):
         advance(joints, states, events, body, clock, t, 0.0)
+
+
+@compiled()
+def run_bench(mechanism: Record, push: Float, gravity: Float, driven: bool, first: int, last: int) -> None:
+    """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
+
+    ``push`` is the torque of the drive with the joint at zero, ``gravity`` amplitude and phase of the load's gravity
+    torque.
+    """
+    body, dt, nothing, by_hand = mechanism.body, mechanism.clock.dt, np.zeros((1, 1)), False
+    link = body.inner[0] if driven else 0
+    for k in range(first, last):
+        place = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
+        weight = gravity[0] * np.sin(place + gravity[1])
+        body.support[0] = -weight if driven else weight
+        body.push[0] = push[k] - body.support[0]
+        before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
+        body.push_rate[0] = 0.5 * (before + after) / dt
+        body.push_bend[0] = (after - before) / dt**2
+        tick(mechanism, nothing, nothing[0], by_hand, k)

@@ -67,9 +67,7 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
 def angular_velocity(rotation: Float, derivative: Float) -> Float:
     """Return the angular velocity in the world's axes, by the left Jacobian of the rotation group.
 
-    Args:
-        rotation: Rotation vectors, shape (n, 3). [rad]
-        derivative: Their derivatives by time, shape (n, 3). [rad/s]
+    Of rotation vectors [rad] and their derivatives by time [rad/s], shape (n, 3) each.
     """
     angle = np.linalg.norm(rotation, axis=1)
     safe = np.maximum(angle, SMALL_RAD)

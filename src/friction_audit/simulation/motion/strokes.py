@@ -205,27 +205,17 @@ class SlowSweep:
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
-        start, way, speed = _plan(self, ticks * dt, rng)
+        now, rows = REST_S, [np.zeros((3, 0))]
+        for targets in _excursions(self, rng):
+            places, speeds = np.array(targets).T
+            ways = np.diff(places, prepend=0.0)
+            lasts = np.abs(ways) / speeds + self.ease_s + self.dwell_s
+            if now + lasts.sum() - self.dwell_s > ticks * dt - REST_S:
+                break
+            rows.append(np.stack([now + np.cumsum(lasts) - lasts, ways, speeds]))
+            now += float(lasts.sum())
+        start, way, speed = np.hstack(rows)
         return at_constant_speed(tick_times(ticks, dt), start, way, speed, np.full(len(start), self.ease_s))
-
-
-def _plan(settings: SlowSweep, duration_s: float, rng: np.random.Generator) -> tuple[Float, Float, Float]:
-    """Return start [s], signed way [rad] and speed [rad/s] of the strokes that fit, each of shape (m,)."""
-    start: list[float] = []
-    way: list[float] = []
-    speed: list[float] = []
-    now = REST_S
-    for targets in _excursions(settings, rng):
-        places, speeds = np.array(targets).T
-        ways = np.diff(places, prepend=0.0)
-        lasts = np.abs(ways) / speeds + settings.ease_s + settings.dwell_s
-        if now + lasts.sum() - settings.dwell_s > duration_s - REST_S:
-            break
-        start.extend(now + np.cumsum(lasts) - lasts)
-        way.extend(ways)
-        speed.extend(speeds)
-        now += float(lasts.sum())
-    return np.array(start), np.array(way), np.array(speed)
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:

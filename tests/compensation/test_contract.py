@@ -1,4 +1,4 @@
-"""What every compensator keeps to, over the tuple of them."""
+"""What every compensator keeps to, and loops that ran away."""
 
 from dataclasses import fields, replace
 from pathlib import Path
@@ -22,12 +22,15 @@ from friction_audit.compensation.compensators import (
     guard_of,
     kind_of,
 )
-from friction_audit.compensation.controller import FIND, step
+from friction_audit.compensation.controller import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM
+from friction_audit.compensation.replay import run
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import PANDA_SENSORS
-from tests.compensation.competitor_bench import COULOMB, INERTIA, TICK_S, VISCOUS, feed, fresh, guided
+from tests.compensation.bench import COULOMB, INERTIA, VISCOUS, feed, guided
+
+# What every compensator keeps to, over the tuple of them.
 
 EXAMPLES: dict[str, Compensator | None] = {
     "none": None,
@@ -47,32 +50,6 @@ def test_every_kind_has_an_example_of_its_own_code() -> None:
     assert list(EXAMPLES) == [kind.name for kind in COMPENSATORS]
     assert [kind.code for kind in COMPENSATORS] == list(range(len(COMPENSATORS)))
     assert all(kind_of(EXAMPLES[kind.name]) is kind for kind in COMPENSATORS)
-
-
-def relieve(compensator: Compensator | None, dq: Any, total_nm: Any) -> Float:
-    """Return the torques of a compensator that takes its part of a given total; the sensor feels the rest."""
-    settings, memory = fresh(compensator)
-    torques = [0.0]
-    for v, torque in zip(dq, total_nm, strict=True):
-        torques.append(step(settings, memory, v, torque - torques[-1], TICK_S, FIND))
-    assert memory["unstable"] == 0
-    return np.array(torques)
-
-
-@each
-def test_at_rest_nothing_pushes(kind: Any) -> None:
-    torque, _ = feed(EXAMPLES[kind.name], np.zeros(50), 0.0)
-    assert_array_equal(torque, 0.0)
-
-
-@each
-def test_noise_gives_finite_torques_and_the_same_ones_again(kind: Any) -> None:
-    rng = np.random.default_rng(1)
-    dq = np.sin(np.pi * np.arange(3000) * TICK_S) + 0.003 * rng.standard_normal(3000)
-    total = 0.3 * np.sign(dq) + 0.05 * rng.standard_normal(3000)
-    first, second = (relieve(EXAMPLES[kind.name], dq, total) for _ in range(2))
-    assert np.abs(first).max() < 2.0
-    assert_array_equal(first, second)
 
 
 @each
@@ -122,3 +99,45 @@ def test_every_kind_has_its_section_in_the_documentation() -> None:
     headings = [line.removeprefix("## ") for line in page.read_text().splitlines() if line.startswith("## ")]
     names = [kind.name for kind in COMPENSATORS]
     assert headings[: len(names)] == names
+
+
+# Loops that ran away.
+
+T: Float = np.arange(500.0) * 1e-3
+DQ: Float = np.sin(T)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1.1 * SPEED_BOUND_RAD_S])
+def test_a_speed_that_is_none_silences_for_good(bad: float) -> None:
+    dq = DQ.copy()
+    dq[200] = bad
+    traces = run(FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.0), T, dq, np.ones_like(T))
+    assert np.all(traces["u_nm"][50:200] == 0.3)
+    assert np.all(traces["u_nm"][200:] == 0.0)
+    assert_array_equal(traces["unstable"], np.arange(500) >= 200)
+    assert np.all(np.isfinite(traces["energy_j"]))
+
+
+@pytest.mark.parametrize("bad", [np.nan, -np.inf, 1.1 * TORQUE_BOUND_NM])
+def test_a_torque_that_is_none_does_not_reach_the_ledgers(bad: float) -> None:
+    torque = np.ones_like(T)
+    torque[300] = bad
+    traces = run(EnergyCompensator(), T, DQ, torque)
+    assert_array_equal(traces["unstable"], np.arange(500) >= 300)
+    assert_array_equal(traces["energy_j"][300:], traces["energy_j"][299])
+
+
+def test_its_own_torque_is_watched_too() -> None:
+    regulation = TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=1e-3)
+    torque, memory = feed(regulation, 0.0, [1.0, 5.0, 20.0, 1.0])
+    assert torque == pytest.approx([999.0, 4995.0, 0.0, 0.0])
+    assert memory["unstable_tick"] == 2
+    assert memory["ticks"] == 4
+
+
+def test_turning_back_at_the_limit_tick_by_tick_is_no_control() -> None:
+    held = TorqueRegulation(inertia_kg_m2=1.0, desired_inertia_kg_m2=0.1, guard=Guard(max_torque_nm=1.0))
+    sides = np.where(np.arange(200) % 2, 1.0, -1.0)
+    torque, memory = feed(held, 0.0, sides)
+    assert memory["unstable_tick"] == pytest.approx(REVERSALS, abs=1)
+    assert_array_equal(torque[REVERSALS + 2 :], 0.0)

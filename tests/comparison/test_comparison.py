@@ -1,0 +1,340 @@
+"""The comparison of methods: intervals, margins, tunings, trials, and the whole, short."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cache
+from math import inf, nan
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.patches import Rectangle
+
+from friction_audit.cli.compare import FIGURES
+from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
+from friction_audit.compensation.comparison.experiment import choose_best, find_margin
+from friction_audit.compensation.comparison.methods import BEST, OBSERVED_SHARE, Joint, Method, Scene, Tuning
+from friction_audit.compensation.comparison.result import Curve, Point, mean_interval, median_interval
+from friction_audit.compensation.comparison.trial import (
+    Reference,
+    energy_slope_w,
+    find_reference,
+    make_course,
+    measure,
+    vibration_nm,
+)
+from friction_audit.compensation.compensators import (
+    Compensator,
+    DisturbanceObserver,
+    EnergyCompensator,
+    FixedCompensation,
+    LugreCompensation,
+    SigmoidCompensation,
+    TorqueRegulation,
+)
+from friction_audit.errors import AnalysisError
+from friction_audit.reporting.compare import compare_lines
+from friction_audit.reporting.figures.comparison import draw_comparison as draw
+from friction_audit.reporting.figures.comparison import draw_sweeps
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.scenarios import simulate
+from friction_audit.simulation.settings import IDEAL_SENSORS
+from friction_audit.simulation.simulation import Simulation
+
+# A short comparison, made once.
+
+SEEDS = 2
+CHOSEN = ("none", "disturbance_observer", "torque_regulation", "energy", "oracle")
+
+
+def short_joint(duration_s: float = 15.0) -> Scene:
+    """Return the joint with few and short trials."""
+    joint = SCENES[0]
+    plan = replace(joint.plan, tuning_seeds=1, most_values=5, sweeps=1, margin_seeds=1, margin_share=0.7)
+    return replace(joint, settings=replace(joint.settings, duration_s=duration_s), plan=plan)
+
+
+@cache
+def compared() -> Comparison:
+    """Return a comparison of some methods."""
+    return compare(short_joint(), SEEDS, [method for method in METHODS if method.name in CHOSEN])
+
+
+# Means, medians and their intervals.
+
+
+def test_by_hand() -> None:
+    # Student's t with 3 degrees of freedom: 3.182; standard deviation 1.291, over the root of 4.
+    value, low, high = mean_interval([1.0, 2.0, 3.0, 4.0])
+    assert value == 2.5
+    assert high - value == pytest.approx(3.182446 * np.std([1, 2, 3, 4], ddof=1) / 2, rel=1e-6)
+    assert value - low == pytest.approx(high - value)
+
+
+def test_what_is_not_known_does_not_count() -> None:
+    assert mean_interval([1.0, nan, 1.0]) == (1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize(("values", "mean"), [([], nan), ([nan], nan), ([2.0], 2.0)])
+def test_too_few_have_no_interval(values: list[float], mean: float) -> None:
+    interval = mean_interval(values)
+    assert interval.value == pytest.approx(mean, nan_ok=True)
+    assert np.isnan([interval.low, interval.high]).all()
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        # Tables of the binomial distribution: of 20 values the 6th and the 15th, of 6 the first and the last.
+        (list(range(1, 21)), (10, 6, 15)),
+        ([6, 5, 4, 3, 2, 1], (3, 1, 6)),
+        ([2.0, 1.0, inf, inf, inf, inf, inf], (inf, 1.0, inf)),
+        ([0.0, 0.0, 0.0, 1.0, inf, inf], (0.0, 0.0, inf)),
+    ],
+)
+def test_medians_by_hand(values: list[float], expected: tuple[float, float, float]) -> None:
+    assert median_interval(values) == expected
+
+
+# Stability margin: bisection, and what a gain is.
+
+
+@pytest.mark.parametrize(("limit", "margin"), [(0.5, 0.0), (1.3, 1.3), (7.0, 7.0), (1000.0, inf)])
+def test_limits_are_found(limit: float, margin: float) -> None:
+    found = find_margin(lambda factor: factor <= limit)
+    assert found == pytest.approx(margin, rel=0.05)
+    assert found <= limit or found == inf
+
+
+@pytest.mark.parametrize(
+    ("compensator", "name", "twice"),
+    [
+        (FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.1), "coulomb_nm", 0.6),
+        (SigmoidCompensation(height_nm=0.6, steepness_s_per_rad=9.0), "height_nm", 1.2),
+        (LugreCompensation(coulomb_nm=0.3, breakaway_nm=0.3, viscous_nms_per_rad=0.1), "viscous_nms_per_rad", 0.2),
+        (EnergyCompensator(), "factor", 2.0),
+        (DisturbanceObserver(inertia_kg_m2=0.3, observer_gain_per_s=20.0), "observer_gain_per_s", 40.0),
+        (TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.15), "desired_inertia_kg_m2", 0.1),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_twice_the_gain(compensator: Any, name: str, twice: float) -> None:
+    assert getattr(compensator.scaled(2.0), name) == pytest.approx(twice)
+    assert compensator.scaled(1.0) == compensator
+
+
+# What holds for every method.
+
+EACH = pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)
+
+
+def tunings(method: Method) -> list[Tuning]:
+    own = [method.paper] if method.full is None else [method.paper, method.full]
+    return [*own, *method.others, *(sweep.at(value) for sweep in method.sweeps for value in sweep.values)]
+
+
+@EACH
+def test_every_tuning_makes_a_compensator_for_every_joint(method: Method) -> None:
+    for joint in SCENES[1].joints:
+        for tuning in tunings(method):
+            assert isinstance(tuning.make(joint), Compensator)
+            assert tuning.name
+            assert tuning.meaning
+            tuning.make(joint).scaled(2.0)
+
+
+@EACH
+def test_sweeps_go_from_careful_to_bold(method: Method) -> None:
+    for sweep in method.sweeps:
+        assert list(sweep.values) == sorted(sweep.values)
+
+
+def test_joints_have_the_limits_of_a_panda() -> None:
+    limits = [joint.guard.max_torque_nm for joint in SCENES[1].joints]
+    assert limits == [87.0] * 4 + [12.0] * 3
+    compensator = next(one for one in METHODS if one.name == "torque_regulation").sweeps[0].at(1.0).make(joint_six())
+    assert isinstance(compensator, TorqueRegulation)
+    assert compensator.guard.max_torque_nm == 12.0
+    assert compensator.torque_gain == pytest.approx(1.0)
+
+
+def test_the_two_named_settings_differ_in_the_share_of_the_observer_alone() -> None:
+    (method,) = (one for one in METHODS if one.full is not None)
+    assert method.full is not None
+    partly, fully = method.paper.make(joint_six()), method.full.make(joint_six())
+    assert isinstance(fully, DisturbanceObserver)
+    assert fully.compensation_gain == 1.0
+    assert partly == replace(fully, compensation_gain=OBSERVED_SHARE)
+
+
+def joint_six() -> Joint:
+    return SCENES[1].joints[5]
+
+
+# Measures of a trial, by hand where a hand can.
+
+IDLE = FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+
+
+def rigid(compensator: FixedCompensation | TorqueRegulation) -> Simulation:
+    settings = short_joint().settings
+    return simulate(replace(settings, hidden=(Hidden(),), sensors=(IDEAL_SENSORS,), compensator=compensator), 0)
+
+
+def test_without_compensation_a_person_feels_the_joint() -> None:
+    alone = rigid(IDLE)
+    outcome = measure(alone, find_reference(alone))
+    assert outcome.stable
+    assert outcome.lost_s == np.inf
+    assert (outcome.coulomb_left, outcome.viscous_left, outcome.inertia_left) == pytest.approx((1, 1, 1), abs=1e-3)
+    assert outcome.standstill_rad_s == 0.0
+    motion, ends = alone.truth.motion, find_reference(alone).ends
+    per_cycle = (motion.dissipated_j[ends[-1], 0] - motion.dissipated_j[ends[1], 0]) / (
+        motion.t[ends[-1]] - motion.t[ends[1]]
+    )
+    assert outcome.energy_slope_w == pytest.approx(per_cycle, rel=0.1)
+
+
+def test_a_competitor_that_is_unstable_is_caught_and_drawn_up_to_there() -> None:
+    scene = short_joint()
+    (method,) = (one for one in METHODS if one.name == "torque_regulation")
+    wild: Tuning = method.sweeps[0].at(40.0)
+    reference = find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
+    simulation = simulate(scene.compensated(wild), 0)
+    outcome, course = measure(simulation, reference), make_course(simulation, reference)
+    assert not outcome.stable
+    assert 0.0 < outcome.lost_s < scene.settings.duration_s
+    assert course.lost_s == outcome.lost_s == course.t[-1]
+    assert len(course.t) == len(course.dq) == len(course.interaction_nm) == len(course.energy_j)
+
+
+def test_slope_is_read_at_the_ends_of_cycles() -> None:
+    t = np.linspace(0.0, 4.0, 401)
+    ends = np.array([100, 200, 300, 400])
+    reference = Reference(ends=ends, resting=np.zeros((401, 1), bool), rms_torque_nm=np.ones(1))
+    rising = np.where(t < 2.0, 5.0 * t, 10.0 + 0.5 * (t - 2.0)) + np.sin(np.pi * t) ** 2
+    assert energy_slope_w(rising, t, reference) == pytest.approx(0.5)
+
+
+def test_vibration_is_what_is_fast() -> None:
+    t = np.arange(0.0, 4.0, 1e-3)[:, None]
+    assert np.abs(vibration_nm(np.sin(2 * np.pi * 0.5 * t))[500:-500]).max() < 0.01
+    fast = vibration_nm(np.sin(2 * np.pi * 60.0 * t))[500:-500]
+    assert np.sqrt(np.mean(fast**2)) == pytest.approx(np.sqrt(0.5), rel=0.1)
+
+
+def test_too_short_a_trial_is_refused() -> None:
+    scene = short_joint(duration_s=2.0)
+    with pytest.raises(AnalysisError, match="longer --duration"):
+        find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
+
+
+# The whole comparison, short.
+
+
+def test_every_method_has_its_rows_in_order() -> None:
+    rows = compared().rows
+    assert list(dict.fromkeys(row.method for row in rows)) == list(CHOSEN)
+    for name in CHOSEN:
+        roles = [row.role for row in rows if row.method == name]
+        assert roles[0] == "paper"
+        assert roles.count("best") == (0 if name in ("none", "oracle") else 1)
+    assert all(len(row.outcomes) == SEEDS for row in rows)
+
+
+def test_what_was_found() -> None:
+    slopes = {
+        row.method: row.interval(lambda outcome: outcome.energy_slope_w).value
+        for row in compared().rows
+        if row.role == "paper"
+    }
+    assert slopes["none"] > 0.1
+    assert slopes["none"] > slopes["disturbance_observer"] > slopes["torque_regulation"] > abs(slopes["energy"])
+    assert slopes["torque_regulation"] > abs(slopes["oracle"])
+    full = compared().row("disturbance_observer", "full")
+    assert full is not None
+    assert abs(full.interval(lambda outcome: outcome.energy_slope_w).value) < 0.1 * slopes["none"]
+
+
+def test_a_method_without_stable_tuning_is_reported_and_named() -> None:
+    (method,) = (one for one in METHODS if one.name == "torque_regulation")
+    hopeless = replace(method, sweeps=(replace(method.sweeps[0], values=(40.0, 80.0)),))
+    comparison = compare(short_joint(), SEEDS, [METHODS[0], hopeless])
+    best = comparison.row("torque_regulation", BEST)
+    assert best is not None
+    assert best.tuning_losses == len(comparison.tuning_seeds)
+    assert best.stable_share == 0.0
+    assert best.margins == (0.0,)
+    assert "no setting tried is stable" in table_of(comparison)
+    assert tuple(draw(comparison)) == FIGURES
+
+
+def table_of(comparison: Comparison) -> str:
+    lines = compare_lines(comparison.rows, len(comparison.seeds), len(comparison.tuning_seeds))
+    return "\n".join(str(line) for line in lines)
+
+
+def point(slopes_w: Sequence[float], losses: int) -> Point:
+    """Return a point of a sweep whose first persons lost the loop."""
+    (some,) = (row.outcomes[0] for row in compared().rows if row.method == "none")
+    outcomes = tuple(
+        replace(some, stable=n >= losses, energy_slope_w=slope, lost_s=3.0 if n < losses else inf)
+        for n, slope in enumerate(slopes_w)
+    )
+    return Point(value=slopes_w[0], tuning=Tuning(name=f"{slopes_w}", meaning="", make=idle), outcomes=outcomes)
+
+
+def idle(joint: Joint) -> Compensator:  # noqa: ARG001 - what every tuning takes
+    return FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+
+
+@pytest.mark.parametrize(
+    ("tried", "best", "losses"),
+    [
+        # Flat, but lost with one person: the steeper one that holds with all.
+        ([((0.0, 0.0, 0.0), 1), ((0.1, 0.1, 0.1), 0)], 1, 0),
+        # Slopes of both signs are not flat.
+        ([((-0.2, 0.0, 0.2), 0), ((0.1, 0.1, 0.1), 0)], 1, 0),
+        # Nothing holds with all: with most.
+        ([((0.0, 0.0, 0.0), 2), ((0.3, 0.3, 0.3), 1)], 1, 1),
+        # What was lost says nothing of the slope.
+        ([((9.0, 0.1, 0.1), 1), ((0.2, 0.2, 0.2), 1)], 0, 1),
+    ],
+)
+def test_best_is_what_no_tuning_person_loses(
+    tried: list[tuple[tuple[float, ...], int]], best: int, losses: int
+) -> None:
+    points = [point(slopes_w, lost) for slopes_w, lost in tried]
+    chosen = choose_best(points)
+    assert chosen is points[best]
+    assert chosen.losses == losses
+
+
+def test_margins_are_looked_for_as_told() -> None:
+    joint = short_joint()
+    one = compare(replace(joint, plan=replace(joint.plan, margin_seeds=1)), SEEDS, METHODS[:1])
+    assert one.margin_seeds == (0,)
+    assert one.rows[0].margins == (inf,)
+    none = compare(replace(joint, plan=replace(joint.plan, margin_seeds=0)), SEEDS, METHODS[:1])
+    assert none.rows[0].margins == ()
+    assert np.isnan(none.rows[0].margin.value)
+    assert "margin:" not in table_of(none)
+
+
+@pytest.mark.parametrize(
+    ("held", "start", "at"),
+    [
+        ("++++", [], []),
+        ("++--", [3.0], [3.0]),
+        ("-+++", [], [1.0]),
+        ("-+-+", [], [1.0, 3.0, 3.0]),
+        ("-++-", [4.0], [1.0, 4.0]),
+        ("----", [1.0], []),
+    ],
+)
+def test_a_sweep_is_shaded_and_crossed_where_the_loop_was_lost(held: str, start: list[float], at: list[float]) -> None:
+    points = tuple(replace(point((0.1,), int(mark == "-")), value=float(n)) for n, mark in enumerate(held, start=1))
+    whole = Curve(method="energy", label="proposed", name="a", axis="k", points=points)
+    (axes,) = draw_sweeps(replace(compared(), curves=(whole,))).axes
+    assert [patch.get_x() for patch in axes.patches if isinstance(patch, Rectangle)] == start
+    assert sorted(float(np.asarray(one.get_xdata())[0]) for one in axes.lines if one.get_marker() == "x") == at

@@ -1,0 +1,260 @@
+"""Rest, sliding and bristles in the loop: by hand and against SciPy, at every step size."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.integrate import solve_ivp
+
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.velocity import BRISTLES as BRISTLE_COUNT
+from friction_audit.simulation.effects.velocity import (
+    DAHL,
+    FIRST_YIELD,
+    IMMEDIATE,
+    LUGRE,
+    MAXWELL_SLIP,
+    AsymmetricCoulomb,
+    Presliding,
+    Stiction,
+    Stribeck,
+)
+from friction_audit.simulation.mechanics.records import Body, make_body
+from friction_audit.simulation.mechanics.step import accelerate
+from friction_audit.simulation.settings import JointParameters
+from friction_audit.simulation.simulation import TrueMotion
+from tests.simulation.mechanics.any_step import STEP_S, bench, release
+
+# Rest is rest: where it begins, what it bears, when it ends.
+
+TICK_S = 1e-3
+JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+
+
+def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> TrueMotion:
+    """Push a joint, hand and all 0.6 kg m^2, by a torque and nothing else."""
+    duration = (len(push) - 1) * TICK_S
+    return release(bench(JOINT, hidden), duration, tick_s=TICK_S, push=push, dq=(speed, speed))
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("hidden", "level"),
+    [
+        (Hidden(), {1.0: 0.3, -1.0: 0.3}),
+        (Hidden(stiction=Stiction(excess_nm=0.2, form=IMMEDIATE)), {1.0: 0.5, -1.0: 0.5}),
+        (Hidden(asymmetric_coulomb=AsymmetricCoulomb(half_difference_nm=0.1)), {1.0: 0.4, -1.0: 0.2}),
+    ],
+)
+def test_break_away_at_the_level_and_not_before(hidden: Hidden, level: dict[float, float], way: float) -> None:
+    t = np.arange(2001, dtype=np.float64) * TICK_S
+    motion = pushed(0.5 * way * t, hidden)
+    moving = motion.dq[:, 0] != 0.0
+    assert_allclose(motion.t[moving][0], level[way] / 0.5, atol=1.01 * TICK_S)
+    assert moving[np.flatnonzero(moving)[0] :].all()
+    assert_array_equal(motion.q[~moving], 0.0)
+    assert_allclose(motion.friction_nm[~moving, 0], 0.5 * way * motion.t[~moving], atol=1e-15)
+
+
+def test_coasting_stops_for_good_where_it_must() -> None:
+    """M dv = -(Fc + Fv v) dt: at rest after M/Fv ln(1 + Fv v/Fc), exactly, and without having turned."""
+    motion = pushed(np.zeros(2001), speed=0.5)
+    stop = 0.6 / 0.07 * np.log1p(0.07 * 0.5 / 0.3)
+    place = 0.6 / 0.07 * (0.5 - 0.3 / 0.07 * np.log1p(0.07 * 0.5 / 0.3))
+    rest = motion.t > stop + TICK_S
+    assert_array_equal(motion.dq[rest], 0.0)
+    assert_array_equal(np.diff(motion.q[rest], axis=0), 0.0)
+    assert (motion.dq >= 0.0).all()
+    assert_allclose(motion.q[-1, 0], place, rtol=1e-7)
+    assert_allclose(motion.dissipated_j[-1, 0], 0.5 * 0.6 * 0.25, rtol=1e-12)
+
+
+def test_rest_bears_what_pulls_and_no_more() -> None:
+    t = np.arange(4001) * TICK_S
+    motion = pushed(0.31 * np.sin(2.0 * np.pi * t))
+    rest = motion.dq[:, 0] == 0.0
+    assert 0.3 < rest.mean() < 1.0
+    assert np.abs(motion.friction_nm[rest]).max() <= 0.3
+    assert_allclose(motion.friction_nm[rest, 0], 0.31 * np.sin(2.0 * np.pi * t[rest]), atol=1e-12)
+    inertia, viscous = 0.3 * motion.inner_ddq, 0.07 * motion.dq
+    assert_allclose(motion.port_nm, inertia + motion.friction_nm, atol=1e-15)
+    assert_allclose((motion.friction_nm - viscous)[~rest], 0.3 * np.sign(motion.dq[~rest]), atol=1e-12)
+
+
+# Several coupled joints that break away at once: those that slide go the way that friction opposes.
+
+JOINTS = 7
+LEVEL_NM = np.array([0.3, 0.2, 0.4, 0.3, 0.35, 0.5, 0.3])
+
+
+def stuck(rng: np.random.Generator) -> Body:
+    """Return strongly coupled joints at rest, pulled about as hard as friction holds."""
+    body = make_body(np.zeros(JOINTS, dtype=bool), np.zeros(JOINTS, dtype=bool), np.zeros(JOINTS))
+    arms = rng.normal(size=(JOINTS, 3))
+    body.mass[:JOINTS, :JOINTS] = arms @ arms.T + 0.05 * np.eye(JOINTS)
+    body.force[:JOINTS] = LEVEL_NM * rng.normal(0.0, 1.5, JOINTS)
+    body.hold[:JOINTS] = body.slip[:JOINTS] = LEVEL_NM[:, None]
+    return body
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_friction_opposes_what_slides_and_bears_what_sticks(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(50):
+        body = stuck(rng)
+        accelerate(body, 0.0)
+        mode, ddq = body.mode[:JOINTS], body.a[:JOINTS]
+        left = body.force[:JOINTS] - body.mass[:JOINTS, :JOINTS] @ ddq
+        assert (mode * ddq >= 0.0).all()
+        assert_allclose(left[mode != 0.0], (mode * LEVEL_NM)[mode != 0.0], atol=1e-9)
+        assert (np.abs(left) <= LEVEL_NM + 1e-9).all()
+        assert (ddq[mode == 0.0] == 0.0).all()
+
+
+# Energy and order of convergence: against solutions known by hand and against SciPy's, at every step size.
+
+SPRING, MASS, REACH = 60.0, 0.6, 0.5
+PULSATION = np.sqrt(SPRING / MASS)
+DRY = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.0)
+STEPS = (1e-3, 5e-4, 2.5e-4, STEP_S)
+
+
+def orders(errors: list[float]) -> Float:
+    """Return the orders of convergence between the successive steps."""
+    return np.asarray(np.diff(np.log(errors)) / np.diff(np.log(STEPS)))
+
+
+def swing(step_s: float, duration_s: float, joint: JointParameters | None = None) -> TrueMotion:
+    """Let a mass go on a hand's spring, drawn out by REACH."""
+    settings = bench(joint, stiffness_nm_per_rad=SPRING) if joint else bench(stiffness_nm_per_rad=SPRING)
+    return release(settings, duration_s, step_s=step_s, tick_s=2e-3, q=(REACH, REACH))
+
+
+def stored(motion: TrueMotion) -> Float:
+    """Return kinetic and elastic energy."""
+    return np.asarray((0.5 * MASS * motion.dq**2 + 0.5 * SPRING * motion.q**2)[:, 0])
+
+
+def test_energy_of_a_frictionless_swing_is_of_order_two() -> None:
+    """The leapfrog's energy swings by (w h)^2 / 4 of itself."""
+    errors = []
+    for step in STEPS:
+        energy = stored(swing(step, 5.0))
+        errors.append(float(np.abs(energy / energy[0] - 1.0).max()))
+        assert_allclose(errors[-1], (PULSATION * step) ** 2 / 4.0, rtol=0.01)
+    assert_allclose(orders(errors), 2.0, atol=0.01)
+
+
+def coulomb_swing(t: Float) -> Float:
+    """Return the position of a swing with Coulomb friction: half-turns about centres that change sides."""
+    shift = DRY.coulomb_nm / SPRING
+    half = np.floor(t * PULSATION / np.pi).astype(int)
+    turns, way = [REACH], 1.0
+    while abs(turns[-1]) > shift:
+        turns.append(2.0 * way * shift - turns[-1])
+        way = -way
+    last = len(turns) - 1
+    start = np.array(turns)[np.minimum(half, last)]
+    centre = np.where(half < last, np.where(half % 2 == 0, shift, -shift), start)
+    return np.asarray(centre + (start - centre) * np.cos(PULSATION * t - np.pi * np.minimum(half, last)))
+
+
+def test_swing_with_coulomb_friction_turns_and_stops_as_by_hand() -> None:
+    errors, balances = [], []
+    for step in STEPS:
+        motion = swing(step, 20.0, DRY)
+        errors.append(float(np.abs(motion.q[:, 0] - coulomb_swing(motion.t)).max()))
+        total = stored(motion) + motion.dissipated_j[:, 0]
+        balances.append(float(np.abs(total / total[0] - 1.0).max()))
+        assert (np.diff(motion.dissipated_j[:, 0]) >= 0.0).all()
+    assert_allclose(orders(errors), 2.0, atol=0.05)
+    assert_allclose(orders(balances), 2.0, atol=0.05)
+    assert errors[-1] < 1e-6
+    assert balances[-1] < 3e-7
+    assert (motion.dq[-1000:] == 0.0).all()
+
+
+# Presliding while the joint moves: LuGre against SciPy, loops, steady motion.
+
+BRISTLE_JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+FORMS = (LUGRE, DAHL, MAXWELL_SLIP)
+BRISTLE_SPRING, DAMPER, CREEP = 10.0, 0.05, 0.05
+SOFT = Presliding(displacement_rad=0.002, damping_s=0.02)
+
+
+def creep_bristle(step_s: float) -> TrueMotion:
+    """Pull the joint by a soft spring, slowly: it sticks and slips."""
+    hidden = Hidden(presliding=SOFT, stribeck=Stribeck(excess_nm=0.3, speed_rad_s=0.1))
+    t = np.arange(6001, dtype=np.float64) * TICK_S
+    push = BRISTLE_SPRING * CREEP * t + DAMPER * CREEP
+    settings = bench(BRISTLE_JOINT, hidden, stiffness_nm_per_rad=BRISTLE_SPRING, damping_nms_per_rad=DAMPER)
+    return release(settings, 6.0, step_s=step_s, tick_s=TICK_S, push=push)
+
+
+def published(t: Float, *, constant_damping: bool) -> Float:
+    """Return position and velocity after Canudas de Wit et al. (1995), shape (2, n), with its sigma1 or a passive one.
+
+    Passive: sigma1 falls with speed such that sigma1 |v| stays below 4 g (Barabanov and Ortega 2000).
+    """
+    sigma0 = 0.3 / SOFT.displacement_rad
+    sigma1 = SOFT.damping_s * sigma0
+
+    def slope(now: float, state: Float) -> list[float]:
+        q, v, z = state
+        level = 0.3 + 0.3 * np.exp(-((v / 0.1) ** 2))
+        rate = v - sigma0 * abs(v) / level * z
+        damping = sigma1 if constant_damping else sigma1 / (1.0 + sigma1 * abs(v) / (4.0 * level))
+        pull = BRISTLE_SPRING * (CREEP * now - q) + DAMPER * (CREEP - v)
+        return [v, (pull - sigma0 * z - damping * rate - 0.07 * v) / 0.6, rate]
+
+    known = solve_ivp(slope, (0.0, t[-1]), [0.0] * 3, "LSODA", rtol=1e-9, atol=1e-12, t_eval=t, max_step=5e-3)
+    return known.y[:2]
+
+
+def test_stick_slip_of_lugre_follows_the_published_equations() -> None:
+    motion = creep_bristle(STEP_S)
+    q, v = published(motion.t, constant_damping=False)
+    assert v.max() > 2.5 * CREEP
+    assert np.sort(v)[len(v) // 4] < 0.2 * CREEP
+    assert_allclose(motion.q[:, 0], q, atol=2e-8)
+    assert_allclose(motion.dq[:, 0], v, atol=1e-7)
+    q, _ = published(motion.t, constant_damping=True)
+    assert_allclose(motion.q[:, 0], q, atol=1e-3)
+
+
+def test_stick_slip_of_lugre_is_of_order_two() -> None:
+    coarse, middle, fine = (creep_bristle(step).q[:, 0] for step in (5e-4, 2.5e-4, 1.25e-4))
+    order = np.log2(np.abs(coarse - middle).max() / np.abs(middle - fine).max())
+    assert 1.5 < order < 2.7
+
+
+def guided(form: int, course: Float, speed: Float) -> TrueMotion:
+    """Guide the joint by a stiff hand."""
+    stiff = {"stiffness_nm_per_rad": 600.0, "damping_nms_per_rad": 60.0}
+    hidden = Hidden(presliding=Presliding(displacement_rad=0.005, form=form))
+    push = 600.0 * course + 60.0 * speed
+    return release(bench(BRISTLE_JOINT, hidden, **stiff), (len(push) - 1) * TICK_S, tick_s=TICK_S, push=push)
+
+
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("reach", [0.001, 0.004, 0.05])
+def test_closed_loops_take_energy_and_run_clockwise_about_the_spring(form: int, reach: float) -> None:
+    """Once settled, friction takes the area of the loop: not below zero, at most the Coulomb level times the path.
+
+    Of Maxwell-slip the area is known: every element that yields takes four times its torque times the way it slips.
+    """
+    pace = np.pi
+    t = np.arange(12001) * TICK_S
+    motion = guided(form, reach * (1.0 - np.cos(pace * t)), reach * pace * np.sin(pace * t))
+    loop = slice(10000, 12001)
+    moved = np.diff(motion.q[loop, 0])
+    dry = (motion.friction_nm - 0.07 * motion.dq)[loop, 0]
+    area = float(np.sum(0.5 * (dry[1:] + dry[:-1]) * moved))
+    viscous = float(np.sum(0.07 * np.diff(motion.t[loop]) * motion.dq[loop][1:, 0] ** 2))
+    assert -1e-12 < area <= 0.3 * np.abs(moved).sum()
+    assert_allclose(motion.dissipated_j[12000, 0] - motion.dissipated_j[10000, 0], area + viscous, rtol=0.01, atol=1e-9)
+    if form == MAXWELL_SLIP:
+        slipped = np.maximum(np.ptp(motion.q[loop]) / 2.0 - 0.005 * FIRST_YIELD * np.arange(1, BRISTLE_COUNT + 1), 0.0)
+        assert_allclose(area, 4.0 * 0.3 / BRISTLE_COUNT * slipped.sum(), rtol=1e-3, atol=1e-9)
+    elif reach == 0.05:
+        assert area > 0.85 * 0.3 * np.abs(moved).sum()

@@ -1,0 +1,297 @@
+"""A whole arm: who guides it, compensators in its joints, and what an audit makes of its log."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
+from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.robot import load_arm
+from friction_audit.simulation import (
+    EFFECTS,
+    IDEAL_SENSORS,
+    ArmSettings,
+    Hidden,
+    JointParameters,
+    Simulation,
+    TrueMotion,
+    simulate,
+)
+from friction_audit.simulation.effects.load_and_place import GravityError
+from friction_audit.simulation.effects.structure import Backlash, JointElasticity
+from friction_audit.simulation.motion import intend_joints
+from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.simulation.settings import JointByJoint, make_streams, of_each_joint
+from tests.simulation.hand_at_flange import flange_poses, intended, pull
+
+# A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
+
+IDEAL = (IDEAL_SENSORS,) * 7
+GUIDED = ArmSettings(sensors=IDEAL, duration_s=12.0)
+SHORT = replace(GUIDED, duration_s=3.0)
+LOWEST_RAD = np.array([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973])
+HIGHEST_RAD = np.array([2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973])
+FASTEST_RAD_S = np.array([2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61])
+SEED = 2
+
+
+@pytest.fixture(scope="module")
+def guided() -> Simulation:
+    return simulate(GUIDED, SEED)
+
+
+@pytest.fixture(scope="module")
+def plain() -> Simulation:
+    return simulate(SHORT, SEED)
+
+
+def flange(motion: TrueMotion) -> Float:
+    """Return the places of the flange, shape (n, 3). [m]"""
+    return flange_poses(load_arm(), motion.q)[0]
+
+
+def test_hand_follows_its_path(guided: Simulation) -> None:
+    hand = pull(GUIDED, SEED, guided.truth.motion)
+    assert hand.off_m.max() < 0.03
+    assert np.sqrt((hand.off_m**2).mean()) < 0.01
+    assert hand.turned_rad.max() < 0.2
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(4, 20))]
+)
+def test_motion_keeps_the_limits_of_a_panda(seed: int) -> None:
+    motion = simulate(replace(GUIDED, duration_s=3.0), seed).truth.motion
+    assert (motion.q > LOWEST_RAD + 0.1).all()
+    assert (motion.q < HIGHEST_RAD - 0.1).all()
+    assert (np.abs(motion.dq) < 0.95 * FASTEST_RAD_S).all()
+
+
+def test_hand_comes_to_rest_in_every_pause(guided: Simulation) -> None:
+    motion = guided.truth.motion
+    path = intended(GUIDED, SEED, len(motion.t) - 1)
+    speed = load_arm().hand_speed(motion.q, motion.dq)
+    paused = ~(path.velocity.any(axis=1) | path.angular.any(axis=1))
+    ends = np.flatnonzero(np.diff(paused.astype(int)) == -1)
+    assert len(ends) > 4
+    assert (speed[ends] < 0.025).all()
+    assert speed.max() > 0.2
+
+
+def test_brakes_hold_their_joints_and_the_others_move() -> None:
+    braked = replace(SHORT, braked=(3, 5), hidden=(Hidden(gravity_error=GravityError(torque_nm=0.2)),) * 7)
+    simulation = simulate(braked, SEED)
+    motion = simulation.truth.motion
+    assert braked.moving == (1, 2, 4, 6, 7)
+    assert_array_equal(motion.dq[:, [2, 4]], 0.0)
+    assert_array_equal(motion.q[:, [2, 4]], np.array(braked.pose_rad)[[2, 4]] * np.ones((len(motion.t), 1)))
+    assert (np.ptp(motion.q, axis=0)[[0, 1, 3, 5, 6]] > 0.01).all()
+    assert simulation.log.tau_J is not None
+    assert np.ptp(simulation.log.tau_J[:, 2]) > 0.5
+
+
+def test_load_that_nobody_told_sags_and_gravity_compensation_stays_the_controllers(plain: Simulation) -> None:
+    carrying = simulate(replace(SHORT, carried_kg=2.0), SEED)
+    log, motion = carrying.log, carrying.truth.motion
+    arm = load_arm()
+    assert log.gravity is not None
+    assert_allclose(log.gravity, arm.gravity(motion.q), atol=1e-4)
+    sag = flange(motion)[499] - flange(plain.truth.motion)[499]
+    weight_on_the_spring = 2.0 * 9.81 / GUIDED.hand.stiffness_n_per_m
+    assert -weight_on_the_spring * 1.02 < sag[2] < -0.7 * weight_on_the_spring
+
+
+# Friction compensators in every joint of a guided arm.
+
+JOINT = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.06)
+ALONE = ArmSettings(joints=(JOINT,) * 7, sensors=(IDEAL_SENSORS,) * 7, duration_s=14.0)
+TRUE_VALUES = FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.06)
+HELPED_SEED = 1
+LATER_S = 9.0
+
+
+@pytest.fixture(scope="module")
+def alone() -> Simulation:
+    return simulate(ALONE, HELPED_SEED)
+
+
+@pytest.fixture(scope="module")
+def told_by_the_hand() -> Simulation:
+    return simulate(replace(ALONE, compensator=EnergyCompensator()), HELPED_SEED)
+
+
+def power(motion: TrueMotion, since_s: float = 0.0) -> float:
+    """Return the mean power that the person spends on the motors and their friction. [W]"""
+    late = motion.t >= since_s
+    return float((motion.interaction_nm * motion.inner_dq)[late].sum(axis=1).mean())
+
+
+def effort(motion: TrueMotion, since_s: float = 0.0) -> float:
+    """Return the root mean square of the interaction torques. [N m]"""
+    return float(np.sqrt((motion.interaction_nm[motion.t >= since_s] ** 2).mean()))
+
+
+def test_true_coefficients_take_friction_off_the_hand(alone: Simulation) -> None:
+    helped = simulate(replace(ALONE, compensator=TRUE_VALUES, duration_s=6.0), HELPED_SEED)
+    motion = helped.truth.motion
+    assert power(motion) < 0.1 * power(alone.truth.motion)
+    assert effort(motion) < 0.9 * effort(alone.truth.motion)
+    assert_allclose(
+        np.array(0.2) * motion.inner_ddq,
+        motion.interaction_nm + motion.compensation_nm - motion.friction_nm,
+        atol=1e-12,
+    )
+    log = helped.log.channels()
+    assert_array_equal(log["tau_J_d"], log["tau_compensation"])
+    dq, torque = log["dq"][:-1], log["tau_compensation"][1:]
+    fast = np.abs(dq) > 0.02
+    assert_allclose(torque[fast], (0.3 * np.sign(dq) + 0.06 * dq)[fast], atol=1e-12)
+    assert_array_equal(torque[~fast], 0.0)
+
+
+def test_hand_ends_the_cycles_of_all_joints_at_the_same_ticks(told_by_the_hand: Simulation) -> None:
+    ended = np.diff(told_by_the_hand.truth.compensators["cycle"], axis=0) != 0
+    assert_array_equal(ended.any(axis=1), ended.all(axis=1))
+    assert ended.any()
+
+
+def test_learning_compensators_take_friction_off_the_hand(alone: Simulation, told_by_the_hand: Simulation) -> None:
+    before, after = alone.truth.motion, told_by_the_hand.truth.motion
+    assert power(after, LATER_S) < 0.2 * power(before, LATER_S)
+    assert effort(after, LATER_S) < effort(before, LATER_S)
+    known = told_by_the_hand.truth.compensators
+    energy = known["energy_j"].sum(axis=1)
+    late = after.t >= LATER_S
+    assert np.ptp(energy[late]) < 0.2 * alone.truth.motion.dissipated_j[-1].sum()
+    assert_array_equal(told_by_the_hand.log.channels()["tau_passivity"].shape, after.q.shape)
+
+
+# One compensator for each joint of an arm.
+
+ONE = FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.03)
+EACH_SHORT = ArmSettings(duration_s=2.0)
+
+
+def test_every_joint_has_its_own() -> None:
+    own = tuple(replace(ONE, coulomb_nm=0.0, viscous_nms_per_rad=0.01 * joint) for joint in range(7))
+    motion = simulate(replace(EACH_SHORT, compensator=JointByJoint(compensators=own)), 0).truth.motion
+    largest = np.abs(motion.compensation_nm).max(axis=0)
+    assert largest[0] == 0.0
+    assert (largest[1:] > 0.0).all()
+
+
+def test_as_many_as_joints() -> None:
+    with pytest.raises(UsageError, match="2 compensators: expected 7"):
+        of_each_joint(JointByJoint(compensators=(ONE, ONE)), 7)
+    assert of_each_joint(None, 2) == (None, None)
+
+
+# What the audit makes of an arm's log.
+
+COULOMB = np.array([joint.coulomb_nm for joint in PANDA_JOINTS])
+DRIVEN = ArmSettings(driven=True, duration_s=15.0)
+AUDITED_SEED = 3
+
+
+@pytest.fixture(scope="module")
+def driven() -> Simulation:
+    return simulate(DRIVEN, AUDITED_SEED)
+
+
+def coulomb(estimate: Estimate) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return np.array([joint.coulomb.value for joint in estimate.friction.joints])
+
+
+def test_driven_arm_follows_its_command(driven: Simulation) -> None:
+    motion = driven.truth.motion
+    command = intend_joints(DRIVEN.servo.motion, 7, len(motion.t) - 1, 1e-3, make_streams(AUDITED_SEED, 7).person)
+    error = motion.q - command.position - np.array(DRIVEN.pose_rad)
+    assert np.abs(error).max() < 0.03
+    assert (np.ptp(motion.q, axis=0) > 0.3).all()
+
+
+def test_friction_of_a_driven_arm_is_found(driven: Simulation) -> None:
+    settings = AuditSettings(torque=TorqueSettings(drive="robot", robot="panda"))
+    estimate = estimate_log(driven.log, settings)
+    assert np.abs(coulomb(estimate) - COULOMB).max() < 0.03
+
+
+def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
+    simulation = simulate(ArmSettings(duration_s=30.0), AUDITED_SEED)
+    estimate = estimate_log(simulation.log, AuditSettings())
+    assert np.abs(coulomb(estimate) - COULOMB)[1:].max() < 0.03
+    truths = [
+        (joint.coulomb, true.coulomb_nm) for joint, true in zip(estimate.friction.joints, PANDA_JOINTS, strict=True)
+    ]
+    assert sum(found.low <= truth <= found.high for found, truth in truths) >= 5
+
+
+# Every hidden effect in joints 2 and 5 of an arm.
+
+EFFECTS_SHORT = ArmSettings(duration_s=2.0)
+EFFECTS_IDEAL = replace(EFFECTS_SHORT, sensors=(IDEAL_SENSORS,) * 7)
+ROTORS = np.array([joint.inertia_kg_m2 for joint in PANDA_JOINTS])
+WITHIN_REACH = {"joint_limit_stop": {"at_rad": "0.05"}}
+"""An arm guided for two seconds does not get far: the stops stand closer."""
+NOTHING_YET = Hidden().holding(*(replace(effect.make({}), **{effect.strength_name(): 0.0}) for effect in EFFECTS))
+EFFECTS_SEED = 1
+
+
+@cache
+def log_of(hidden: Hidden, driven: bool) -> Simulation:
+    among_others = tuple(hidden if joint in (2, 5) else Hidden() for joint in range(1, 8))
+    return simulate(replace(EFFECTS_SHORT, hidden=among_others, driven=driven), EFFECTS_SEED)
+
+
+@pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])
+def test_all_effects_at_zero_strength_change_nothing_to_the_bit(driven: bool) -> None:
+    plain, hidden = (log_of(inside, driven).log for inside in (Hidden(), NOTHING_YET))
+    for name, channel in plain.channels().items():
+        assert_array_equal(hidden.channels()[name], channel)
+
+
+@pytest.mark.parametrize("effect", EFFECTS, ids=[effect.name for effect in EFFECTS])
+def test_effect_changes_the_log_and_keeps_it_finite(effect: Any) -> None:
+    hidden = Hidden().holding(effect.make(WITHIN_REACH.get(effect.name, {})))
+    plain, changed = (log_of(inside, False).log.channels() for inside in (Hidden(), hidden))
+    for channel in changed.values():
+        assert np.isfinite(channel).all()
+        assert np.abs(channel).max() < 100.0
+    joints = [1, 4]
+    assert any(not np.array_equal(changed[name][:, joint], plain[name][:, joint]) for name in plain for joint in joints)
+
+
+@cache
+def moved(inside: Hidden, driven: bool) -> TrueMotion:
+    """Return how an arm moves that hides the same in all joints."""
+    return simulate(replace(EFFECTS_IDEAL, hidden=(inside,) * 7, driven=driven), EFFECTS_SEED).truth.motion
+
+
+SOFT, STIFF = JointElasticity(compliance_rad_per_nm=1e-3), JointElasticity(compliance_rad_per_nm=1e-4)
+
+
+@pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])
+@pytest.mark.parametrize(
+    "inside",
+    [
+        pytest.param(Hidden(joint_elasticity=SOFT), id="soft"),
+        pytest.param(Hidden(joint_elasticity=STIFF), id="stiff", marks=pytest.mark.thorough),
+        pytest.param(
+            Hidden(joint_elasticity=replace(STIFF, damping_ratio=0.0)), id="undamped", marks=pytest.mark.thorough
+        ),
+        pytest.param(Hidden(backlash=Backlash(gap_rad=2e-3)), id="backlash", marks=pytest.mark.thorough),
+        pytest.param(Hidden(joint_elasticity=STIFF, backlash=Backlash(gap_rad=2e-3)), id="stiff with backlash"),
+    ],
+)
+def test_transmissions_of_all_joints_stay_calm(inside: Hidden, driven: bool) -> None:
+    rigid, soft = (moved(hidden, driven) for hidden in (Hidden(), inside))
+    assert np.abs(soft.q - rigid.q).max() < 0.1
+    assert np.abs(soft.inner_dq).max() < 1.5 * np.abs(rigid.inner_dq).max()
+    assert np.abs(soft.interaction_nm).max() < 4.0 * np.abs(rigid.interaction_nm).max()

@@ -1,0 +1,276 @@
+"""What truly happens on the bench is what a textbook says: friction, the torque at the sensor, slow effects."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from scipy.signal import lfilter
+
+from friction_audit.joint_log import Float
+from friction_audit.simulation import bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.load_and_place import (
+    LoadDependentFriction,
+    PositionDependentFriction,
+    TorqueRipple,
+)
+from friction_audit.simulation.effects.slow_and_events import (
+    ABRUPT,
+    AMBIENT,
+    RAMP,
+    SETTLING,
+    STEP,
+    ContactEvent,
+    FrictionStep,
+    WarmUp,
+    draw_events,
+)
+from friction_audit.simulation.effects.structure import Backlash, JointElasticity
+from friction_audit.simulation.effects.velocity import (
+    CUBIC,
+    DELAYED,
+    LORENTZIAN,
+    RELAXING,
+    FrictionalLag,
+    NonlinearViscous,
+    Presliding,
+    Stiction,
+    Stribeck,
+)
+from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.settings import IDEAL_SENSORS, Sensors, make_streams
+from friction_audit.simulation.simulation import TrueMotion
+
+# Friction in the truth is the law as written in a textbook, at the motion that there was.
+
+SEED = 2
+IDEAL = BenchSettings(duration_s=8.0, sensors=(IDEAL_SENSORS,), operator=Operator(motion=Sinusoid(period_s=2.0)))
+
+
+def truth(hidden: Hidden) -> TrueMotion:
+    return simulate_bench(replace(IDEAL, hidden=(hidden,)), SEED).truth.motion
+
+
+def law(hidden: Hidden, motion: TrueMotion) -> Float:
+    """Return the magnitude of friction by hand, shape (n + 1, 1)."""
+    speed, level = np.abs(motion.dq), np.full_like(motion.dq, 0.30)
+    if hidden.stribeck.excess_nm:
+        level = level + 0.15 / (1.0 + (speed / 0.1) ** 2)
+    if hidden.position_dependent_friction.share:
+        level = level * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
+    if hidden.nonlinear_viscous.torque_nm:
+        level = level + 0.15 * speed**3
+    if hidden.load_dependent_friction.share:
+        before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
+        level = level + 0.06 * np.abs(before)
+    return np.asarray(level + 0.07 * speed)
+
+
+LAWS = {
+    "none": Hidden(),
+    "stribeck": Hidden(stribeck=Stribeck(excess_nm=0.15, form=LORENTZIAN)),
+    "position": Hidden(position_dependent_friction=PositionDependentFriction(share=0.4)),
+    "cubic": Hidden(nonlinear_viscous=NonlinearViscous(torque_nm=0.15, form=CUBIC)),
+    "load": Hidden(load_dependent_friction=LoadDependentFriction(share=0.06)),
+}
+LAWS["all"] = Hidden(
+    stribeck=LAWS["stribeck"].stribeck,
+    position_dependent_friction=LAWS["position"].position_dependent_friction,
+    nonlinear_viscous=LAWS["cubic"].nonlinear_viscous,
+    load_dependent_friction=LAWS["load"].load_dependent_friction,
+)
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_sliding_friction_is_the_law_at_the_present_motion(name: str) -> None:
+    motion = truth(LAWS[name])
+    sliding = motion.dq != 0.0
+    expected = np.sign(motion.dq) * law(LAWS[name], motion)
+    assert_allclose(motion.friction_nm[sliding], expected[sliding], atol=1e-9)
+
+
+@pytest.mark.parametrize("form", [RELAXING, DELAYED])
+def test_lagging_friction_follows_the_speed_late(form: int) -> None:
+    """A first-order low-pass of the speed, or the speed of 30 ms ago."""
+    motion = truth(Hidden(frictional_lag=FrictionalLag(lag_s=0.03, form=form)))
+    speed = np.abs(motion.dq[:, 0])
+    if form == DELAYED:
+        seen = np.concatenate([np.zeros(30), speed[:-30]])
+    else:
+        keep = np.exp(-1e-3 / 0.03)
+        seen = lfilter([0.5 * (1.0 - keep), 0.5 * (1.0 - keep)], [1.0, -keep], speed)
+    sliding = speed > 0.0
+    assert_allclose(np.abs(motion.friction_nm[sliding, 0]), (0.30 + 0.07 * seen)[sliding], atol=1e-4)
+    assert np.abs(seen - speed).max() > 0.05
+
+
+def test_words_about_the_progress_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The loop is left and entered again; nothing of it is lost on the way."""
+    whole = truth(LAWS["all"])
+    monkeypatch.setattr(bench, "CHUNK_TICKS", 777)
+    parts = truth(LAWS["all"])
+    assert_array_equal(whole.q, parts.q)
+    assert_array_equal(whole.port_nm, parts.port_nm)
+
+
+def test_a_motor_cogs_on_its_own_side_of_the_sensor() -> None:
+    """A hand feels it through friction's side; where the motor drives, it reaches the link through the sensor."""
+    hidden = Hidden(torque_ripple=TorqueRipple(torque_nm=0.1, cycles_per_rev=60.0, second_share=0.0))
+    for driven in (False, True):
+        settings = replace(IDEAL, hidden=(hidden,), logs_sensor=True, driven=driven)
+        motion = simulate_bench(settings, SEED).truth.motion
+        left = 0.3 * motion.inner_ddq + motion.friction_nm - motion.interaction_nm
+        cogging = 0.1 * np.sin(60.0 * motion.q)
+        assert_allclose(left, np.zeros_like(left) if driven else cogging, atol=1e-9)
+
+
+# The sensor reads what passes through it: computed once more from the hand's side, or from the link's.
+
+PORT_SEED = 3
+PORT_IDEAL = BenchSettings(duration_s=12.0, sensors=(IDEAL_SENSORS,))
+GRAVITY_NM, PHASE_RAD = 8.0, 0.4
+LOADED = replace(PORT_IDEAL, logs_sensor=True, gravity_nm=GRAVITY_NM, gravity_phase_rad=PHASE_RAD)
+
+ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-3))
+HIDDEN = {
+    "rigid": Hidden(),
+    "elastic": ELASTIC,
+    "backlash": Hidden(backlash=Backlash(gap_rad=5e-3)),
+    "presliding": Hidden(presliding=Presliding(displacement_rad=0.005)),
+    "stiction": Hidden(stiction=Stiction(excess_nm=0.2)),
+}
+
+
+def drive_torque(settings: BenchSettings, q: Float, dq: Float) -> Float:
+    """Return the torque of the operator's spring and damper, shape (n + 1,)."""
+    hand, ticks = settings.operator, len(q) - 1
+    wanted = hand.motion.intend(ticks, 1e-3, make_streams(PORT_SEED, 1).person)
+    spring, damper = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
+    return np.asarray(spring * (wanted.position - q) + damper * (wanted.velocity - dq))
+
+
+def impulse(t: Float, torque: Float) -> Float:
+    """Return the integral of a torque over time, shape (n + 1,). [N m s]"""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (torque[1:] + torque[:-1]) * np.diff(t))])
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: str) -> None:
+    """In impulses: integral F_m dt = integral of the hand's spring and damper - m_hand dq, at every tick."""
+    settings = replace(PORT_IDEAL, hidden=(HIDDEN[name],))
+    simulation = simulate_bench(settings, PORT_SEED)
+    log = simulation.log
+    assert log.tau_interaction is not None
+    q, dq = log.q[:, 0], log.dq[:, 0]
+    hand = impulse(log.t, drive_torque(settings, q, dq)) - settings.operator.inertia_kg_m2 * dq
+    sensor = impulse(log.t, log.tau_interaction[:, 0])
+    assert np.ptp(sensor) > 0.5
+    ringing = name in ("elastic", "backlash")
+    assert_allclose(sensor, hand, atol=5e-3 if ringing else 5e-4)
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_sensor_under_a_load_reads_gravity_less_the_interaction(name: str) -> None:
+    """tau_J = g(q) - F_m, F_m the hand's torque less the hand's inertia; the motor bears g(q)."""
+    settings = replace(LOADED, hidden=(HIDDEN[name],))
+    simulation = simulate_bench(settings, PORT_SEED)
+    log, motion = simulation.log, simulation.truth.motion
+    assert log.tau_J is not None
+    assert log.gravity is not None
+    weight = GRAVITY_NM * np.sin(log.q + PHASE_RAD)
+    assert_allclose(log.gravity, weight, atol=1e-6)
+    assert_allclose(motion.support_nm, weight, atol=2e-3)
+    hand = impulse(log.t, drive_torque(settings, log.q[:, 0], log.dq[:, 0])) - 0.3 * log.dq[:, 0]
+    ringing = name in ("elastic", "backlash")
+    assert_allclose(impulse(log.t, (weight - log.tau_J)[:, 0]), hand, atol=2e-2 if ringing else 1e-3)
+
+
+@pytest.mark.parametrize("name", ["rigid", "elastic", "presliding"])
+def test_sensor_of_a_driven_joint_carries_inertia_gravity_and_friction_of_the_link(name: str) -> None:
+    """tau_J = J ddq + g(q) + tau_f."""
+    settings = replace(LOADED, driven=True, hidden=(HIDDEN[name],))
+    simulation = simulate_bench(settings, PORT_SEED)
+    log, motion = simulation.log, simulation.truth.motion
+    assert log.tau_J is not None
+    link = 0.3 * motion.inner_ddq + GRAVITY_NM * np.sin(log.q + PHASE_RAD) + motion.friction_nm
+    assert_allclose(log.tau_J, link, atol=2e-3)
+    sliding = (motion.inner_dq != 0.0) & (name != "presliding")
+    dry = 0.30 * np.sign(motion.inner_dq) + 0.07 * motion.inner_dq
+    assert_allclose(motion.friction_nm[sliding], dry[sliding], atol=1e-12)
+    assert_allclose(log.q, motion.inner_q)
+
+
+# What changes in the course of a recording, and how it is recorded.
+
+SLOW_SEED = 6
+PLAIN = BenchSettings(duration_s=12.0)
+SLOW_IDEAL = replace(PLAIN, sensors=(IDEAL_SENSORS,), operator=Operator(motion=Sinusoid()))
+
+
+def truth_slow(hidden: Hidden, settings: BenchSettings = SLOW_IDEAL) -> TrueMotion:
+    return simulate_bench(replace(settings, hidden=(hidden,)), SLOW_SEED).truth.motion
+
+
+@pytest.mark.parametrize("rate", [1000.0, 500.0, 300.0, 250.0, 100.0])
+def test_a_lower_rate_picks_the_ticks_nearest_to_its_own(rate: float) -> None:
+    simulation = simulate_bench(replace(SLOW_IDEAL, rate_hz=rate), SLOW_SEED)
+    log, motion = simulation.log, simulation.truth.motion
+    ticks = np.rint(np.arange(int(12.0 * rate) + 1) * 1000.0 / rate).astype(int)
+    assert len(motion.t) == 12_001
+    assert_array_equal(log.q, motion.q[ticks])
+    assert_allclose(log.t, ticks * 1e-3, atol=1e-9)
+
+
+def test_stale_samples_repeat_the_one_before_and_lost_ones_leave_a_gap() -> None:
+    """Every sample is the state of a tick not after its stamp; a lost tick is in no sample."""
+    sensors = Sensors(stale=0.1, lost=0.05)
+    simulation = simulate_bench(replace(SLOW_IDEAL, sensors=(sensors,)), SLOW_SEED)
+    log, motion = simulation.log, simulation.truth.motion
+    own = np.rint(log.t * 1e3).astype(int)
+    assert len(own) == 12_001 - round(0.05 * 12_001)
+    moving = np.abs(motion.dq[own, 0]) > 0.01
+    fresh = log.q[:, 0] == motion.q[own, 0]
+    repeats = np.concatenate([[False], log.q[1:, 0] == log.q[:-1, 0]])
+    assert (fresh | repeats)[moving].all()
+    assert_allclose(repeats[moving].mean(), 0.1, atol=0.02)
+    assert np.diff(own).max() >= sensors.longest_loss + 1
+    assert log.tau_interaction is not None
+    together = np.diff(log.dq[:, 0]) == 0.0
+    assert_array_equal(together[moving[1:]], (np.diff(log.tau_interaction[:, 0]) == 0.0)[moving[1:]])
+
+
+def test_ambient_warmth_has_its_time_constant_and_lowers_friction() -> None:
+    """Warmth 1 - exp(-t/T); viscous friction (1 - r)^warmth, Coulomb 1 / (1 + warmth l / (1 - l)) of the cold one."""
+    motion = truth_slow(Hidden(warm_up=WarmUp(reduction=0.5, coulomb_ratio=0.5, time_s=4.0, form=AMBIENT)))
+    assert_allclose(motion.warmth[1:, 0], -np.expm1(-motion.t[:-1] / 4.0), atol=3e-4)
+    moving = motion.dq != 0.0
+    coulomb = 0.30 / (1.0 + motion.warmth * 0.25 / 0.75)
+    viscous = 0.07 * 0.5**motion.warmth
+    assert_allclose(motion.friction_nm[moving], (coulomb * np.sign(motion.dq) + viscous * motion.dq)[moving], atol=3e-5)
+
+
+@pytest.mark.parametrize("form", [ABRUPT, RAMP, SETTLING])
+def test_friction_steps_at_its_moment(form: int) -> None:
+    motion = truth_slow(Hidden(friction_step=FrictionStep(change=0.5, at_share=0.4, length_s=2.0, form=form)))
+    moving = motion.dq[:, 0] != 0.0
+    plain = 0.30 * np.sign(motion.dq[:, 0]) + 0.07 * motion.dq[:, 0]
+    ratio = (motion.friction_nm[:, 0] / np.where(moving, plain, 1.0))[moving]
+    since = motion.t[moving] - 4.8
+    course = {ABRUPT: np.ones_like(since), RAMP: np.minimum(since / 2.0, 1.0), SETTLING: -np.expm1(-since / 2.0)}[form]
+    clear = np.abs(since) > 1e-6
+    assert_allclose(ratio[clear], (1.0 + 0.5 * np.where(since < 0.0, 0.0, course))[clear], atol=1e-9)
+
+
+def test_contacts_come_when_they_were_drawn() -> None:
+    """A step load behind the sensor is what B ddq - F_m + tau_f leaves over."""
+    group = ContactEvent(torque_nm=0.5, per_minute=30.0, form=STEP)
+    motion = truth_slow(Hidden(contact_event=group))
+    events = draw_events(group, 12.0, make_streams(SLOW_SEED, 1).events[0])
+    expected = np.zeros_like(motion.t)
+    for start, length, size in events:
+        expected[(motion.t >= start) & (motion.t < start + length)] += size
+    left = (0.3 * motion.inner_ddq - motion.interaction_nm + motion.friction_nm)[:, 0]
+    assert len(events) >= 3
+    assert_allclose(left, expected, atol=1e-9)
