@@ -7,7 +7,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from friction_audit.reporting.figures.registry import figure_names
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES
@@ -79,11 +79,11 @@ def page(case: str) -> str:
     with pytest.MonkeyPatch.context() as patch:
         if "twenty" in case:
             patch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[1:2])
-            patch.setattr(batch_page, "figure_names", lambda _: ("drift",))
+            patch.setattr(batch_page, "figures_of", lambda _: ("drift",))
         return CASES[case]()
 
 
-def blank_figures(arms: int, *, letters: int, kinds: Iterable[str] = figure_names("drift")) -> dict[str, Figure]:
+def blank_figures(arms: int, *, letters: int, kinds: Iterable[str] = figures_of("drift")) -> dict[str, Figure]:
     """Return figures of so many arms of up to eight joints, by their anchors, each of so many letters."""
     picture = Picture(svg=f"<svg>{'<g></g>' * (letters // 7)}</svg>", width=100.0, description="")
     anchors = {f"arm-{number}-{kind}-1": kind for number in range(1, arms + 1) for kind in kinds}

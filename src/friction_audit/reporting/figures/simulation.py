@@ -12,11 +12,10 @@ from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, write_verdict
-from friction_audit.reporting.figures.series import choose_series
+from friction_audit.reporting.figures.series import series_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from friction_audit.pipeline import Diagnosis
 
@@ -40,30 +39,9 @@ class Piece(NamedTuple):
     place: float
 
 
-@theme.figure_style()
-def draw_simulation(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
-    """Draw one joint at column width, panels above each other, or every joint tested on a sheet, a row for each."""
-    joints, sheet, note = parts.choose(
-        found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable"
-    )
-    across = 3 if any(one.simulation is not None for one in joints) else 2
-    if sheet:
-        figure = parts.new_figure(theme.SHEET_IN, 0.75 + 1.25 * len(joints))
-        rows = figure.subplots(len(joints), across, squeeze=False, sharex="row").tolist()
-    else:
-        figure = parts.new_figure(theme.COLUMN_IN, 0.75 + 1.3 * across)
-        rows = figure.subplots(across, 1, squeeze=False, sharex=True).T.tolist()
-    for row, one in zip(rows, joints, strict=True):
-        _draw_joint(row, found, one, alone=len(joints) == 1)
-    parts.add_legend(figure)
-    figure.supxlabel(f"Time within the held-out cycles shown [s]{note}")
-    figure.align_ylabels()
-    return figure
-
-
-def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis, *, alone: bool) -> None:
-    """Draw torque, residual and motion of one joint."""
-    motion, traces = joint.simulation, joint.traces
+def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -> None:
+    """Draw torque, residual and, where it was simulated, motion."""
+    motion, traces, alone = joint.simulation, joint.traces, parts.is_narrow(panels[0])
     drawn = panels[: 1 if traces is None else 2 if motion is None else 3]
     for axes in panels[len(drawn) :]:
         axes.set_axis_off()
@@ -74,23 +52,22 @@ def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis,
     names = plain_names(" and ".join(effect.name for effect in joint.added)) if alone else "the effects named"
     with_effects = f"with {names}" if joint.added else ""
     filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
-    (series,) = choose_series(found.estimate, joint.joint).joints
-    raw = parts.thin_extremes(*lay_out(pieces, series.t, series.driving_torque), POINTS)
+    (friction,) = parts.chosen_joints(found.estimate.friction.joints, joint.joint)
+    series = series_of(found.estimate, friction)
+    raw = parts.thin_extremes(*lay_out(pieces, series.t, series.driving), POINTS)
     panels[0].plot(*raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
-    measured = _draw(
-        panels[0], pieces, traces.t, traces.measured, color=theme.FILTERED, lw=1.0, label=filtered, zorder=2
-    )
+    look: theme.Look = {"color": theme.FILTERED, "lw": 1.0, "label": filtered, "zorder": 2}
+    measured = _draw_curve(panels[0], pieces, traces.t, traces.measured, **look)
     models = _draw_models(panels[0], pieces, traces.t, (traces.before, traces.after), with_effects)
     panels[0].set_ylim(parts.limits(np.concatenate([measured, *models]), raw[1], near=FARTHEST_RAW, smallest=SMALLEST))
     parts.mark_zero(panels[1])
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
     _draw_models(panels[1], pieces, traces.t, residuals, with_effects)
     if motion is not None:
-        look: theme.Look = {"color": theme.BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
-        measured = _draw(panels[2], pieces, motion.t, motion.measured, **look)
-        nominal, *augmented = _draw_models(
-            panels[2], pieces, motion.t, (motion.nominal, motion.augmented), with_effects
-        )
+        look = {"color": theme.BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
+        measured = _draw_curve(panels[2], pieces, motion.t, motion.measured, **look)
+        both = (motion.nominal, motion.augmented)
+        nominal, *augmented = _draw_models(panels[2], pieces, motion.t, both, with_effects)
         shown = np.concatenate([measured, *augmented])
         panels[2].set_ylim(parts.limits(shown, nominal, near=FARTHEST_NOMINAL, smallest=SMALLEST))
     for axes, label in zip(drawn, LABELS, strict=False):
@@ -141,7 +118,7 @@ def lay_out(pieces: Sequence[Piece], t: Float, signal: Float) -> tuple[Float, Fl
     return np.concatenate(x), np.concatenate(y)
 
 
-def _draw(axes: "Axes", pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
+def _draw_curve(axes: "Axes", pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
     x, y = lay_out(pieces, t, signal)
     axes.plot(x, y, **look)  # type: ignore[arg-type]
     return y
@@ -152,10 +129,14 @@ def _draw_models(
 ) -> list[Float]:
     """Draw a curve of the nominal model and, where effects were added, of the augmented one; return what is drawn."""
     look: theme.Look = {"color": NOMINAL, "lw": 0.8, "ls": theme.DASHED, "label": "nominal model", "zorder": 3}
-    drawn = [_draw(axes, pieces, t, curves[0], **look)]
+    drawn = [_draw_curve(axes, pieces, t, curves[0], **look)]
     if with_effects:
-        drawn.append(_draw(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=with_effects, zorder=4))
+        drawn.append(_draw_curve(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=with_effects, zorder=4))
     return drawn
+
+
+def _panels(found: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
+    return 3 if any(one.simulation for one in (found.discrepancy.joints if sheet else [joint])) else 2
 
 
 def label_cycles(axes: "Axes", pieces: Sequence[Piece]) -> None:
@@ -169,3 +150,15 @@ def label_cycles(axes: "Axes", pieces: Sequence[Piece]) -> None:
             f"{words}{piece.start:.1f} s", (middle, 1.0), xycoords=("data", "axes fraction"), ha="center", va="bottom",
             fontsize=5.5, color=theme.MUTED,
         )  # fmt: skip
+
+
+SIMULATION = parts.Layout(
+    joints=lambda found: found.discrepancy.joints,
+    has=lambda _, joint: joint.traces is not None,
+    lacks="not testable",
+    draw=_draw,
+    panels=_panels,
+    height_in=(1.25, 1.3),
+    x="Time within the held-out cycles shown [s]",
+    shared="row",
+)

@@ -7,7 +7,7 @@ from friction_audit.reporting import drift_words
 from friction_audit.reporting.batch_drawings import draw, page_drawings
 from friction_audit.reporting.drift import COEFFICIENT, FAILED, BatchSummary, CoefficientRow, coefficient_rows
 from friction_audit.reporting.drift_text import sessions_text
-from friction_audit.reporting.figures.registry import figure_names
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
@@ -116,10 +116,10 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
     found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
-        drawings = (one for kind in figure_names("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
+        drawings = (one for kind in figures_of("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
         every = (drawn.get(one.anchor) or draw(one).figure for one in drawings)
         figures = tuple(figure for figure in every if figure is not None)
-        left -= sum(len(figure.picture.svg) for figure in figures)
+        left -= sum(len(figure.svg) for figure in figures)
         if left < 0 and found:
             break
         found[k + 1] = figures

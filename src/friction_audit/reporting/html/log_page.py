@@ -50,7 +50,7 @@ from friction_audit.reporting.report import (
 from friction_audit.reporting.table import Column, JointName, Record, Table, joint_column
 from friction_audit.reporting.words import MARK, count_of, format_start, in_unit, joint_label, joints_label
 
-NO_FIGURES = Drawn(by_section={}, left_out={})
+NO_FIGURES = Drawn({}, {})
 WORDS = {
     "interaction torque": "F_m, the torque at the joint's torque sensor that drives the joint against friction and "
     "inertia.",
