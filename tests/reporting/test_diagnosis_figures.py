@@ -69,7 +69,7 @@ def test_cycles_that_were_simulated_are_shown_before_others() -> None:
 
 def test_cycles_are_drawn_in_a_row_and_gaps_are_not_bridged() -> None:
     t = np.array([0.0, 1.0, 2.0, 5.0, 6.0, 20.0, 21.0])
-    x, y = lay_out((Piece(0.0, 6.0, 0.0), Piece(20.0, 21.0, 7.0)), t, np.arange(7.0))
+    x, y = lay_out((Piece(0.0, 6.0, 0.0), Piece(20.0, 21.0, 7.0)), t, np.arange(7.0), 1.0)
     nan = np.nan
     assert x == pytest.approx(np.array([0, 1, 2, 5, 6, nan, 7, 8, nan]), nan_ok=True)
     assert y == pytest.approx(np.array([0, 1, nan, 3, 4, nan, 5, 6, nan]), nan_ok=True)

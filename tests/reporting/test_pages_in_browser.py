@@ -98,18 +98,6 @@ def test_hostile_names_are_text(open_page: Open, case: str, name: str) -> None:
     assert opened.complaints == []
 
 
-def test_a_log_without_cycles_and_one_of_twenty_joints(open_page: Open) -> None:
-    opened = open_page(page("no cycles"))
-    words = opened.page.locator("body").text_content() or ""
-    assert "Friction is estimated on no joint." in words
-    assert "did not move" in words
-    assert opened.page.locator("figure svg").count() == 0
-    opened = open_page(page("twenty joints"))
-    assert opened.page.locator("#verdicts .badge").count() == 20
-    unfold(opened)
-    assert opened.page.locator("figure svg").count() == 3
-
-
 def column(opened: Opened, number: int) -> list[str]:
     cells: list[str] = opened.evaluate(
         "(k) => [...document.querySelectorAll('table')[1].tBodies[0].rows].map((row) => row.cells[k].textContent)",
@@ -179,19 +167,16 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     assert opened.complaints == []
 
 
-def test_the_value_under_the_pointer_is_shown(open_page: Open) -> None:
+def test_the_value_under_the_pointer_is_shown_and_a_page_can_be_read_without_scripts(open_page: Open) -> None:
     opened = open_page(page("plain"))
     box = opened.page.locator("figure svg").first.bounding_box()
     assert box is not None
     opened.page.mouse.move(box["x"] + 0.2 * box["width"], box["y"] + 0.5 * box["height"])
     words = opened.page.locator(".value").text_content() or ""
     assert re.search(r"Velocity \[rad/s\]: .*\nInteraction torque \[N m\]: ", words)
-
-
-def test_a_page_can_be_read_without_scripts(open_page: Open) -> None:
-    opened = open_page(page("batch"), scripts=False)
+    opened = open_page(page("plain"), scripts=False)
     assert opened.page.locator("table.sortable button, figure button").count() == 0
-    assert opened.page.locator("figure svg").count() == len(figures_of("drift"))
+    assert opened.page.locator("figure svg").count() == len(LOG_FIGURES)
     assert opened.page.locator("dialog").is_visible() is False
 
 

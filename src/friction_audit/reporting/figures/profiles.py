@@ -27,7 +27,7 @@ STANDARD_ERRORS = 2.0  # half length of an error bar: about 95 %
 MOST_DOTS = 1500  # samples in a panel above which they would only be a blot
 # Axes from zero on, and the last bin over the first from which a linear one would hide the first bins.
 STRETCHED, WIDENING = ("speed", "displacement"), 30.0
-POINTS = 60  # stretches with equally many samples over which a fitted torque is averaged for a line
+POINTS = 30  # stretches with equally many samples over which a fitted torque is averaged for a line
 
 
 def wave_of(effect: NamedEffect) -> OwnAxis | None:
@@ -147,7 +147,7 @@ def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque
         half = STANDARD_ERRORS * np.where(np.isfinite(error), error, 0.0)
         axes.errorbar(
             profile.centre, mean, half, fmt=marker, color=colour, ms=3.2, mec=theme.BORDER, mew=0.4, elinewidth=0.8,
-            ecolor=theme.BORDER, capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
+            capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
         )  # fmt: skip
 
 
@@ -258,9 +258,15 @@ def _draw_contacts(axes: "Axes", joint: JointDiagnosis, title: str, ends: tuple[
     axes.set_xlabel("Time [s]")
 
 
+def _has_effect(found: "Diagnosis", joint: JointDiagnosis) -> bool:
+    """Return whether an effect was named; where none was on any joint, whether there is a residual."""
+    none = not any(one.effects for one in found.discrepancy.joints)
+    return bool(joint.effects) or (none and joint.traces is not None)
+
+
 EFFECTS = parts.Layout(
     joints=RESIDUAL.joints,
-    has=lambda _, joint: joint.effects,
+    has=_has_effect,
     lacks="no effect named",
     draw=_draw_effects,
     panels=_effect_panels,

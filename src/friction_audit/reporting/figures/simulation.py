@@ -23,7 +23,6 @@ SHOWN = 4  # held-out cycles in a panel
 GAP = 0.04  # of the time shown, between one cycle and the next
 LONGEST_STEP = 1.5  # usual steps of time beyond which samples were left out
 POINTS = 4000
-LEAST_ROOM = 0.17  # of the axis, from one cycle's label to the next, for a label in words
 # Times the range of the other curves that raw torque, and the motion of a nominal model that runs away, may stretch
 # a panel; there they are cut.
 FARTHEST_RAW, FARTHEST_NOMINAL = 0.5, 1.5
@@ -54,12 +53,14 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
     filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
     (friction,) = parts.chosen_joints(found.estimate.friction.joints, joint.joint)
     series = series_of(found.estimate, friction)
-    raw = parts.thin_extremes(*lay_out(pieces, series.t, series.driving), POINTS)
-    panels[0].plot(*raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
+    # The stamps of a log may jitter by more than their step, those of the samples of the diagnosis do not.
+    x, raw = lay_out(pieces, series.t, series.driving, float(np.median(np.diff(traces.t))))
+    thin = parts.every_nth(len(x), POINTS)
+    panels[0].plot(x[thin], raw[thin], color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
     look: theme.Look = {"color": theme.FILTERED, "lw": 1.0, "label": filtered, "zorder": 2}
     measured = _draw_curve(panels[0], pieces, traces.t, traces.measured, **look)
     models = _draw_models(panels[0], pieces, traces.t, (traces.before, traces.after), with_effects)
-    panels[0].set_ylim(parts.limits(np.concatenate([measured, *models]), raw[1], near=FARTHEST_RAW, smallest=SMALLEST))
+    panels[0].set_ylim(parts.limits(np.concatenate([measured, *models]), raw, near=FARTHEST_RAW, smallest=SMALLEST))
     parts.mark_zero(panels[1])
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
     _draw_models(panels[1], pieces, traces.t, residuals, with_effects)
@@ -75,7 +76,10 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
             axes.axvspan(one.place + one.stop - one.start, following.place, color=theme.SHADE, lw=0, zorder=0)
         axes.set_xlim(0.0, pieces[-1].place + pieces[-1].stop - pieces[-1].start)
         parts.label_panel(axes, parts.joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
-    label_cycles(panels[1], pieces)
+    for piece in pieces:  # when it began
+        where: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}
+        middle = piece.place + 0.5 * (piece.stop - piece.start)
+        panels[1].annotate(f"{piece.start:.1f} s", (middle, 1.0), color=theme.MUTED, **where)
 
 
 def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int = SHOWN) -> tuple[Piece, ...]:
@@ -100,26 +104,26 @@ def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int 
     return tuple(Piece(*span, float(place)) for span, place in zip(spans, places, strict=True))
 
 
-def lay_out(pieces: Sequence[Piece], t: Float, signal: Float) -> tuple[Float, Float]:
+def lay_out(pieces: Sequence[Piece], t: Float, signal: Float, usual_s: float) -> tuple[Float, Float]:
     """Return place in the panel and signal of the samples that are shown, NaN between cycles and over gaps.
 
     Args:
         pieces: The cycles.
         t: Ascending; NaN where a curve is interrupted, shape (n,). [s]
         signal: Shape (n,).
+        usual_s: Usual step of time; samples were left out where it is much longer. [s]
     """
-    usual = float(np.nanmedian(np.diff(t))) if len(t) > 1 else 0.0
     x: list[Float] = []
     y: list[Float] = []
     for piece in pieces:
         inside = (t >= piece.start) & (t <= piece.stop)
         x.append(np.append(t[inside] - piece.start + piece.place, np.nan))
-        y.append(np.append(parts.break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual), np.nan))
+        y.append(np.append(parts.break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual_s), np.nan))
     return np.concatenate(x), np.concatenate(y)
 
 
 def _draw_curve(axes: "Axes", pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
-    x, y = lay_out(pieces, t, signal)
+    x, y = lay_out(pieces, t, signal, float(np.nanmedian(np.diff(t))) if len(t) > 1 else 0.0)
     axes.plot(x, y, **look)  # type: ignore[arg-type]
     return y
 
@@ -137,19 +141,6 @@ def _draw_models(
 
 def _panels(found: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
     return 3 if any(one.simulation for one in (found.discrepancy.joints if sheet else [joint])) else 2
-
-
-def label_cycles(axes: "Axes", pieces: Sequence[Piece]) -> None:
-    """Write above each cycle when it began; on a sheet, or over short cycles, there is room for the number alone."""
-    middles = [piece.place + 0.5 * (piece.stop - piece.start) for piece in pieces]
-    room = min((following - one for one, following in pairwise(middles)), default=np.inf)
-    wide = room >= LEAST_ROOM * (pieces[-1].place + pieces[-1].stop - pieces[-1].start)
-    words = "from " if wide and parts.is_narrow(axes) else ""
-    for piece, middle in zip(pieces, middles, strict=True):
-        axes.annotate(
-            f"{words}{piece.start:.1f} s", (middle, 1.0), xycoords=("data", "axes fraction"), ha="center", va="bottom",
-            fontsize=5.5, color=theme.MUTED,
-        )  # fmt: skip
 
 
 SIMULATION = parts.Layout(
