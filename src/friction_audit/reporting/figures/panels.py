@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.7, 24  # room that a label of a legend takes; of formulas, less is seen
+HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.5, 24  # room that a label of a legend takes; of formulas, less is seen
 TICKS_ON_SHEET, TICKS_IN_COLUMN = 4, 6
 
 
@@ -352,6 +352,21 @@ def draw_arrow(axes: "Axes", tail: tuple[float, float], head: tuple[float, float
     """Draw an arrow from one point of a curve to another."""
     style: Look = {"arrowstyle": "-|>", "color": colour, "lw": width, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", head, tail, arrowprops=style, zorder=5)
+
+
+ARROWS_AT, ARROW_LENGTH = 0.6, 0.06  # share of a stroke's peak speed at which an arrow stands; share of both ranges
+
+
+def draw_arrows(axes: "Axes", dq: Float, torque: Float) -> None:
+    """Add arrows in the direction of time to a smooth curve, shape (n,): two to the fastest stroke each way."""
+    look: Look = {"arrowstyle": "-|>", "color": FILTERED, "lw": 0.9, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
+    across, up = (float(np.nanmax(one) - np.nanmin(one)) or 1.0 for one in (dq, torque))
+    for fastest in (int(np.nanargmax(dq)), int(np.nanargmin(dq))):
+        slow = ~(np.sign(dq[fastest]) * dq >= ARROWS_AT * abs(dq[fastest]))
+        for tail in (fastest - int(np.argmax(slow[fastest::-1])), fastest + int(np.argmax(slow[fastest:]))):
+            way = np.hypot((dq - dq[tail]) / across, (torque - torque[tail]) / up)
+            head = tail + int(np.argmax(way[tail:] > ARROW_LENGTH))
+            axes.annotate("", (dq[head], torque[head]), (dq[tail], torque[tail]), arrowprops=look, zorder=5)
 
 
 def label_in_unit(figure: Drawn, unit: str) -> Drawn:

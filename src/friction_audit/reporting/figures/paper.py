@@ -17,17 +17,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 DRAWN, DRAWN_ON_SHEET = 4000, 1500  # points of a curve: more than a column has pixels
-ARROWS_AT = 0.6  # share of a stroke's peak speed at which an arrow stands
-ARROW_SAMPLES = 40  # samples from the middle of an arrow to its ends
 VISCOUS = "Viscous\n[N m s/rad]"
-ARROW: theme.Look = {
-    "arrowstyle": "-|>",
-    "color": theme.FITTED,
-    "lw": 0.9,
-    "mutation_scale": 9,
-    "shrinkA": 0,
-    "shrinkB": 0,
-}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -90,11 +80,7 @@ def _draw_loop(course: Course, title: str, axes: "Axes") -> None:
     dq, torque = parts.smooth(course.t, course.dq), parts.smooth(course.t, course.interaction_nm)
     thin = parts.every_nth(len(course.t), DRAWN)
     axes.plot(dq[thin], torque[thin], color=theme.FILTERED, lw=0.6, label="filtered, 10 Hz", zorder=2)
-    for fastest in (int(np.argmax(dq)), int(np.argmin(dq))):
-        slow = np.sign(dq[fastest]) * dq < ARROWS_AT * abs(dq[fastest])
-        for place in (fastest - int(np.argmax(slow[fastest::-1])), fastest + int(np.argmax(slow[fastest:]))):
-            tail, head = max(place - ARROW_SAMPLES, 0), min(place + ARROW_SAMPLES, len(dq) - 1)
-            axes.annotate("", (dq[head], torque[head]), (dq[tail], torque[tail]), arrowprops=ARROW, zorder=5)
+    parts.draw_arrows(axes, dq[thin], torque[thin])
     parts.label_panel(axes, title, y="Interaction torque [N m]")
     axes.set_xlabel("Velocity [rad/s]")
 

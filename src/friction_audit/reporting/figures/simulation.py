@@ -54,9 +54,10 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
     (friction,) = parts.chosen_joints(found.estimate.friction.joints, joint.joint)
     series = series_of(found.estimate, friction)
     # The stamps of a log may jitter by more than their step, those of the samples of the diagnosis do not.
-    x, raw = lay_out(pieces, series.t, series.driving, float(np.median(np.diff(traces.t))))
-    thin = parts.every_nth(len(x), POINTS)
-    panels[0].plot(x[thin], raw[thin], color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
+    length_s = pieces[-1].place + pieces[-1].stop - pieces[-1].start
+    thin = parts.every_nth(int(length_s * parts.median_rate_hz(series.t)), POINTS)
+    x, raw = lay_out(pieces, series.t[thin], series.driving[thin], float(np.median(np.diff(traces.t))))
+    panels[0].plot(x, raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
     look: theme.Look = {"color": theme.FILTERED, "lw": 1.0, "label": filtered, "zorder": 2}
     measured = _draw_curve(panels[0], pieces, traces.t, traces.measured, **look)
     models = _draw_models(panels[0], pieces, traces.t, (traces.before, traces.after), with_effects)
@@ -74,7 +75,7 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
     for axes, label in zip(drawn, LABELS, strict=False):
         for one, following in pairwise(pieces):
             axes.axvspan(one.place + one.stop - one.start, following.place, color=theme.SHADE, lw=0, zorder=0)
-        axes.set_xlim(0.0, pieces[-1].place + pieces[-1].stop - pieces[-1].start)
+        axes.set_xlim(0.0, length_s)
         parts.label_panel(axes, parts.joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
     for piece in pieces:  # when it began
         where: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}

@@ -9,15 +9,14 @@ from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures.series import JointSeries, moved, series_of
-from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW, Look
+from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from friction_audit.pipeline import Estimate
 
-ARROWS, ARROW_LENGTH = 6, 0.06  # the length of a panel's width
-NEAR_REST = 0.2  # share of the peak speed below which the curve is too steep and crowded for an arrow
+NEAR_REST = 0.2  # share of the peak speed below which the torque of a reversal hides an offset
 POINTS_PER_PERIOD = 10  # of the filtered curve, per period of its highest frequency: enough for a smooth line
 SMALLEST_CENTRE_NM = 0.0005  # the label's three decimals would round less to nothing
 MOST_LOOPS = 60  # cycles of the filtered curve above which it would be a blot
@@ -34,7 +33,7 @@ def _draw(panels: "Sequence[Axes]", estimate: "Estimate", friction: JointFrictio
     filtered = f"filtered, {parts.cutoff_hz(series.t):.3g} Hz{'' if every == 1 else f', 1 cycle in {every}'}"
     axes.plot(dq, torque, color=FILTERED, lw=0.35, rasterized=True, label=filtered)
     if alone:  # on a sheet there is no room for arrows
-        _draw_arrows(axes, series)
+        parts.draw_arrows(axes, dq, torque)
     reach = float(np.abs(series.dq).max())
     # Two points next to zero on each side make the step of the Coulomb term upright.
     speed = np.array([-reach, -1e-9, 1e-9, reach])
@@ -95,37 +94,6 @@ def fitted_label(friction: JointFriction, centre: float) -> str:
     if abs(centre) >= SMALLEST_CENTRE_NM:
         terms.append(f"{centre:+.3f}")
     return f"fitted: ${''.join(terms).removeprefix('+')}$"
-
-
-def typical_strokes(series: JointSeries) -> slice:
-    """Return the samples of two neighbouring cycles of middling peak speed, if possible there and back."""
-    kept = series.cycles.rows(series.cycles.reason == 0)
-    if len(kept.joint) < 2:  # noqa: PLR2004
-        return slice(0, 0)
-    direction = np.array([np.sign(series.dq[a:b].sum()) for a, b in zip(kept.start, kept.stop, strict=True)])
-    distance = np.abs(kept.peak_speed_rad_s - np.median(kept.peak_speed_rad_s))
-    apart = distance[1:] + distance[:-1] + 2 * distance.max() * (direction[1:] == direction[:-1])
-    row = int(np.argmin(apart))
-    return slice(int(kept.start[row]), int(kept.stop[row + 1]) + 1)
-
-
-def _draw_arrows(axes: "Axes", series: JointSeries) -> None:
-    """Add arrows in the direction of time, evenly spread along a typical pair of strokes, away from rest."""
-    strokes = typical_strokes(series)
-    if strokes.stop - strokes.start < 2 * ARROWS:
-        return
-    dq, torque = (parts.smooth(series.t, signal)[strokes] for signal in (series.dq, series.driving))
-    # A white rim keeps the strokes apart from the curve around them.
-    axes.plot(dq, torque, color="white", lw=2.2, rasterized=True)
-    axes.plot(dq, torque, color=FILTERED, lw=0.9, rasterized=True)
-    steps = np.hypot(np.diff(dq) / np.ptp(dq), np.diff(torque) / (np.ptp(torque) or 1.0))  # a torque may be constant
-    steps[np.abs(dq[1:]) < NEAR_REST * np.abs(dq).max()] = 0.0
-    length = np.concatenate([[0.0], np.cumsum(steps)])
-    for share in (np.arange(ARROWS) + 0.5) / ARROWS:
-        tail, head = np.searchsorted(length, share * length[-1] + np.array([0.0, ARROW_LENGTH]))
-        head = min(int(head), len(dq) - 1)
-        tip: Look = {"arrowstyle": "-|>", "color": FILTERED, "lw": 0.5, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", (dq[head], torque[head]), (dq[tail], torque[tail]), arrowprops=tip, zorder=5)
 
 
 VELOCITY_TORQUE = parts.Layout(

@@ -11,7 +11,7 @@ from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
-from friction_audit.reporting.words import enumerate_words
+from friction_audit.reporting.words import enumerate_words, joints_label
 
 # Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
@@ -137,7 +137,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
         caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
         "sessions it is significant; the change with temperature that was taken out, and the temperature of the "
         "comparison; the scatter between sessions",
-    )
+    ).filled()
     return html.Section(
         anchor=anchor,
         title=arm.robot,
@@ -199,7 +199,7 @@ def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
             kind = f"{drift_words.NAMES[name]} coefficient"
-            which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
+            which = f"{kind[:1].upper()}{kind[1:]} of each session, {joints_label(one.joint for one in joints)}"
             columns = (batch_tables.SESSION_NUMBER, *(batch_tables.coefficient_column(joint, name) for joint in joints))
             caption = f"{which}, with its 95 % interval [{unit}]{cut}"
             yield Record(columns).people(rows, caption=caption, folded=True)
