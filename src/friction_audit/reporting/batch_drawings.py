@@ -39,23 +39,14 @@ ON_A_SHEET = 8
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Drawing:
-    """A figure to be drawn; it can be given to another process.
-
-    Attributes:
-        kind: What is drawn.
-        arm: The arm, with the joints to be drawn, and no more of it than is drawn.
-        anchor: What its names in the page begin with; empty if it is for the files alone.
-        which: Joints of a sheet of some, for its title on the page; empty for all.
-        name: Of its files, without the suffix; empty if it is for the page alone.
-        formats: Suffixes of its files.
-    """
+    """A figure to be drawn; it can be given to another process."""
 
     kind: Figure
-    arm: ArmDrift
-    anchor: str = ""
-    which: str = ""
-    name: str = ""
-    formats: Sequence[str] = ()
+    arm: ArmDrift  # the arm, with the joints to be drawn, and no more of it than is drawn
+    anchor: str = ""  # what its names in the page begin with; empty if it is for the files alone
+    which: str = ""  # joints of a sheet of some, for its title on the page; empty for all
+    name: str = ""  # of its files, without the suffix; empty if it is for the page alone
+    formats: Sequence[str] = ()  # suffixes of its files
 
 
 class Drawn(NamedTuple):
@@ -66,13 +57,7 @@ class Drawn(NamedTuple):
 
 
 def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: Sequence[str]) -> Iterator[Drawing]:
-    """Yield what is to be drawn of the arms that have joints.
-
-    Args:
-        arms: All arms of a batch.
-        prefixes: What the names of each arm's files begin with, by the arm's name.
-        formats: Suffixes of the files.
-    """
+    """Yield what is to be drawn of the arms that have joints; their files begin with the prefix of its name."""
     for number, arm in enumerate(arms, start=1):
         for kind in figures_of("drift"):
             name = f"{prefixes.get(arm.robot, '')}{kind.name}"

@@ -69,7 +69,7 @@ def mean_curve(curves: list[SpeedCurve]) -> Mean | None:
     if not broken:
         return None
     speed = broken[0][0]
-    table = np.ma.masked_invalid([np.interp(speed, *one, left=np.nan, right=np.nan) for one in broken])
+    table = np.ma.masked_invalid([np.interp(speed, one[0], one[1], left=np.nan, right=np.nan) for one in broken])
     return Mean(speed, *(np.ma.filled(column, np.nan) for column in (table.mean(0), table.min(0), table.max(0))))
 
 

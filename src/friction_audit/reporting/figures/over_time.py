@@ -136,13 +136,9 @@ def _draw_coefficients(panels: "Sequence[Axes]", estimate: "Estimate", friction:
 
 
 def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple[float, float] | None:
-    """Return limits that show the values and the whole-log interval, and of the bands as much as is near.
+    """Return limits that show the values after each cycle, NaN where there is none, and the whole-log interval.
 
-    Args:
-        value: Coefficient after each cycle, shape (m,); NaN where there is none.
-        low: Lower end of its interval, shape (m,).
-        high: Upper end, shape (m,).
-        whole: The coefficient over the whole log.
+    Of the bands, shape (m,) like the values, they show as much as is near.
     """
     width = high - low
     known = width[np.isfinite(width)]

@@ -46,35 +46,21 @@ Text = str | Callable[[Any], str]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Layout(Generic[Joint]):
-    """A figure of the joints of a result: the panels of each joint, and what stands around them.
+    """A figure of the joints of a result: the panels of each joint, and what stands around them."""
 
-    Attributes:
-        joints: The joints of a result.
-        has: Whether there is something to show of a joint of a result.
-        lacks: What a joint without it has not, for the line that stands for it.
-        draw: Draws a joint of a result into its panels.
-        panels: Panels of a joint: below each other in a column, next to each other on a sheet (last argument True).
-        across: Panels side by side on a sheet; those of one joint if None.
-        height_in: Height of the panels of a joint on a sheet, and of each in a column. [in]
-        head_in: Height of the legend and of the label below. [in]
-        x: Name of the x axis of all panels.
-        y: Name of the y axis of all panels, if it is one.
-        shared: ``sharex`` of the panels.
-        legend: Labels that stand first in the legend.
-    """
-
-    joints: Callable[[Any], Sequence[Joint]]
-    has: Callable[[Any, Joint], object]
-    lacks: str
-    draw: Callable[[Sequence["Axes"], Any, Joint], None]
+    joints: Callable[[Any], Sequence[Joint]]  # of a result
+    has: Callable[[Any, Joint], object]  # whether there is something to show of a joint of a result
+    lacks: str  # what a joint without it has not, for the line that stands for it
+    draw: Callable[[Sequence["Axes"], Any, Joint], None]  # draws a joint of a result into its panels
+    # Panels of a joint: below each other in a column, next to each other on a sheet (the last argument is True).
     panels: int | Callable[[Any, Joint, bool], int] = 1
-    across: int | None = None
-    height_in: tuple[float, float] | Callable[[Joint, bool], float] = (1.45, 2.4)
-    head_in: float = 0.75
-    x: Text
-    y: Text = ""
-    shared: Any = False
-    legend: Sequence[str] = ()
+    across: int | None = None  # panels side by side on a sheet; those of one joint if None
+    height_in: tuple[float, float] | Callable[[Joint, bool], float] = (1.45, 2.4)  # of panels on a sheet, in a column
+    head_in: float = 0.75  # height of the legend and of the label below
+    x: Text  # name of the x axis of all panels
+    y: Text = ""  # name of the y axis of all panels, if it is one
+    shared: Any = False  # ``sharex`` of the panels
+    legend: Sequence[str] = ()  # labels that stand first in the legend
 
     @figure_style()
     def __call__(self, result: Any, numbers: Numbers = None) -> "Figure":
@@ -158,16 +144,7 @@ def new_figure(width_in: float, height_in: float) -> "Figure":
 def grid(
     heights_in: Sequence[float], across: int, width_in: float, head_in: float, sharex: Any = False, sharey: Any = False
 ) -> "tuple[Figure, list[Axes]]":
-    """Return a figure and its panels, ``across`` of them side by side, each row as high as its highest panel.
-
-    Args:
-        heights_in: Height of each panel. [in]
-        across: Panels side by side.
-        width_in: Width of the figure. [in]
-        head_in: Height of the legend and of the label below. [in]
-        sharex: As of ``subplots``.
-        sharey: As of ``subplots``.
-    """
+    """Return a figure and its panels, ``across`` of them side by side, each row as high as its highest panel."""
     count = len(heights_in)
     across = min(across, count)
     rows = [max(heights_in[k : k + across]) for k in range(0, count, across)]
@@ -305,13 +282,7 @@ def every_nth(samples: int, most: int = MOST_POINTS) -> slice:
 
 
 def thin_extremes(t: Float, signal: Float, most: int = MOST_POINTS) -> tuple[Float, Float]:
-    """Return at most ``most`` samples that hold the smallest and the largest of every stretch, in order of time.
-
-    Args:
-        t: Time, shape (n,). [s]
-        signal: Shape (n,).
-        most: Number of points wanted.
-    """
+    """Return at most ``most`` samples with the smallest and the largest of every stretch, in order; shape (n,) each."""
     width = -(-2 * len(t) // most)
     if width <= 1 or len(t) <= most:
         return t, signal

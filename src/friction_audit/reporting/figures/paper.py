@@ -22,29 +22,17 @@ VISCOUS = "Viscous\n[N m s/rad]"
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Course:
-    """One joint over time; n samples, m ends of cycles.
+    """One joint over time; n samples, m ends of cycles."""
 
-    Attributes:
-        t: Time, shape (n,). [s]
-        dq: Velocity, shape (n,). [rad/s]
-        interaction_nm: Interaction torque F_m, shape (n,). [N m]
-        energy_j: Net energy E_m, shape (n,). [J]
-        coulomb_nm: Coulomb friction compensated, shape (n,). [N m]
-        viscous_nms_per_rad: Viscous friction compensated, shape (n,). [N m s/rad]
-        damping_nms_per_rad: Damping of the passivity controller, shape (n,). [N m s/rad]
-        ends_s: When cycles end, shape (m,). [s]
-        ends_j: Net energy then, shape (m,). [J]
-    """
-
-    t: Float
-    dq: Float
-    interaction_nm: Float
-    energy_j: Float
-    coulomb_nm: Float
-    viscous_nms_per_rad: Float
-    damping_nms_per_rad: Float
-    ends_s: Float
-    ends_j: Float
+    t: Float  # shape (n,) [s]
+    dq: Float  # velocity, shape (n,) [rad/s]
+    interaction_nm: Float  # interaction torque F_m, shape (n,) [N m]
+    energy_j: Float  # net energy E_m, shape (n,) [J]
+    coulomb_nm: Float  # Coulomb friction compensated, shape (n,) [N m]
+    viscous_nms_per_rad: Float  # viscous friction compensated, shape (n,) [N m s/rad]
+    damping_nms_per_rad: Float  # damping of the passivity controller, shape (n,) [N m s/rad]
+    ends_s: Float  # when cycles end, shape (m,) [s]
+    ends_j: Float  # net energy then, shape (m,) [J]
 
     def part(self, kept: "NDArray[np.bool_]") -> "Course":
         """Return the samples of a mask of shape (n,), and the ends of cycles from the first of them on."""

@@ -125,15 +125,7 @@ def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
 
 
 def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque: Float) -> None:
-    """Draw samples as dots and the means of the bins with their errors, each direction of motion apart.
-
-    Args:
-        axes: The panel.
-        profile: Means of the bins.
-        along: The quantity of the axis, of every sample, shape (m,).
-        dq: Velocity of every sample, shape (m,). [rad/s]
-        torque: What is drawn of every sample, shape (m,). [N m]
-    """
+    """Draw samples of shape (m,) as dots over ``along`` and the means of the bins, each direction of motion apart."""
     parts.mark_zero(axes)
     reach = np.stack([profile.centre - profile.edges[:-1], profile.edges[1:] - profile.centre])
     directions = (

@@ -13,23 +13,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A kind of figure.
+    """A kind of figure."""
 
-    Attributes:
-        name: As ``--figures`` takes it, and the first part of its files' names.
-        result: What it draws: ``estimate``, ``replay``, ``diagnosis``, ``drift`` or ``diff``.
-        place: Module and what draws it there, with a dot between them.
-        title: What it shows, in a line.
-        caption: How to read it; empty if it stands on no page.
-        panel: Whether one panel holds a joint, so that it can be drawn into given axes.
-    """
-
-    name: str
-    result: str
-    place: str
-    title: str
-    caption: str = ""
-    panel: bool = False
+    name: str  # as ``--figures`` takes it, and the first part of its files' names
+    result: str  # what it draws: ``estimate``, ``replay``, ``diagnosis``, ``drift`` or ``diff``
+    place: str  # module and what draws it there, with a dot between them
+    title: str  # what it shows, in a line
+    caption: str = ""  # how to read it; empty if it stands on no page
+    panel: bool = False  # whether one panel holds a joint, so that it can be drawn into given axes
 
     def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "MatplotlibFigure":
         """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet.
@@ -156,14 +147,7 @@ def figure_names(*results: str) -> tuple[str, ...]:
 def draw_result(
     result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None"
 ) -> "MatplotlibFigure | Axes":
-    """Draw a kind of figure of a result, or one joint of it into axes.
-
-    Args:
-        result: What it draws.
-        of: What that is called in FIGURES.
-        kind: Name of the figure, or None for the first one that fits into one panel.
-        joint: Number of the joint (1..n), or None.
-        axes: Axes to draw into, or None for a figure.
+    """Draw a kind of figure of a result (of FIGURES; None: the first of one panel), or one joint of it into axes.
 
     Raises:
         UsageError: If there is no such figure or joint, or the axes do not suffice.

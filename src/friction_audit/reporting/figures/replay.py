@@ -112,12 +112,7 @@ def _draw_coefficient(axes: "Axes", joint: "JointReplay", name: str, colour: str
 
 
 def applied(joint: "JointReplay", name: str) -> tuple[Float, Float]:
-    """Return times [s] and values of a coefficient compensated: steps, the last one up to where the replay ends.
-
-    Args:
-        joint: With a result.
-        name: ``"coulomb_nm"`` or ``"viscous_nms_per_rad"``.
-    """
+    """Return times [s] and values of a coefficient compensated: steps, the last one up to where the replay ends."""
     assert joint.history is not None
     assert joint.replayed is not None
     assert joint.last is not None

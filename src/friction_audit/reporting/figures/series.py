@@ -19,27 +19,16 @@ MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class JointSeries:
-    """One joint's signals, cycles and friction.
+    """One joint's signals of shape (n,), its cycles, whose start and stop are indices into them, and its friction."""
 
-    Attributes:
-        title: What a panel is called: the joint's number, and its name where that says more.
-        t: Time, shape (n,). [s]
-        dq: Velocity, shape (n,). [rad/s]
-        torque: Interaction torque F_m, shape (n,). [N m]
-        driving: What acts against friction and inertia, F_m and the torque of a logged compensator, shape (n,). [N m]
-        cycles: Its cycles; start and stop are indices into the arrays above.
-        friction: Its coefficients.
-        not_determined: The words for a panel without an estimate, without advice; empty if there is one.
-    """
-
-    title: str
-    t: Float
-    dq: Float
-    torque: Float
-    driving: Float
+    title: str  # what a panel is called: the joint's number, and its name where that says more
+    t: Float  # [s]
+    dq: Float  # velocity [rad/s]
+    torque: Float  # interaction torque F_m [N m]
+    driving: Float  # what acts against friction and inertia: F_m and the torque of a logged compensator [N m]
     cycles: EnergyCycles
     friction: JointFriction
-    not_determined: str
+    not_determined: str  # the words for a panel without an estimate, without advice; empty if there is one
 
 
 def moved(_: "Estimate", friction: JointFriction) -> bool:

@@ -84,13 +84,7 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
 
 
 def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int = SHOWN) -> tuple[Piece, ...]:
-    """Return held-out cycles from the first to the last, evenly chosen, in a row.
-
-    Args:
-        traces: Of one joint, with at least one held-out cycle.
-        motion: The simulated motion, or None; cycles that it holds go before those that it lacks.
-        most: Number of cycles.
-    """
+    """Return held-out cycles from the first to the last, evenly chosen, in a row; simulated ones before others."""
     held_out = np.unique(traces.cycle[traces.held_out])
     if motion is not None:
         begins = np.array([traces.t[traces.cycle == number][0] for number in held_out])

@@ -27,21 +27,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Figure:
-    """A figure that can be enlarged.
+    """A figure that can be enlarged."""
 
-    Attributes:
-        title: What it shows, in a line.
-        caption: How to read it.
-        svg: Its markup; the words in it are escaped.
-        width: Width at which its text is as large as it was drawn. [pt]
-        description: What it shows, for those who do not see it.
-    """
-
-    title: str
-    caption: str
-    svg: str
-    width: float
-    description: str
+    title: str  # what it shows, in a line
+    caption: str  # how to read it
+    svg: str  # its markup; the words in it are escaped
+    width: float  # width at which its text is as large as it was drawn [pt]
+    description: str  # what it shows, for those who do not see it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -73,25 +65,15 @@ Part = Table | Figure | Text | Command | Terms
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Section:
-    """A section with a heading, and sections in it.
+    """A section with a heading, and sections in it."""
 
-    Attributes:
-        anchor: Unique: ASCII letters, digits and hyphens.
-        title: The heading.
-        parts: What stands in it.
-        sections: Sections in it, after the parts.
-        folded: Whether a screen shows it only when asked for; paper shows it whole.
-        note: What stands next to the heading of a folded section.
-        on_paper: Whether paper has it.
-    """
-
-    anchor: str
-    title: str
-    parts: Sequence[Part] = ()
-    sections: Sequence["Section"] = ()
-    folded: bool = False
-    note: str = ""
-    on_paper: bool = True
+    anchor: str  # unique: ASCII letters, digits and hyphens
+    title: str  # the heading
+    parts: Sequence[Part] = ()  # what stands in it
+    sections: Sequence["Section"] = ()  # sections in it, after the parts
+    folded: bool = False  # whether a screen shows it only when asked for; paper shows it whole
+    note: str = ""  # what stands next to the heading of a folded section
+    on_paper: bool = True  # whether paper has it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -213,15 +195,7 @@ IN_PAGE: dict[str, Any] = {"svg.fonttype": "none", "savefig.dpi": 120}
 
 
 def draw_inline(figure: "Drawing", prefix: str, *, title: str, caption: str, description: str) -> Figure:
-    """Return a figure as SVG to stand inside a page.
-
-    Args:
-        figure: The figure.
-        prefix: Makes every id in it differ from those of other figures of the page.
-        title: What it shows, in a line.
-        caption: How to read it.
-        description: What it shows, for those who do not see it.
-    """
+    """Return a figure as SVG to stand inside a page; every id in it begins anew with another prefix."""
     from matplotlib import rc_context
 
     stream = io.StringIO()
