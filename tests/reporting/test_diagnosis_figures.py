@@ -4,20 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from friction_audit.diagnosis.result import ContactTrace, Evidence, Gap, OwnAxis
-from friction_audit.joint_log import Float
-from friction_audit.reporting.diagnosis_words import verdict_words
 from friction_audit.reporting.figures.profiles import (
     EFFECTS,
     LADDER,
     RESIDUAL,
     STANDARD_ERRORS,
     explained_words,
-    limits_for,
     mean_along,
     rows_of,
 )
@@ -49,18 +43,12 @@ def test_a_joint_without_an_answer_says_why(kind: FigureKind) -> None:
     assert by_hand.FAULT in words_in(kind.draw(ALL, 6))
 
 
-def test_held_out_cycles_are_shown_from_the_first_to_the_last() -> None:
+def test_held_out_cycles_are_shown_from_the_first_to_the_last_and_simulated_ones_before_others() -> None:
     pieces = shown_cycles(TRACES, most=4)
     cycles = [int(np.unique(TRACES.cycle[(TRACES.t >= p.start) & (TRACES.t <= p.stop)])[0]) for p in pieces]
-    assert [cycle % 3 for cycle in cycles] == [1, 1, 1, 1]
-    assert (cycles[0], cycles[-1]) == (1, 28)
+    assert (len(cycles), cycles[0], cycles[-1], {cycle % 3 for cycle in cycles}) == (4, 1, 28, {1})
     ends = [p.place + p.stop - p.start for p in pieces]
     assert all(end < following.place for end, following in zip(ends, pieces[1:], strict=False))
-    two = replace(TRACES, held_out=TRACES.cycle < 2)
-    assert [piece.start for piece in shown_cycles(two, most=4)] == pytest.approx([0.03, 0.43])
-
-
-def test_cycles_that_were_simulated_are_shown_before_others() -> None:
     whole = moved()
     late = replace(whole, **{name: getattr(whole, name)[-ROWS:] for name in ("t", "measured", "nominal", "augmented")})
     (piece,) = shown_cycles(TRACES, late)
@@ -218,24 +206,3 @@ def test_a_joint_whose_model_is_adequate_shows_its_residual_within_the_detection
     assert figure.get_supylabel() == "Residual torque [N m]"
     limit = [patch for patch in axes.patches if patch.get_label() == "below the detection limit"]
     assert limit[0].get_height() == pytest.approx(2 * NAMED.detection_limit_nm)  # type: ignore[attr-defined]
-
-
-@given(arrays(float, 50, elements=st.floats(-10.0, 10.0)))
-def test_a_panel_holds_zero_and_all_means_and_is_not_filled_by_noise(samples: Float) -> None:
-    shown = by_hand.profile("speed", 0.5)
-    bottom, top = limits_for(samples, shown)
-    assert bottom < min(0.0, np.nanmin(shown.backwards - 2 * shown.backwards_se))
-    assert top > np.nanmax(shown.forwards + 2 * shown.forwards_se)
-    assert top - bottom < 5 * 0.14
-
-
-def test_a_verdict_is_written_with_its_names() -> None:
-    assert [verdict_words(joint) for joint in ALL.discrepancy.joints] == [
-        "named: stribeck",
-        "ambiguous: torque_bias or asymmetric_coulomb",
-        "adequate",
-        "unexplained",
-        "not testable",
-        "data fault",
-    ]
-    assert verdict_words(replace(UNEXPLAINED, effects=NAMED.effects)) == "unexplained, with stribeck"

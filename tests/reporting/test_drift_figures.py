@@ -19,7 +19,6 @@ from friction_audit.reporting.figures.drift import (
     draw_changes,
     stretches,
     trend_line,
-    value_limits,
 )
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figure_names, figures_of
@@ -100,15 +99,6 @@ def test_a_trend_goes_through_the_middle_of_the_sessions() -> None:
     assert trend == pytest.approx(2.0 + 0.1 * (place - 1.0))
     assert low[1] == trend[1] == high[1]
     assert high[-1] - trend[-1] == pytest.approx(0.05 * (place[-1] - place[1]))
-
-
-def test_a_wild_interval_does_not_flatten_and_noise_does_not_stretch_a_panel() -> None:
-    wild = (Coefficient(value=0.15, low=-50.0, high=50.0), *STEP.values[1:])
-    bottom, top = value_limits(replace(STEP, values=wild)) or (0.0, 9.0)
-    assert top - bottom < 0.2
-    quiet = tuple(Coefficient(value=1.0 + 1e-4 * (k % 2), low=0.9999, high=1.0002) for k in range(23))
-    bottom, top = value_limits(replace(RISE, values=quiet)) or (0.0, 0.0)
-    assert top - bottom > 1e-2
 
 
 def test_points_outside_of_the_limits_are_marked_and_wide_limits_do_not_stretch_the_chart() -> None:

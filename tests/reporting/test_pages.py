@@ -89,12 +89,6 @@ def test_hostile_names_are_text() -> None:
     assert not re.search(r"(?<!\\)[<>$`]", outside)
 
 
-def test_figures_write_a_name_as_it_is() -> None:
-    """As mathematics this name would be an error, and the font of the layout has no such letter."""
-    name = "a$\\bad{$ \N{CJK UNIFIED IDEOGRAPH-819D}"
-    assert f">joint 1 {name}</text>" in of_log(log_report_by_hand.called(name))
-
-
 def test_a_drawing_has_words_a_description_and_its_own_ids() -> None:
     figure = DRIFT(batch_by_hand.arm(4, 2), None)
     words = {"title": "", "caption": "", "description": "a <b> & c\x00"}

@@ -44,8 +44,8 @@ def unfold(opened: Opened) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> None:
-    opened = open_page(page(case))
+def test_a_page_is_quiet_holds_at_any_width_and_on_paper(open_page: Open, case: str) -> None:
+    opened = open_page(page(case), scheme="dark")
     for change in (lambda _: None, unfold):
         change(opened)
         for width in WIDTHS:
@@ -57,10 +57,6 @@ def test_a_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> N
     assert [one for one in opened.requests if not one.startswith("data:")] == opened.requests[:1]
     assert opened.complaints == []
     assert opened.evaluate("document.querySelectorAll('script').length") == 1
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_paper_holds_everything_dark_on_white(open_page: Open, case: str) -> None:
     opened = open_page(page(case), width=PAPER, scheme="dark")
     opened.page.emulate_media(media="print")
     opened.evaluate("window.dispatchEvent(new Event('beforeprint'))")
@@ -71,17 +67,14 @@ def test_paper_holds_everything_dark_on_white(open_page: Open, case: str) -> Non
     assert opened.page.pdf(format="A4")[:5] == b"%PDF-"
 
 
-@pytest.mark.parametrize(("case", "count"), [("plain", len(LOG_FIGURES)), ("batch", len(figures_of("drift")))])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(
+    ("case", "count", "scheme"), [("plain", len(LOG_FIGURES), "dark"), ("batch", len(figures_of("drift")), "light")]
+)
 def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: str) -> None:
     opened = open_page(page(case), scheme=scheme)
     unfold(opened)
-    figures = opened.page.locator("figure svg")
-    assert figures.count() == count
-    for k in range(count):
-        box = figures.nth(k).bounding_box()
-        assert box is not None
-        assert (box["width"] > 300, box["height"] > 80) == (True, True)
+    boxes = [one.bounding_box() for one in opened.page.locator("figure svg").all()]
+    assert [(box["width"] > 300, box["height"] > 80) for box in boxes if box] == [(True, True)] * count
     shown = opened.evaluate("getComputedStyle(document.querySelector('figure svg')).filter")
     assert ("invert" in shown) == (scheme == "dark")
     names = opened.evaluate("[...document.querySelectorAll('figure svg title')].map((one) => one.textContent)")

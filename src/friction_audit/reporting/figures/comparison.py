@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from friction_audit.compensation.comparison.methods import BEST, NONE, PAPER
-from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Point, Row
+from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Row
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
@@ -125,18 +125,16 @@ def _draw_sweeps(axes: "Axes", sweeps: Sequence[Curve]) -> None:
         axes.set_xscale("log")
     for number, sweep in enumerate(sweeps):
         held = [point for point in sweep.points if point.stable]
-        look: dict[str, Any] = {
-            "marker": MARKERS[number % len(MARKERS)],
-            "alpha": SHADES[number % len(SHADES)],
-            "label": sweep.name,
-        }
+        look: theme.Look = {"marker": MARKERS[number], "alpha": SHADES[number], "color": LOOKS[sweep.method][0]}
         slopes = [MILLI * point.energy_slope_w.value for point in held]
-        colour = LOOKS[sweep.method][0]
-        axes.plot([point.value for point in held], slopes, color=colour, ms=2.6, mew=0, lw=0.8, zorder=3, **look)
-        for lost, neighbour in lost_neighbours(sweep.points):
-            axes.plot(lost.value, MILLI * neighbour.energy_slope_w.value, ms=3.5, mew=0.8, zorder=4, **LOST)
+        axes.plot([one.value for one in held], slopes, ms=2.6, mew=0, lw=0.8, zorder=3, label=sweep.name, **look)
+        for neighbour, lost in (*pairwise(sweep.points), *pairwise(reversed(sweep.points))):
+            if neighbour.stable and not lost.stable:
+                axes.plot(lost.value, MILLI * neighbour.energy_slope_w.value, ms=3.5, mew=0.8, zorder=4, **LOST)
     if not any(sweep.points[-1].stable for sweep in sweeps):
-        start = max(lost_for_good(sweep.points) for sweep in sweeps)
+        # From the first value on from which every loop is always lost.
+        ends = [list(takewhile(lambda point: not point.stable, reversed(sweep.points))) for sweep in sweeps]
+        start = max(lost[-1].value for lost in ends)
         axes.axvspan(start, max(values), facecolor=theme.SHADE, edgecolor="none", zorder=0)
         middle = (start * max(values)) ** 0.5 if logarithmic else 0.5 * (start + max(values))
         axes.text(
@@ -148,17 +146,6 @@ def _draw_sweeps(axes: "Axes", sweeps: Sequence[Curve]) -> None:
             loc="upper center", bbox_to_anchor=(0.45, 0.93), ncols=2, fontsize=5.5, handlelength=1.2,
             columnspacing=0.8, borderaxespad=0.1, labelspacing=0.2,
         )  # fmt: skip
-
-
-def lost_for_good(points: Sequence[Point]) -> float:
-    """Return the first value from which on the loop is always lost."""
-    return list(takewhile(lambda point: not point.stable, reversed(points)))[-1].value
-
-
-def lost_neighbours(points: Sequence[Point]) -> list[tuple[Point, Point]]:
-    """Return the points at which the loop was lost next to one at which it held, each with that one."""
-    pairs = [*pairwise(points), *pairwise(reversed(points))]
-    return [(lost, held) for held, lost in pairs if held.stable and not lost.stable]
 
 
 SHIFTS = {PAPER: -0.14, BEST: 0.14}  # where a role's marker stands, in rows
