@@ -18,9 +18,9 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.io.readers import read_log
 from friction_audit.pipeline import AuditSettings, diagnose_log, estimate_log
 from friction_audit.reporting.figures.profiles import mean_along
-from friction_audit.reporting.figures.series import choose_series
+from friction_audit.reporting.figures.series import series_of
 from friction_audit.reporting.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style
-from friction_audit.reporting.figures.velocity_torque import filtered_curve, filtered_loop
+from friction_audit.reporting.figures.velocity_torque import filtered_loop
 from friction_audit.reporting.words import format_coefficient
 
 ROOT = Path(__file__).parents[1]
@@ -44,11 +44,11 @@ def run(*words: str) -> str:
 def draw_friction(axes: Axes) -> None:
     """Torque against velocity of the sample log, and the friction that was estimated."""
     estimate = estimate_log(read_log(LOG), AuditSettings(joints=(1,)))
-    (series,) = choose_series(estimate, 1).joints
     (joint,) = estimate.friction.joints
-    axes.plot(series.dq[::4], series.driving_torque[::4], ".", color=RAW, ms=1.2, mew=0, label="measured")
-    loop = filtered_loop(series, filtered_curve(series))
-    axes.plot(loop.dq, loop.torque, color=FILTERED, lw=0.4, label="measured, filtered")
+    series = series_of(estimate, joint)
+    axes.plot(series.dq[::4], series.driving[::4], ".", color=RAW, ms=1.2, mew=0, label="measured")
+    dq, torque, _ = filtered_loop(series)
+    axes.plot(dq, torque, color=FILTERED, lw=0.4, label="measured, filtered")
     speed = np.array([0.0, 1.02 * float(np.abs(series.dq).max())])
     line = joint.coulomb.value + joint.viscous.value * speed
     axes.plot(np.r_[-speed[::-1], speed], np.r_[-line[::-1], line], color=FITTED, lw=1.8, label="friction")

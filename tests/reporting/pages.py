@@ -7,12 +7,12 @@ from html.parser import HTMLParser
 
 import pytest
 
-from friction_audit.reporting.figures.registry import figure_names
+from friction_audit.reporting.figures.registry import figure_names, figures_of
 from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES
 from friction_audit.reporting.html.log_page import log_page
-from friction_audit.reporting.html.page import Figure, Picture, render_page
+from friction_audit.reporting.html.page import Figure, render_page
 from friction_audit.reporting.report import LogReport
 from tests.reporting import batch_by_hand, log_report_by_hand
 
@@ -79,12 +79,14 @@ def page(case: str) -> str:
     with pytest.MonkeyPatch.context() as patch:
         if "twenty" in case:
             patch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[1:2])
-            patch.setattr(batch_page, "figure_names", lambda _: ("drift",))
+            patch.setattr(batch_page, "figures_of", lambda result: figures_of(result)[1:2])
         return CASES[case]()
 
 
 def blank_figures(arms: int, *, letters: int, kinds: Iterable[str] = figure_names("drift")) -> dict[str, Figure]:
     """Return figures of so many arms of up to eight joints, by their anchors, each of so many letters."""
-    picture = Picture(svg=f"<svg>{'<g></g>' * (letters // 7)}</svg>", width=100.0, description="")
+    svg = f"<svg>{'<g></g>' * (letters // 7)}</svg>"
     anchors = {f"arm-{number}-{kind}-1": kind for number in range(1, arms + 1) for kind in kinds}
-    return {anchor: Figure(picture=picture, title=kind, caption="") for anchor, kind in anchors.items()}
+    return {
+        anchor: Figure(title=kind, caption="", svg=svg, width=100.0, description="") for anchor, kind in anchors.items()
+    }

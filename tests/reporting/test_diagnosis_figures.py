@@ -4,28 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from friction_audit.diagnosis.result import ContactTrace, Evidence, Gap, OwnAxis
-from friction_audit.joint_log import Float
-from friction_audit.reporting.diagnosis_words import verdict_words
 from friction_audit.reporting.figures.profiles import (
+    EFFECTS,
+    LADDER,
+    RESIDUAL,
     STANDARD_ERRORS,
-    draw_effects,
-    draw_ladder,
-    draw_residual,
     explained_words,
-    limits_for,
     mean_along,
     rows_of,
 )
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.figures.simulation import Piece, draw_simulation, label_cycles, lay_out, shown_cycles
+from friction_audit.reporting.figures.simulation import SIMULATION, Piece, lay_out, shown_cycles
 from tests.reporting import diagnosis_by_hand as by_hand
 from tests.reporting.diagnosed_rows import (
     ALL,
@@ -40,25 +32,9 @@ from tests.reporting.diagnosed_rows import (
     moved,
     of,
 )
+from tests.reporting.test_figures import legend_of, line, words_in
 
 KINDS = pytest.mark.parametrize("kind", figures_of("diagnosis"), ids=lambda kind: kind.name)
-
-
-def words_in(figure: Figure) -> str:
-    """Return all that is written inside panels and above them."""
-    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
-    titles = [axes.get_title(loc="left") for axes in figure.axes]
-    ticks = [label.get_text() for axes in figure.axes for label in axes.get_yticklabels()]
-    return " ".join([*texts, *titles, *ticks]).replace("\n", " ")
-
-
-def legend_of(figure: Figure) -> list[str]:
-    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
-
-
-def line(axes: Axes, label: str) -> tuple[Float, Float]:
-    (found,) = (one for one in axes.lines if one.get_label() == label)
-    return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
 
 
 @KINDS
@@ -67,18 +43,12 @@ def test_a_joint_without_an_answer_says_why(kind: FigureKind) -> None:
     assert by_hand.FAULT in words_in(kind.draw(ALL, 6))
 
 
-def test_held_out_cycles_are_shown_from_the_first_to_the_last() -> None:
+def test_held_out_cycles_are_shown_from_the_first_to_the_last_and_simulated_ones_before_others() -> None:
     pieces = shown_cycles(TRACES, most=4)
     cycles = [int(np.unique(TRACES.cycle[(TRACES.t >= p.start) & (TRACES.t <= p.stop)])[0]) for p in pieces]
-    assert [cycle % 3 for cycle in cycles] == [1, 1, 1, 1]
-    assert (cycles[0], cycles[-1]) == (1, 28)
+    assert (len(cycles), cycles[0], cycles[-1], {cycle % 3 for cycle in cycles}) == (4, 1, 28, {1})
     ends = [p.place + p.stop - p.start for p in pieces]
     assert all(end < following.place for end, following in zip(ends, pieces[1:], strict=False))
-    two = replace(TRACES, held_out=TRACES.cycle < 2)
-    assert [piece.start for piece in shown_cycles(two, most=4)] == pytest.approx([0.03, 0.43])
-
-
-def test_cycles_that_were_simulated_are_shown_before_others() -> None:
     whole = moved()
     late = replace(whole, **{name: getattr(whole, name)[-ROWS:] for name in ("t", "measured", "nominal", "augmented")})
     (piece,) = shown_cycles(TRACES, late)
@@ -87,22 +57,14 @@ def test_cycles_that_were_simulated_are_shown_before_others() -> None:
 
 def test_cycles_are_drawn_in_a_row_and_gaps_are_not_bridged() -> None:
     t = np.array([0.0, 1.0, 2.0, 5.0, 6.0, 20.0, 21.0])
-    x, y = lay_out((Piece(0.0, 6.0, 0.0), Piece(20.0, 21.0, 7.0)), t, np.arange(7.0))
+    x, y = lay_out((Piece(0.0, 6.0, 0.0), Piece(20.0, 21.0, 7.0)), t, np.arange(7.0), 1.0)
     nan = np.nan
     assert x == pytest.approx(np.array([0, 1, 2, 5, 6, nan, 7, 8, nan]), nan_ok=True)
     assert y == pytest.approx(np.array([0, 1, nan, 3, 4, nan, 5, 6, nan]), nan_ok=True)
 
 
-@pytest.mark.parametrize(("cycles", "label"), [(5, "from 10.0 s"), (6, "10.0 s")])
-def test_labels_of_many_cycles_are_numbers_alone(cycles: int, label: str) -> None:
-    """Of n cycles of a second each, centres are a second apart: a fifth of the panel, or a sixth."""
-    axes = draw_simulation(ALL, 1).axes[0]
-    label_cycles(axes, [Piece(start=10.0 * k, stop=10.0 * k + 1.0, place=float(k)) for k in range(cycles)])
-    assert axes.texts[-cycles + 1].get_text() == label
-
-
 def test_torque_residual_and_motion_are_those_of_the_result() -> None:
-    figure = draw_simulation(ALL, 1)
+    figure = SIMULATION(ALL, 1)
     assert legend_of(figure) == [
         "measured, raw",
         "measured, below 17 Hz",
@@ -119,9 +81,9 @@ def test_torque_residual_and_motion_are_those_of_the_result() -> None:
     assert y[:count] == pytest.approx((TRACES.measured - TRACES.before)[first])
     _, augmented = line(motion, "with stribeck")
     assert np.nanmin(augmented) == pytest.approx((ROWS + LEFT_OUT) * STEP_S)
-    alone = draw_simulation(ALL, 3)
+    alone = SIMULATION(ALL, 3)
     assert (len(alone.axes), legend_of(alone)[-1]) == (2, "nominal model")
-    sheet = legend_of(draw_simulation(ALL, None))
+    sheet = legend_of(SIMULATION(ALL, None))
     assert [label for label in sheet if "with" in label] == ["with the effects named"]
 
 
@@ -134,17 +96,11 @@ def test_the_residual_has_a_row_per_axis_and_one_for_what_is_unexplained() -> No
     assert [one.after.axis if one.after else None for one in rows_of(both)] == [None, "time"]
     two = replace(NAMED, effects=(NAMED.effects[0], replace(NAMED.effects[0], curve=by_hand.profile("time", 0.1))))
     sheet = of(two, replace(two, joint=2))
-    assert (len(draw_residual(sheet, None).axes), len(draw_residual(of(two), 1).axes)) == (4, 3)
-
-
-def test_a_place_is_written_above_what_is_unexplained_and_not_above_noise() -> None:
-    assert "joint 4: nominal model" in words_in(draw_residual(ALL, 4))
-    assert len(draw_residual(ALL, 4).axes) == 1
-    assert "below" not in words_in(draw_residual(ALL, 3))
+    assert (len(RESIDUAL(sheet, None).axes), len(RESIDUAL(of(two), 1).axes)) == (4, 3)
 
 
 def test_means_stand_at_the_bins_with_two_standard_errors() -> None:
-    axes = draw_residual(ALL, 4).axes[0]
+    (axes,) = RESIDUAL(ALL, 4).axes
     shown = UNEXPLAINED.profiles[0]
     means = [box for box in axes.containers if str(box.get_label()).startswith("backwards")]
     x, y = (np.asarray(data) for data in means[0].lines[0].get_data())  # type: ignore[attr-defined]
@@ -156,7 +112,7 @@ def test_means_stand_at_the_bins_with_two_standard_errors() -> None:
 
 
 def test_the_ladder_is_as_long_as_the_residuals() -> None:
-    axes = draw_ladder(ALL, 1).axes[0]
+    axes = LADDER(ALL, 1).axes[0]
     assert [bar.get_width() for bar in axes.patches] == pytest.approx([rms for _, rms in NAMED.ladder])  # type: ignore[attr-defined]
     steps = [label.get_text() for label in axes.get_yticklabels()]
     assert steps == ["nominal model", *(step for step, _ in NAMED.ladder[1:-1]), "noise floor"]
@@ -187,25 +143,25 @@ TOUCHED = replace(
 
 def test_contacts_are_left_out_and_no_model_has_them() -> None:
     alone = of(TOUCHED)
-    assert not any(label.startswith("with ") for label in legend_of(draw_simulation(alone, 1)))
-    (axes,) = draw_residual(alone, 1).axes
+    assert not any(label.startswith("with ") for label in legend_of(SIMULATION(alone, 1)))
+    (axes,) = RESIDUAL(alone, 1).axes
     assert axes.get_title(loc="left") == "joint 1: nominal model, contacts left out"
-    ladder = words_in(draw_ladder(alone, 1))
+    ladder = words_in(LADDER(alone, 1))
     assert "joint 1: nothing added on 9 held-out cycles, contacts left out" in ladder
     left = (by_hand.profile("speed", 0.0),)
     both = of(replace(TOUCHED, effects=(CONTACTS, *NAMED.effects), gap=NAMED.gap, remaining=left))
-    assert "with stribeck" in legend_of(draw_simulation(both, 1))
-    assert len(draw_residual(both, 1).axes) == 2
-    assert "97.6 ± 1.0 % explained on 9 held-out cycles, contacts left out" in words_in(draw_ladder(both, 1))
+    assert "with stribeck" in legend_of(SIMULATION(both, 1))
+    assert len(RESIDUAL(both, 1).axes) == 2
+    assert "97.6 ± 1.0 % explained on 9 held-out cycles, contacts left out" in words_in(LADDER(both, 1))
 
 
 def test_contacts_are_shaded_over_the_whole_log_and_the_largest_close_by() -> None:
-    whole, largest = draw_effects(of(TOUCHED), 1).axes
+    whole, largest = EFFECTS(of(TOUCHED), 1).axes
     assert (whole.get_title(loc="left"), largest.get_title(loc="left")) == ("joint 1: contact event", "the largest")
     assert [len(axes.patches) for axes in (whole, largest)] == [2, 2]
     assert largest.get_xlim() == pytest.approx((7.0, 9.4))  # sin(t / 5) is 0.2 at the first, 1.0 at the second
     sheet = of(TOUCHED, replace(TOUCHED, joint=2))
-    assert [len(axes.patches) for axes in draw_effects(sheet, None).axes] == [2, 2]
+    assert [len(axes.patches) for axes in EFFECTS(sheet, None).axes] == [2, 2]
 
 
 def test_an_effect_with_an_axis_of_its_own_is_drawn_along_it() -> None:
@@ -221,44 +177,32 @@ def test_an_effect_with_an_axis_of_its_own_is_drawn_along_it() -> None:
         NAMED.effects[0], own=own, torque=torque, parameters={"ripple_order": by_hand.coefficient(1.0, 0.1)}
     )
     joint = of(replace(NAMED, effects=(ripple,)))
-    x, y = line(draw_effects(joint, 1).axes[0], "fitted, forwards")
+    x, y = line(EFFECTS(joint, 1).axes[0], "fitted, forwards")
     assert y == pytest.approx(np.sin(2 * np.pi * x), abs=0.05)
-    assert [axes.get_xlabel() for axes in draw_residual(joint, 1).axes] == ["Wave [unit]", "Wave [unit]"]
+    assert [axes.get_xlabel() for axes in RESIDUAL(joint, 1).axes] == ["Wave [unit]", "Wave [unit]"]
     other = of(replace(NAMED, effects=(replace(ripple, parameters=NAMED.effects[0].parameters),)))
-    assert "Wave [unit]" not in [
-        axes.get_xlabel() for axes in (*draw_residual(other, 1).axes, *draw_effects(other, 1).axes)
-    ]
+    assert "Wave [unit]" not in [axes.get_xlabel() for axes in (*RESIDUAL(other, 1).axes, *EFFECTS(other, 1).axes)]
 
 
 def test_the_fitted_torque_lies_over_the_curve_of_the_log() -> None:
-    axes = draw_effects(ALL, 1).axes[0]
+    axes = EFFECTS(ALL, 1).axes[0]
     _, forwards = line(axes, "fitted, forwards")
     _, backwards = line(axes, "fitted, backwards")
     assert forwards == pytest.approx(np.full(len(forwards), MISSING_NM))
     assert backwards == pytest.approx(np.full(len(backwards), -MISSING_NM))
     dots = np.concatenate([np.asarray(one.get_ydata(), float) for one in axes.lines if one.get_marker() == "."])
     assert np.abs(dots).mean() == pytest.approx(MISSING_NM, abs=0.01)
-    assert "0.150 ± 0.010 N m" in words_in(draw_effects(ALL, 1))
+    assert "0.150 ± 0.010 N m" in words_in(EFFECTS(ALL, 1))
     x, y = mean_along(np.array([3.0, 1.0, 2.0, 4.0]), np.array([30.0, 10.0, 20.0, 50.0]), points=2)
     assert (x.tolist(), y.tolist()) == ([1.5, 3.5], [15.0, 40.0])
 
 
-@given(arrays(float, 50, elements=st.floats(-10.0, 10.0)))
-def test_a_panel_holds_zero_and_all_means_and_is_not_filled_by_noise(samples: Float) -> None:
-    shown = by_hand.profile("speed", 0.5)
-    bottom, top = limits_for(samples, shown)
-    assert bottom < min(0.0, np.nanmin(shown.backwards - 2 * shown.backwards_se))
-    assert top > np.nanmax(shown.forwards + 2 * shown.forwards_se)
-    assert top - bottom < 5 * 0.14
-
-
-def test_a_verdict_is_written_with_its_names() -> None:
-    assert [verdict_words(joint) for joint in ALL.discrepancy.joints] == [
-        "named: stribeck",
-        "ambiguous: torque_bias or asymmetric_coulomb",
-        "adequate",
-        "unexplained",
-        "not testable",
-        "data fault",
-    ]
-    assert verdict_words(replace(UNEXPLAINED, effects=NAMED.effects)) == "unexplained, with stribeck"
+def test_a_joint_whose_model_is_adequate_shows_its_residual_within_the_detection_limit() -> None:
+    adequate = replace(NAMED, verdict="adequate", effects=(), ladder=NAMED.ladder[::2])
+    figure = EFFECTS(of(adequate), None)
+    (axes,) = figure.axes
+    assert axes.get_title(loc="left") == "joint 1: adequate, no effect named"
+    assert "below the detection limit" in legend_of(figure)
+    assert figure.get_supylabel() == "Residual torque [N m]"
+    limit = [patch for patch in axes.patches if patch.get_label() == "below the detection limit"]
+    assert limit[0].get_height() == pytest.approx(2 * NAMED.detection_limit_nm)  # type: ignore[attr-defined]

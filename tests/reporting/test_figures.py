@@ -11,6 +11,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from friction_audit.batch.work import recording_of
@@ -18,6 +20,7 @@ from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.errors import UsageError
 from friction_audit.io.readers import read_log
+from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.reporting.figures.panels import (
     CUTOFF_HZ,
@@ -28,7 +31,8 @@ from friction_audit.reporting.figures.panels import (
     smooth,
     thin_extremes,
 )
-from friction_audit.reporting.figures.registry import FIGURES, Figure
+from friction_audit.reporting.figures.registry import FIGURES
+from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.style import COLUMN_IN, FORMATS, SHEET_IN, STYLE, load_style, save_figure
 from tests.reporting import batch_by_hand, diagnosed_rows
 from tests.reporting.conftest import build_estimate
@@ -63,15 +67,26 @@ def result_of(kind: str, name: str = "") -> Any:
     return estimate if kind == "estimate" else replay_estimate(estimate, ReplaySettings())
 
 
-def words_in(figure: Any) -> str:
+def words_in(figure: Figure) -> str:
+    """Return all that is written inside panels, above them and at their sides."""
     texts = [text.get_text() for axes in figure.axes for text in axes.texts]
-    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    titles = [axes.get_title(loc=side) for axes in figure.axes for side in ("left", "right")]
     labels = [label.get_text() for axes in figure.axes for label in (*axes.get_yticklabels(), axes.yaxis.label)]
-    return " ".join([*texts, *titles, *labels, figure.get_supxlabel()])
+    return " ".join([*texts, *titles, *labels, figure.get_supxlabel()]).replace("\n", " ")
+
+
+def legend_of(figure: Figure) -> list[str]:
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def line(axes: Axes, label: str) -> tuple[Float, Float]:
+    """Return the curve of this label."""
+    (found,) = (one for one in axes.lines if one.get_label() == label)
+    return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
 
 
 @EVERY
-def test_sheets_are_a_page_wide_and_name_every_joint_and_joints_are_a_column(kind: Figure) -> None:
+def test_sheets_are_a_page_wide_and_name_every_joint_and_joints_are_a_column(kind: FigureKind) -> None:
     result = result_of(kind.result)
     sheet = kind.draw(result)
     alone = kind.result in ("replay", "diff")  # of a log of which one joint moved
@@ -84,13 +99,13 @@ def test_sheets_are_a_page_wide_and_name_every_joint_and_joints_are_a_column(kin
 
 
 @EVERY
-def test_a_joint_that_is_not_there_is_named(kind: Figure) -> None:
+def test_a_joint_that_is_not_there_is_named(kind: FigureKind) -> None:
     with pytest.raises(UsageError, match=r"joint 9: .* holds 1, 2, 3"):
         kind.draw(result_of(kind.result), 9)
 
 
 @EVERY
-def test_dollar_signs_in_a_name_are_no_mathematics(kind: Figure, tmp_path: Path) -> None:
+def test_dollar_signs_in_a_name_are_no_mathematics(kind: FigureKind, tmp_path: Path) -> None:
     for joint in (None, 1):
         figure = kind.draw(result_of(kind.result, ODD), joint)
         save_figure(figure, tmp_path / f"{joint}.svg")
@@ -100,7 +115,7 @@ def test_dollar_signs_in_a_name_are_no_mathematics(kind: Figure, tmp_path: Path)
 
 
 @EVERY
-def test_numbers_of_axes_are_mathematics_in_the_fonts_of_latex(kind: Figure, tmp_path: Path) -> None:
+def test_numbers_of_axes_are_mathematics_in_the_fonts_of_latex(kind: FigureKind, tmp_path: Path) -> None:
     token = STYLE.set(load_style("latex"))
     try:
         figure = kind.draw(result_of(kind.result), 1)

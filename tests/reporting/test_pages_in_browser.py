@@ -44,8 +44,8 @@ def unfold(opened: Opened) -> None:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_a_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> None:
-    opened = open_page(page(case))
+def test_a_page_is_quiet_holds_at_any_width_and_on_paper(open_page: Open, case: str) -> None:
+    opened = open_page(page(case), scheme="dark")
     for change in (lambda _: None, unfold):
         change(opened)
         for width in WIDTHS:
@@ -57,10 +57,6 @@ def test_a_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> N
     assert [one for one in opened.requests if not one.startswith("data:")] == opened.requests[:1]
     assert opened.complaints == []
     assert opened.evaluate("document.querySelectorAll('script').length") == 1
-
-
-@pytest.mark.parametrize("case", CASES)
-def test_paper_holds_everything_dark_on_white(open_page: Open, case: str) -> None:
     opened = open_page(page(case), width=PAPER, scheme="dark")
     opened.page.emulate_media(media="print")
     opened.evaluate("window.dispatchEvent(new Event('beforeprint'))")
@@ -71,17 +67,14 @@ def test_paper_holds_everything_dark_on_white(open_page: Open, case: str) -> Non
     assert opened.page.pdf(format="A4")[:5] == b"%PDF-"
 
 
-@pytest.mark.parametrize(("case", "count"), [("plain", len(LOG_FIGURES)), ("batch", len(figures_of("drift")))])
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize(
+    ("case", "count", "scheme"), [("plain", len(LOG_FIGURES), "dark"), ("batch", len(figures_of("drift")), "light")]
+)
 def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: str) -> None:
     opened = open_page(page(case), scheme=scheme)
     unfold(opened)
-    figures = opened.page.locator("figure svg")
-    assert figures.count() == count
-    for k in range(count):
-        box = figures.nth(k).bounding_box()
-        assert box is not None
-        assert (box["width"] > 300, box["height"] > 80) == (True, True)
+    boxes = [one.bounding_box() for one in opened.page.locator("figure svg").all()]
+    assert [(box["width"] > 300, box["height"] > 80) for box in boxes if box] == [(True, True)] * count
     shown = opened.evaluate("getComputedStyle(document.querySelector('figure svg')).filter")
     assert ("invert" in shown) == (scheme == "dark")
     names = opened.evaluate("[...document.querySelectorAll('figure svg title')].map((one) => one.textContent)")
@@ -96,18 +89,6 @@ def test_hostile_names_are_text(open_page: Open, case: str, name: str) -> None:
     assert opened.evaluate("document.querySelectorAll('alert, x').length") == 0
     assert name in (opened.page.locator("main").text_content() or "")
     assert opened.complaints == []
-
-
-def test_a_log_without_cycles_and_one_of_twenty_joints(open_page: Open) -> None:
-    opened = open_page(page("no cycles"))
-    words = opened.page.locator("body").text_content() or ""
-    assert "Friction is estimated on no joint." in words
-    assert "did not move" in words
-    assert opened.page.locator("figure svg").count() == 0
-    opened = open_page(page("twenty joints"))
-    assert opened.page.locator("#verdicts .badge").count() == 20
-    unfold(opened)
-    assert opened.page.locator("figure svg").count() == 3
 
 
 def column(opened: Opened, number: int) -> list[str]:
@@ -179,19 +160,16 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     assert opened.complaints == []
 
 
-def test_the_value_under_the_pointer_is_shown(open_page: Open) -> None:
+def test_the_value_under_the_pointer_is_shown_and_a_page_can_be_read_without_scripts(open_page: Open) -> None:
     opened = open_page(page("plain"))
     box = opened.page.locator("figure svg").first.bounding_box()
     assert box is not None
     opened.page.mouse.move(box["x"] + 0.2 * box["width"], box["y"] + 0.5 * box["height"])
     words = opened.page.locator(".value").text_content() or ""
     assert re.search(r"Velocity \[rad/s\]: .*\nInteraction torque \[N m\]: ", words)
-
-
-def test_a_page_can_be_read_without_scripts(open_page: Open) -> None:
-    opened = open_page(page("batch"), scripts=False)
+    opened = open_page(page("plain"), scripts=False)
     assert opened.page.locator("table.sortable button, figure button").count() == 0
-    assert opened.page.locator("figure svg").count() == len(figures_of("drift"))
+    assert opened.page.locator("figure svg").count() == len(LOG_FIGURES)
     assert opened.page.locator("dialog").is_visible() is False
 
 

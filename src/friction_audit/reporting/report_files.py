@@ -61,7 +61,7 @@ def _part(part: Part) -> Iterator[str]:
             yield _row("---:" if column.number else "---" for column in part.columns)
             yield from (_row(_text(part.text(column, row)) for column in part.columns) for row in part.rows)
         case Figure():
-            yield f"Figure: {_text(part.picture.description)}"
+            yield f"Figure: {_text(part.description)}"
         case Text(listed=True):
             yield from (f"- {_text(line)}" for line in part.lines)
         case Text():

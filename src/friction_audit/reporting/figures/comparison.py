@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from itertools import pairwise, takewhile
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from friction_audit.compensation.comparison.methods import BEST, NONE, PAPER
-from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Point, Row
+from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Row
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
@@ -18,21 +18,15 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Style(NamedTuple):
-    """Colour and dashes of a method."""
-
-    colour: str
-    dashes: Any
-
-
-LOOKS = {
-    "none": Style(theme.MUTED, (0, (1, 1))),
-    "sigmoid": Style(theme.DISSIPATED, theme.DASHED),
-    "lugre": Style(theme.REJECTED, (0, (4, 1.2, 1, 1.2))),
-    "disturbance_observer": Style("#56b4e9", (0, (6, 1))),
-    "torque_regulation": Style(theme.GREEN, "-."),
-    "energy": Style(theme.FITTED, "-"),
-    "oracle": Style(theme.FILTERED, (0, (1, 0.6))),
+# Colour and dashes of each method.
+LOOKS: dict[str, tuple[str, Any]] = {
+    "none": (theme.MUTED, (0, (1, 1))),
+    "sigmoid": (theme.DISSIPATED, theme.DASHED),
+    "lugre": (theme.REJECTED, (0, (4, 1.2, 1, 1.2))),
+    "disturbance_observer": ("#56b4e9", (0, (6, 1))),
+    "torque_regulation": (theme.GREEN, "-."),
+    "energy": (theme.FITTED, "-"),
+    "oracle": (theme.FILTERED, (0, (1, 0.6))),
 }
 LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where a loop was lost
 
@@ -53,10 +47,8 @@ def draw_energies(comparison: Comparison) -> "Figure":
     axes = figure.subplots()
     parts.mark_zero(axes)
     for row in rows:
-        look, course = LOOKS[row.method], row.course
-        parts.draw_curve(
-            axes, course.t, course.energy_j, 2000, color=look.colour, ls=look.dashes, lw=0.9, label=row.label
-        )
+        (colour, dashes), course = LOOKS[row.method], row.course
+        parts.draw_curve(axes, course.t, course.energy_j, 2000, color=colour, ls=dashes, lw=0.9, label=row.label)
         if course.is_lost:
             axes.plot(course.t[-1], course.energy_j[-1], ms=5, mew=1.2, zorder=6, label="loop lost", **LOST)
     axes.axvline(rows[0].course.from_s, color=theme.MUTED, lw=0.6, ls=":", label="end of 2nd cycle")
@@ -72,26 +64,16 @@ LONGEST_TITLE = 16  # characters above a panel
 GROUND = "#c8c8c8"  # colour of the curve without compensation, which all others are compared with
 
 
-def _panels(figure: "Figure", count: int, across: int, **shared: bool) -> "list[Axes]":
-    """Return panels side by side in rows, those of no use invisible, so that the axes stay shared."""
-    grid: Any = figure.subplots(-(-count // across), min(across, count), squeeze=False, **shared)  # type: ignore[call-overload]
-    for axes in grid.flat[count:]:
-        axes.set_visible(False)
-        above = grid[-2][list(grid[-1]).index(axes)]
-        above.tick_params(labelbottom=True)
-    return list(grid.flat[:count])
-
-
 @theme.figure_style(mathematics=True)
 def draw_loops(comparison: Comparison) -> "Figure":
     """Draw torque over velocity after the second cycle, a panel for every method over the curve without any."""
     rows, joint = comparison.of_role(PAPER), comparison.loaded_joint
-    figure = parts.new_figure(theme.COLUMN_IN, 0.3 + 1.3 * -(-len(rows) // ACROSS))
-    for axes, row in zip(_panels(figure, len(rows), ACROSS, sharex=True, sharey=True), rows, strict=True):
+    figure, panels = parts.grid([1.3] * len(rows), ACROSS, theme.COLUMN_IN, 0.3, sharex=True, sharey=True)
+    for axes, row in zip(panels, rows, strict=True):
         parts.mark_zero(axes, x=True, lw=0.3, zorder=0)
         if row is not rows[0]:
             axes.plot(*_loop(rows[0], joint), color=GROUND, lw=0.5, zorder=1)
-        axes.plot(*_loop(row, joint), color=LOOKS[row.method].colour, lw=0.6, zorder=2)
+        axes.plot(*_loop(row, joint), color=LOOKS[row.method][0], lw=0.6, zorder=2)
         parts.label_panel(axes, fill(row.label, LONGEST_TITLE), across=3)
         if row.course.is_lost:
             axes.text(0.04, 0.96, "loop lost", transform=axes.transAxes, va="top", fontsize=6.5, color=theme.BORDER)
@@ -121,8 +103,8 @@ def draw_sweeps(comparison: Comparison) -> "Figure":
     """Draw the energy slope over the setting, a panel for every method, and shade where a loop was lost."""
     none = comparison.row(NONE, PAPER)
     methods = list(dict.fromkeys(curve.method for curve in comparison.curves))
-    figure = parts.new_figure(theme.COLUMN_IN, 0.2 + 1.5 * -(-len(methods) // 2))
-    for axes, method in zip(_panels(figure, len(methods), 2, sharey=True), methods, strict=True):
+    figure, panels = parts.grid([1.5] * len(methods), 2, theme.COLUMN_IN, 0.2, sharey=True)
+    for axes, method in zip(panels, methods, strict=True):
         sweeps = [curve for curve in comparison.curves if curve.method == method]
         parts.mark_zero(axes)
         if none is not None:
@@ -143,18 +125,16 @@ def _draw_sweeps(axes: "Axes", sweeps: Sequence[Curve]) -> None:
         axes.set_xscale("log")
     for number, sweep in enumerate(sweeps):
         held = [point for point in sweep.points if point.stable]
-        look: dict[str, Any] = {
-            "marker": MARKERS[number % len(MARKERS)],
-            "alpha": SHADES[number % len(SHADES)],
-            "label": sweep.name,
-        }
+        look: theme.Look = {"marker": MARKERS[number], "alpha": SHADES[number], "color": LOOKS[sweep.method][0]}
         slopes = [MILLI * point.energy_slope_w.value for point in held]
-        colour = LOOKS[sweep.method].colour
-        axes.plot([point.value for point in held], slopes, color=colour, ms=2.6, mew=0, lw=0.8, zorder=3, **look)
-        for lost, neighbour in lost_neighbours(sweep.points):
-            axes.plot(lost.value, MILLI * neighbour.energy_slope_w.value, ms=3.5, mew=0.8, zorder=4, **LOST)
+        axes.plot([one.value for one in held], slopes, ms=2.6, mew=0, lw=0.8, zorder=3, label=sweep.name, **look)
+        for neighbour, lost in (*pairwise(sweep.points), *pairwise(reversed(sweep.points))):
+            if neighbour.stable and not lost.stable:
+                axes.plot(lost.value, MILLI * neighbour.energy_slope_w.value, ms=3.5, mew=0.8, zorder=4, **LOST)
     if not any(sweep.points[-1].stable for sweep in sweeps):
-        start = max(lost_for_good(sweep.points) for sweep in sweeps)
+        # From the first value on from which every loop is always lost.
+        ends = [list(takewhile(lambda point: not point.stable, reversed(sweep.points))) for sweep in sweeps]
+        start = max(lost[-1].value for lost in ends)
         axes.axvspan(start, max(values), facecolor=theme.SHADE, edgecolor="none", zorder=0)
         middle = (start * max(values)) ** 0.5 if logarithmic else 0.5 * (start + max(values))
         axes.text(
@@ -166,17 +146,6 @@ def _draw_sweeps(axes: "Axes", sweeps: Sequence[Curve]) -> None:
             loc="upper center", bbox_to_anchor=(0.45, 0.93), ncols=2, fontsize=5.5, handlelength=1.2,
             columnspacing=0.8, borderaxespad=0.1, labelspacing=0.2,
         )  # fmt: skip
-
-
-def lost_for_good(points: Sequence[Point]) -> float:
-    """Return the first value from which on the loop is always lost."""
-    return list(takewhile(lambda point: not point.stable, reversed(points)))[-1].value
-
-
-def lost_neighbours(points: Sequence[Point]) -> list[tuple[Point, Point]]:
-    """Return the points at which the loop was lost next to one at which it held, each with that one."""
-    pairs = [*pairwise(points), *pairwise(reversed(points))]
-    return [(lost, held) for held, lost in pairs if held.stable and not lost.stable]
 
 
 SHIFTS = {PAPER: -0.14, BEST: 0.14}  # where a role's marker stands, in rows
@@ -213,7 +182,7 @@ def _draw_interval(axes: "Axes", row: Row, place: float, shown: Interval) -> Non
     shape, filling, _ = SHAPES[row.role]
     axes.errorbar(
         shown.value, place, xerr=[[shown.value - shown.low], [shown.high - shown.value]], fmt=shape,
-        fillstyle=filling, color=LOOKS[row.method].colour, ms=3.5, mew=0.8, elinewidth=0.8, capsize=1.5, zorder=3,
+        fillstyle=filling, color=LOOKS[row.method][0], ms=3.5, mew=0.8, elinewidth=0.8, capsize=1.5, zorder=3,
     )  # fmt: skip
     if row.lost_s:
         axes.text(

@@ -1,45 +1,125 @@
-"""ArmDrift, TwoSides -> coefficients over sessions with levels and trends; velocity-torque curves of sessions."""
+"""ArmDrift -> coefficients over sessions with levels and trends, the control chart, the changes of all joints."""
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
-from friction_audit.drift.session import SpeedCurve
-from friction_audit.drift.two_sides import JointChange, TwoSides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.reporting.drift_words import UNITS
+from friction_audit.reporting import drift_words
 from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures import sessions as over_sessions
-from friction_audit.reporting.figures.style import DASHED, DISSIPATED, FILTERED, FITTED, Look, figure_style
+from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures.style import DASHED, FILTERED, FITTED, GREEN, MUTED, Look
+from friction_audit.reporting.words import NOTHING, count_of, format_date
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+MOST_MARKED = 150  # sessions in a panel above which markers would only be a blot; a line takes their place
+MOST_TICKS = 6
+COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
+
+
+def _of_coefficient(joint: JointDrift, coefficient: str) -> CoefficientDrift | None:
+    """Return what became of a coefficient, or None if it was not estimated."""
+    return next((found for found in joint.coefficients if found.coefficient == coefficient), None)
+
+
+def coefficient_title(coefficient: str) -> str:
+    """Return the name of a coefficient as a label begins."""
+    name = drift_words.NAMES[coefficient]
+    return name[:1].upper() + name[1:]
+
+
+def verdict_words(found: CoefficientDrift) -> str:
+    """Return the verdict on a coefficient in the few words that fit above a panel."""
+    word = drift_words.drift_verdict(found)
+    if word != drift_words.DRIFT:
+        return word
+    if len(found.change_points) == 1:
+        (change,) = found.change_points
+        return f"{drift_words.format_change(change)} at session {change.session + 1}"
+    return f"{drift_words.total_text(found)} in all" if drift_words.total_text(found) != NOTHING else drift_words.DRIFT
+
+
+def _draw_both(draw: Any, panels: "Sequence[Axes]", arm: ArmDrift, joint: JointDrift) -> None:
+    """Draw Coulomb above or left of viscous friction over the sessions, or say why there is nothing."""
+    for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
+        second = axes is not panels[0] and parts.is_narrow(axes)
+        parts.label_panel(axes, "" if second else parts.joint_title(joint.joint, joint.name))
+        number_sessions(axes, arm)
+        found = _of_coefficient(joint, coefficient)
+        axes.set_ylabel(coefficient_title(coefficient))
+        if found is not None and _estimated(found):
+            words, alert = draw(axes, arm, joint, found)
+            # No panel has ticks above; to look for them takes a third of the time, and a place given ends it.
+            axes.set_title(words, loc="right", y=1.0, color=FITTED if alert else "black")
+            continue
+        axes.set_yticks([])
+        reason = drift_words.headline(found, arm.sessions).partition(";")[0] if found else "not estimated"
+        parts.write_message(axes, reason)
+
+
+def _estimated(found: CoefficientDrift) -> bool:
+    return any(math.isfinite(value.value) for value in found.values)
+
+
+def _has(_: ArmDrift, joint: JointDrift) -> bool:
+    return any(map(_estimated, joint.coefficients))
+
+
+def number_sessions(axes: "Axes", arm: ArmDrift) -> None:
+    """Let an axis run over all sessions of an arm; ticks carry the number and, where known, the day or month."""
+    places = tick_places(len(arm.sessions))
+    axes.set_xlim(0.2, len(arm.sessions) + 0.8)
+    dates = [format_date(arm.sessions[place - 1].start_s) for place in places]
+    part = slice(None, 7) if len(_years(arm)) > 1 else slice(5, None)  # a tick has room for two of the three
+    axes.set_xticks(
+        places, [str(k) if date == NOTHING else f"{k}\n{date[part]}" for k, date in zip(places, dates, strict=True)]
+    )
+
+
+def tick_places(count: int) -> list[int]:
+    """Return at most MOST_TICKS numbers from 1 to ``count``, evenly apart, the first among them."""
+    return list(range(1, count + 1, max(1, -(-count // MOST_TICKS))))
+
+
+def _years(arm: ArmDrift) -> set[str]:
+    return {date[:4] for date in {format_date(session.start_s) for session in arm.sessions} - {NOTHING}}
+
+
+def session_label(arm: ArmDrift) -> str:
+    """Return the name of the axis of sessions."""
+    years = _years(arm)
+    if not years:
+        return "Session"
+    return "Session (year-month)" if len(years) > 1 else f"Session (month-day, {years.pop()})"
+
+
+def _shade_reference(axes: "Axes", arm: ArmDrift) -> None:
+    """Shade each run of neighbouring sessions of the reference along the axis."""
+    places = np.sort(np.array(arm.reference, np.int64)) + 1
+    for run in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else ():
+        look: Look = {"facecolor": GREEN, "alpha": 0.12, "lw": 0, "zorder": 0, "label": "reference sessions"}
+        axes.axvspan(run[0] - 0.5, run[-1] + 0.5, **look)
+
+
 SESSION, INTERVAL, ALONE, ISOLATED = "session", "95 % of a session", "not compared", "isolated, not counted"
 HELD, TREND, BAND, STEP, WHERE = "level", "trend", "95 % of level or trend", "step", "95 %, where the step is"
-LEGEND = (SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE)
 NEAR = 1.5  # times the range of the values that intervals may reach beyond it; there they are cut
 SMALLEST_SHARE = 0.1  # of the value: a panel is never higher resolved, so that noise does not look like drift
 
 
-def draw_drift(arm: ArmDrift, joint: int | None) -> "Figure":
-    """Draw the coefficients of one joint at column width, or of every joint on a sheet, a row for each."""
-
-    def has(found: CoefficientDrift) -> bool:
-        return any(math.isfinite(value.value) for value in found.values)
-
-    return over_sessions.draw_pairs(arm, joint, _draw_coefficient, has, LEGEND)
-
-
-def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
+def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
+    """Draw values, levels or trend; return the verdict in words, and whether it is drift."""
     separator = " " if parts.is_narrow(axes) else "\n"
-    axes.set_ylabel(f"{over_sessions.coefficient_title(found.coefficient)}{separator}[{UNITS[found.coefficient]}]")
-    axes.set_title(over_sessions.verdict_words(found), loc="right", color=FITTED if found.drift else "black")
-    over_sessions.shade_reference(axes, arm)
+    axes.set_ylabel(f"{coefficient_title(found.coefficient)}{separator}[{drift_words.UNITS[found.coefficient]}]")
+    _shade_reference(axes, arm)
     _draw_values(axes, found)
     _draw_left_out(axes, arm, joint, found)
     if found.change_points:
@@ -47,6 +127,7 @@ def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: Coe
     elif math.isfinite(found.trend_per_session.value):
         _draw_trend(axes, found)
     axes.set_ylim(value_limits(found))
+    return verdict_words(found), found.drift
 
 
 def _draw_values(axes: "Axes", found: CoefficientDrift) -> None:
@@ -57,22 +138,12 @@ def _draw_values(axes: "Axes", found: CoefficientDrift) -> None:
     bars = np.full((len(place), 3), np.nan)
     bars[:, 0], bars[:, 1] = low, high
     axes.plot(np.repeat(place, 3), bars.ravel(), color=FILTERED, lw=0.7, alpha=0.5, label=INTERVAL)
-    style: Look = (
-        {"lw": 0.7} if len(place) > over_sessions.MOST_MARKED else {"ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0}
-    )
+    style: Look = {"lw": 0.7} if len(place) > MOST_MARKED else {"ls": "none", "marker": "o", "ms": 2.6, "mew": 0.0}
     axes.plot(place, value, color=FILTERED, label=SESSION, **style)
     ringed = np.isin(found.sessions, found.isolated)
     if ringed.any():
-        look: Look = {
-            "ls": "none",
-            "marker": "D",
-            "ms": 5.0,
-            "mfc": "none",
-            "mec": FITTED,
-            "mew": 0.8,
-            "label": ISOLATED,
-        }
-        axes.plot(place[ringed], value[ringed], **look)
+        look: Look = {"ls": "none", "marker": "D", "ms": 5.0, "mfc": "none", "mec": FITTED, "mew": 0.8}
+        axes.plot(place[ringed], value[ringed], label=ISOLATED, **look)
 
 
 def _draw_left_out(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
@@ -83,16 +154,8 @@ def _draw_left_out(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: Coeffi
         value = UNDETERMINED if summary is None else summary.coefficients.get(found.coefficient, UNDETERMINED)
         values[k + 1] = value.value
     if any(map(math.isfinite, values.values())):
-        look: Look = {
-            "ls": "none",
-            "marker": "o",
-            "ms": 2.8,
-            "mfc": "none",
-            "mec": over_sessions.LEFT_OUT,
-            "mew": 0.6,
-            "label": ALONE,
-        }
-        axes.plot(list(values), list(values.values()), **look)
+        look: Look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
+        axes.plot(list(values), list(values.values()), label=ALONE, **look)
 
 
 def _draw_levels(axes: "Axes", found: CoefficientDrift) -> None:
@@ -158,145 +221,116 @@ def value_limits(found: CoefficientDrift) -> tuple[float, float] | None:
     return parts.limits(np.append(value, levels), np.concatenate([low, high]), near=NEAR, smallest=smallest)
 
 
-SPREAD = "range of the reference"
+DRIFT = parts.Layout(
+    joints=lambda arm: arm.joints,
+    has=_has,
+    lacks="no estimate",
+    draw=partial(_draw_both, _draw_coefficient),
+    panels=2,
+    height_in=(1.15, 1.3),
+    head_in=0.6,
+    x=session_label,
+    shared=True,
+    legend=(SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE),
+)
+
+LEGEND = ("limits of a steady joint", "within the limits", "outside", "reference sessions")
 
 
-class Mean(NamedTuple):
-    """Curves of several sessions in one: mean, smallest and largest torque at each speed, each of shape (m,)."""
+def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
+    """Draw deviations and limits: in percent, or in the coefficient's unit near a level of zero."""
+    control = found.control
+    if not control:
+        return "no reference", False
+    relative = any(math.isfinite(point.relative.value) for point in control)
+    unit = "%" if relative else drift_words.UNITS[found.coefficient]
+    axes.set_ylabel(f"{coefficient_title(found.coefficient)}\n[{unit}]")
+    numbers = [point.relative if relative else point.deviation for point in control]
+    scale = 100.0 if relative else 1.0
+    value, low, high = (scale * np.array([getattr(one, end) for one in numbers]) for end in ("value", "low", "high"))
+    place = np.array([point.session + 1 for point in control])
+    outside = np.array([point.outside for point in control])
+    _shade_reference(axes, arm)
+    many = len(place) > MOST_MARKED
+    parts.band(axes, place, low, high, MUTED, LEGEND[0], step=None if many else "mid", alpha=0.16)
+    parts.mark_zero(axes, color=MUTED, lw=0.6)
+    # A session with wide limits does not stretch the chart.
+    bounds = np.concatenate([low, high])
+    reach = FARTHEST * float(np.nanmedian(np.abs(bounds))) if np.isfinite(bounds).any() else 0.0
+    reach = max(reach, float(np.nanmax(np.abs(value))))
+    axes.set_ylim(parts.limits(value, np.clip(bounds, -reach, reach), near=math.inf, smallest=1e-9))
+    line: Look = {"lw": 0.7} if many else {"lw": 0.4, "marker": "o", "ms": 2.6, "mew": 0.0}
+    axes.plot(place, value, color=FILTERED, label=LEGEND[1], **line)
+    if outside.any():
+        mark: Look = {"ls": "none", "marker": "s", "ms": 1.6 if many else 3.4, "mew": 0.0, "zorder": 4}
+        axes.plot(place[outside], value[outside], color=FITTED, label=LEGEND[2], **mark)
+    words = f"{count_of(int(outside.sum()), 'session')} outside" if outside.any() else "all within"
+    return words, bool(outside.any())
 
-    speed: Float
-    torque: Float
-    low: Float
-    high: Float
+
+CONTROL = parts.Layout(
+    joints=DRIFT.joints,
+    has=_has,
+    lacks=DRIFT.lacks,
+    draw=partial(_draw_both, _draw_chart),
+    panels=2,
+    height_in=DRIFT.height_in,
+    head_in=DRIFT.head_in,
+    x=DRIFT.x,
+    shared=True,
+    legend=LEGEND,
+)
+
+MARKS = {
+    drift_words.DRIFT: (FITTED, "s", "changed"),
+    drift_words.TEMPERATURE: (theme.DISSIPATED, "^", "changes with temperature"),
+    drift_words.STEADY: (FILTERED, "o", "no drift found"),
+}  # colour, marker and label of each verdict that comes with a change
+UNDETECTABLE = "not detectable with 90 % power"
+NARROWEST = 5.0  # percent either side of no change that a panel shows at least
+FARTHEST = 2.0  # times the changes and their intervals that the undetectable may stretch a panel; there it is cut
 
 
-@figure_style()
-def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
-    """Draw the curves of one joint at column width, or of every joint on a sheet."""
-    joints = over_sessions.chosen_joints(arm, joint)
-    sheet = joint is None
-    figure, panels = parts.grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=4, head_in=0.75)
-    for axes, one in zip(panels, joints, strict=True):
-        _draw_curves(axes, arm, one)
-    parts.add_legend(figure)
-    over_sessions.label_sheet(figure, arm, joints, "Velocity [rad/s]")
-    figure.supylabel("Interaction torque [N m]")
+@theme.figure_style()
+def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
+    joints, note = parts.choose(arm.joints, numbers, partial(_has, arm), DRIFT.lacks)
+    width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
+    figure = parts.new_figure(width, 0.85 + max(0.24 * len(joints), 0.6))
+    both = figure.subplots(1, 2, sharey=True)
+    for axes, coefficient in zip(both, COEFFICIENTS, strict=True):
+        parts.label_panel(axes, coefficient_title(coefficient))
+        axes.tick_params(axis="y", length=0)
+        parts.mark_zero(axes, x=True, y=False, lw=0.5, zorder=0)
+        reach, undetectable = NARROWEST, [0.0]
+        for place, one in enumerate(joints):
+            found = _of_coefficient(one, coefficient)
+            verdict = drift_words.UNTESTED if found is None else drift_words.drift_verdict(found)
+            if found is None or math.isnan(found.total.value) or verdict == drift_words.UNTESTED:
+                words = NOTHING if found is None else drift_words.total_text(found)
+                where: Look = {"xycoords": ("axes fraction", "data"), "va": "center", "fontsize": 6.5, "color": MUTED}
+                axes.annotate(verdict if words == NOTHING else words, (0.02, place), **where)
+                continue
+            _draw_change(axes, place, found)
+            ends = (found.total.low, found.total.high, found.total.value)
+            reach = max(reach, *(100.0 * abs(end) for end in ends if math.isfinite(end)))
+            undetectable.append(100.0 * found.smallest_drift)
+        reach = max(reach, *(min(one, FARTHEST * reach) for one in undetectable if math.isfinite(one)))
+        axes.set_xlim(-1.15 * reach, 1.15 * reach)
+    both[0].set_yticks(range(len(joints)), [parts.joint_title(one.joint, one.name) for one in joints])
+    both[0].set_ylim(len(joints) - 0.5, -0.5)
+    parts.add_legend(figure, [label for _, _, label in MARKS.values()])
+    figure.supxlabel(f"Change from the reference to the last sessions [%]{note}")
     return figure
 
 
-def curve_sessions(arm: ArmDrift) -> tuple[int, tuple[int, ...], int] | None:
-    """Return the sessions whose curves are drawn: the first, those of the reference, the last; None without any."""
-    compared = arm.compared or tuple(range(len(arm.sessions)))
-    return (compared[0], arm.reference, compared[-1]) if compared else None
-
-
-def _draw_curves(axes: "Axes", arm: ArmDrift, joint: JointDrift) -> None:
-    """Draw the first session, the mean of the reference and the last session of one joint."""
-    parts.label_panel(axes, over_sessions.joint_name(joint))
-    drawn = curve_sessions(arm)
-    first, reference, last = drawn if drawn is not None else (0, (), 0)
-    curves = (
-        (f"first (session {first + 1})", (first,), DISSIPATED, ":", 1.3),
-        (f"reference (mean of {len(reference)})", reference, over_sessions.REFERENCE, "-", 1.0),
-        (f"last (session {last + 1})", (last,), FILTERED, DASHED, 1.1),
-    )
-    for label, sessions, colour, dash, width in curves if drawn is not None else ():
-        found = [one.curve for k in sessions for one in arm.sessions[k].joints if one.joint == joint.joint]
-        mean = mean_curve(found)
-        if mean is not None:
-            axes.plot(mean.speed, mean.torque, color=colour, ls=dash, lw=width, label=label)
-            if len(sessions) > 1:
-                parts.band(axes, mean.speed, mean.low, mean.high, colour, SPREAD)
-    if axes.lines:
-        parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
-    else:
-        parts.write_message(axes, "no session moves this joint", characters=36, instead=True)
-
-
-def mean_curve(curves: list[SpeedCurve]) -> Mean | None:
-    """Return curves in one, on the speeds of the first that has any; a gap where the direction changes.
-
-    Where a curve does not reach, it does not count.
-    """
-    full = [curve for curve in curves if len(curve.speed_rad_s) > 1]
-    if not full:
-        return None
-    speed = np.asarray(full[0].speed_rad_s)
-    table = np.ma.masked_invalid([_at(curve, speed) for curve in full])
-    rows = [speed, *(np.ma.filled(column, np.nan) for column in (table.mean(0), table.min(0), table.max(0)))]
-    border = int(np.searchsorted(speed, 0.0))  # no line crosses zero
-    return Mean(*(row if border in (0, len(speed)) else np.insert(row, border, np.nan) for row in rows))
-
-
-def _at(curve: SpeedCurve, speed: Float) -> Float:
-    """Return the torque of a curve at other speeds, in each direction on its own; NaN where it does not reach."""
-    own, torque = np.asarray(curve.speed_rad_s), np.asarray(curve.torque_nm)
-    found = np.full(len(speed), np.nan)
-    for side in (-1.0, 1.0):
-        mine, asked = side * own > 0.0, side * speed > 0.0
-        if mine.any():
-            found[asked] = np.interp(speed[asked], own[mine], torque[mine], left=np.nan, right=np.nan)
-    return found
-
-
-SIDES = (("before", FILTERED), ("after", FITTED))
-COLUMNS = 4
-
-
-@figure_style()
-def draw_side_curves(sides: TwoSides, joint: int | None) -> "Figure":
-    """Draw one joint at column width, or every joint that moved on a sheet."""
-    figure, panels, note = _panels(sides, joint)
-    for axes, one in panels:
-        for place, (label, colour) in enumerate(SIDES):
-            _draw_side(axes, one, place, label, colour)
-        parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
-    parts.add_legend(figure)
-    figure.supxlabel(f"Velocity [rad/s]{note}")
-    figure.supylabel("Interaction torque [N m]")
-    return figure
-
-
-@figure_style()
-def draw_law_change(sides: TwoSides, joint: int | None) -> "Figure":
-    """Draw the difference of the friction laws with its 95 % interval at each speed."""
-    figure, panels, note = _panels(sides, joint)
-    for axes, one in panels:
-        if one.law is None:
-            parts.write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
-            continue
-        law = one.law
-        parts.band(axes, law.speed_rad_s, law.low_nm, law.high_nm, FILTERED, "95 % interval")
-        axes.plot(law.speed_rad_s, law.change_nm, color=FILTERED, lw=1.1, label="after less before")
-        parts.mark_zero(axes)
-    parts.add_legend(figure)
-    figure.supxlabel(f"Speed [rad/s]{note}")
-    figure.supylabel("Friction torque, after less before [N m]")
-    return figure
-
-
-def _panels(sides: TwoSides, joint: int | None) -> "tuple[Figure, list[tuple[Axes, JointChange]], str]":
-    """Return a figure, the panel of each joint with something to draw, and a line on the others."""
-    joints, sheet, note = parts.choose(sides.joints, joint, _reach, "no curve and no estimate")
-    figure, panels = parts.grid([1.45 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.75)
-    for axes, one in zip(panels, joints, strict=True):
-        parts.label_panel(axes, parts.joint_title(one.joint, one.name))
-    return figure, list(zip(panels, joints, strict=True)), note
-
-
-def _reach(joint: JointChange) -> float:
-    speeds = [abs(speed) for side in joint.curves for curve in side for speed in curve.speed_rad_s]
-    return max(speeds, default=0.0 if joint.law is None else float(joint.law.speed_rad_s[-1]))
-
-
-def _draw_side(axes: "Axes", joint: JointChange, place: int, label: str, colour: str) -> None:
-    """Draw the mean curve of a side; of a result, which holds none, the fitted friction."""
-    mean = mean_curve(list(joint.curves[place]))
-    if mean is not None:
-        axes.plot(mean.speed, mean.torque, color=colour, lw=1.1, label=label)
-        if np.any(mean.high > mean.low):
-            parts.band(axes, mean.speed, mean.low, mean.high, colour, f"{label}, range of the recordings")
-        return
-    coulomb, viscous = ((one.before, one.after)[place].value for one in joint.coefficients)
-    speed: Float = np.array([-1.0, -1e-9, np.nan, 1e-9, 1.0]) * _reach(joint)  # no line crosses zero
-    axes.plot(speed, coulomb * np.sign(speed) + viscous * speed, color=colour, lw=1.1, ls=":", label=f"{label}, fitted")
+def _draw_change(axes: "Axes", place: int, found: CoefficientDrift) -> None:
+    """Draw the change with its interval over what would not be detected."""
+    if math.isfinite(found.smallest_drift):
+        width = 200.0 * found.smallest_drift
+        look: Look = {"color": MUTED, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
+        axes.barh(place, width, left=-width / 2, height=0.7, **look)
+    colour, marker, label = MARKS[drift_words.drift_verdict(found)]
+    axes.hlines(place, 100.0 * found.total.low, 100.0 * found.total.high, color=colour, lw=1.0)
+    look = {"color": colour, "marker": marker, "ms": 3.8, "mew": 0.0, "ls": "none", "label": label}
+    axes.plot(100.0 * found.total.value, place, **look)

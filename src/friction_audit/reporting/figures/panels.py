@@ -1,22 +1,32 @@
-"""The parts of figures: grids of panels, titles, messages, legends, limits, thinned and filtered curves."""
+"""Figures of joints, described once and drawn alike: sheets and columns, titles, messages, legends, limits, curves."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
 from friction_audit.errors import UsageError, printable, shortened
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures.style import BORDER, COLUMN_IN, FILTERED, MUTED, RAW, SHEET_IN, Look
+from friction_audit.reporting.figures.style import (
+    BORDER,
+    COLUMN_IN,
+    FILTERED,
+    MUTED,
+    RAW,
+    SHADE,
+    SHEET_IN,
+    Look,
+    figure_style,
+)
 from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit, joint_label, joints_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
-LONGEST_LABEL = 24  # characters of a label up to which two stand side by side in a column of a paper
+HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.5, 24  # room that a label of a legend takes; of formulas, less is seen
 TICKS_ON_SHEET, TICKS_IN_COLUMN = 4, 6
 
 
@@ -28,53 +38,95 @@ class Numbered(Protocol):
         """Number of the joint, 1..n."""
 
 
-T = TypeVar("T", bound=Numbered)
+Joint = TypeVar("Joint", bound=Numbered)
 Drawn = TypeVar("Drawn", bound="Figure | Axes")
 Numbers = int | tuple[int, ...] | None  # of one joint at column width, of the joints of a sheet, or None for all
+Text = str | Callable[[Any], str]
 
 
-def chosen_joints(joints: Sequence[T], joint: int | None) -> tuple[T, ...]:
-    """Return one joint, given by its number (1..n), or all of them for None.
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Layout(Generic[Joint]):
+    """A figure of the joints of a result: the panels of each joint, and what stands around them."""
+
+    joints: Callable[[Any], Sequence[Joint]]  # of a result
+    has: Callable[[Any, Joint], object]  # whether there is something to show of a joint of a result
+    lacks: str  # what a joint without it has not, for the line that stands for it
+    draw: Callable[[Sequence["Axes"], Any, Joint], None]  # draws a joint of a result into its panels
+    # Panels of a joint: below each other in a column, next to each other on a sheet (the last argument is True).
+    panels: int | Callable[[Any, Joint, bool], int] = 1
+    across: int | None = None  # panels side by side on a sheet; those of one joint if None
+    height_in: tuple[float, float] | Callable[[Joint, bool], float] = (1.45, 2.4)  # of panels on a sheet, in a column
+    head_in: float = 0.75  # height of the legend and of the label below
+    x: Text  # name of the x axis of all panels
+    y: Text = ""  # name of the y axis of all panels, if it is one
+    shared: Any = False  # ``sharex`` of the panels
+    legend: Sequence[str] = ()  # labels that stand first in the legend
+
+    @figure_style()
+    def __call__(self, result: Any, numbers: Numbers = None) -> "Figure":
+        """Draw one joint at column width, or those of a sheet that have something to show; one alone is no sheet.
+
+        Raises:
+            UsageError: If the result does not hold the joint.
+        """
+        drawn, note = choose(self.joints(result), numbers, lambda one: self.has(result, one), self.lacks)
+        sheet = len(drawn) > 1
+        counts = [self.panels if isinstance(self.panels, int) else self.panels(result, one, sheet) for one in drawn]
+        height = self.height_in
+        heights = [
+            (height(one, sheet) if callable(height) else height[0 if sheet else 1],) * count
+            for one, count in zip(drawn, counts, strict=True)
+        ]
+        across = (self.across or counts[0]) if sheet else 1
+        shared = self.shared if sheet or not self.shared else "all"
+        figure, axes = grid(sum(heights, ()), across, SHEET_IN if sheet else COLUMN_IN, self.head_in, shared)
+        panels = iter(axes)
+        for one, count in zip(drawn, counts, strict=True):
+            self.draw([next(panels) for _ in range(count)], result, one)
+        add_legend(figure, self.legend)
+        figure.align_ylabels()
+        figure.supxlabel(f"{_written(self.x, result)}{note}".strip())
+        figure.supylabel(_written(self.y, result))
+        return figure
+
+    def into(self, axes: "Axes", result: Any, number: int) -> None:
+        """Draw one joint, whose one panel it is, into axes, and name them."""
+        (one,) = chosen_joints(self.joints(result), number)
+        self.draw([axes], result, one)
+        axes.set(xlabel=_written(self.x, result), ylabel=_written(self.y, result) or axes.get_ylabel())
+
+
+def _written(text: Text, result: Any) -> str:
+    return text(result) if callable(text) else text
+
+
+def choose(
+    joints: Sequence[Joint], numbers: Numbers, has: Callable[[Joint], object], lacks: str
+) -> tuple[Sequence[Joint], str]:
+    """Return the joints to be drawn, and a line on those that are left out because they have nothing to show.
+
+    Raises:
+        UsageError: If the result does not hold the joint.
+    """
+    if isinstance(numbers, int):
+        return chosen_joints(joints, numbers), ""
+    every = [one for one in joints if numbers is None or one.joint in numbers]
+    shown = [one for one in every if has(one)] or every
+    without = [one.joint for one in every if one not in shown]
+    return shown, f"\n{joints_label(without)}: {lacks}" if without else ""
+
+
+def chosen_joints(joints: Sequence[Joint], joint: int) -> Sequence[Joint]:
+    """Return the joint of a number (1..n), alone.
 
     Raises:
         UsageError: If the result does not hold that joint.
     """
-    chosen = tuple(one for one in joints if joint in (None, one.joint))
-    if not chosen and joint is not None:
+    chosen = [one for one in joints if one.joint == joint]
+    if not chosen:
         held = ", ".join(str(one.joint) for one in joints)
         raise UsageError(f"joint {joint}: not in this result, which holds {held}; choose one of them")
     return chosen
-
-
-class Chosen(NamedTuple, Generic[T]):
-    """Joints to be drawn, whether on a sheet, and a line on those that are left out of it."""
-
-    joints: tuple[T, ...]
-    sheet: bool
-    note: str
-
-
-def choose(joints: Sequence[T], numbers: Numbers, has: Callable[[T], object], why: str) -> Chosen[T]:
-    """Return one joint at column width, or those of a sheet that have something to show; one alone is no sheet.
-
-    Args:
-        joints: All joints of a result.
-        numbers: Which of them.
-        has: Whether there is something to show of a joint.
-        why: What a joint without it has not, for the line that stands for it.
-
-    Raises:
-        UsageError: If the result does not hold a joint.
-    """
-    if isinstance(numbers, int):
-        return Chosen(chosen_joints(joints, numbers), sheet=False, note="")
-    every = [one for one in joints if numbers is None or one.joint in numbers]
-    shown = [one for one in every if has(one)]
-    without = [one.joint for one in every if one not in shown]
-    if not shown:
-        shown, without = every, []
-    note = f"\n{joints_label(without)}: {why}" if without else ""
-    return Chosen(tuple(shown), sheet=len(shown) > 1, note=note)
 
 
 def joint_title(joint: int, name: str) -> str:
@@ -90,35 +142,19 @@ def new_figure(width_in: float, height_in: float) -> "Figure":
 
 
 def grid(
-    heights_in: Sequence[float], *, sheet: bool, across: int, head_in: float, equal: bool = False, **shared: Any
+    heights_in: Sequence[float], across: int, width_in: float, head_in: float, sharex: Any = False, sharey: Any = False
 ) -> "tuple[Figure, list[Axes]]":
-    """Return a figure and its panels: above each other at column width, or side by side on a sheet.
-
-    Args:
-        heights_in: Height of each panel. [in]
-        sheet: If True, a page wide.
-        across: Panels side by side on a sheet.
-        head_in: Height of the legend and of the label below. [in]
-        equal: Keep the columns of a full row where there are fewer panels.
-        shared: ``sharex`` and ``sharey`` of the panels.
-    """
+    """Return a figure and its panels, ``across`` of them side by side, each row as high as its highest panel."""
     count = len(heights_in)
-    columns = (across if equal else min(across, count)) if sheet else 1
-    rows = [max(heights_in[k : k + columns]) for k in range(0, count, columns)]
-    figure = new_figure(SHEET_IN if sheet else COLUMN_IN, head_in + sum(rows))
-    panels = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": rows}, **shared).ravel()
-    for axes in panels[count:]:
-        axes.remove()
+    across = min(across, count)
+    rows = [max(heights_in[k : k + across]) for k in range(0, count, across)]
+    figure = new_figure(width_in, head_in + sum(rows))
+    ratios: Look = {"height_ratios": rows}
+    panels = figure.subplots(len(rows), across, squeeze=False, sharex=sharex, sharey=sharey, gridspec_kw=ratios).ravel()
+    for k in range(count, len(panels)):
+        panels[k - across].tick_params(labelbottom=True)  # it is the lowest of its column now
+        panels[k].remove()
     return figure, list(panels[:count])
-
-
-def pairs(joints: int, *, sheet: bool) -> "tuple[Figure, NDArray[np.object_]]":
-    """Return a figure over time and two panels per joint: a row of a sheet, or above each other in a column."""
-    if sheet:
-        figure = new_figure(SHEET_IN, 0.6 + 1.15 * joints)
-        return figure, figure.subplots(joints, 2, squeeze=False, sharex=True)
-    figure = new_figure(COLUMN_IN, 3.2)
-    return figure, figure.subplots(2, 1, squeeze=False, sharex=True).T
 
 
 def is_narrow(axes: "Axes | Figure") -> bool:
@@ -162,14 +198,15 @@ def mark_zero(axes: "Axes", *, x: bool = False, y: bool = True, **look: Any) -> 
         axes.axvline(0.0, **look)
 
 
-def add_legend(figure: "Figure", order: Sequence[str] = (), *, formula: str | None = None) -> None:
-    """Write one legend above all panels with every label of them, once.
+def shade_stretches(axes: "Axes", starts: Iterable[float], stops: Iterable[float], t: Float) -> None:
+    """Shade every other stretch of time and end the axis with the signals."""
+    for start, stop in list(zip(starts, stops, strict=False))[::2]:
+        axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0)
+    axes.set_xlim(t[0], t[-1])
 
-    Args:
-        figure: Its panels hold labelled artists.
-        order: Labels that stand first, in this order.
-        formula: The one label that is mathematics where names may hold dollar signs.
-    """
+
+def add_legend(figure: "Figure", order: Sequence[str] = ()) -> None:
+    """Write one legend above all panels with every label of them once, those of ``order`` first."""
     from matplotlib.patches import Patch
 
     found: dict[str, Any] = {}
@@ -180,12 +217,11 @@ def add_legend(figure: "Figure", order: Sequence[str] = (), *, formula: str | No
     labels = [label for label in order if label in found] + rest
     if not labels:
         return
-    longest = max((len(label) for label in labels if label != formula), default=0)
-    columns = (2 if longest <= LONGEST_LABEL else 1) if is_narrow(figure) else 7
+    longest = max(min(len(label), LONGEST_FORMULA) if "$" in label else len(label) for label in labels)
+    columns = max(1, int(72.0 * figure.get_figwidth() / (HANDLE_PT + LETTER_PT * longest)))
     legend = figure.legend([found[label] for label in labels], labels, loc="outside upper center", ncols=columns)
-    if formula is not None:
-        for text in legend.get_texts():
-            text.set_parse_math(text.get_text() == formula)
+    for text in legend.get_texts():
+        text.set_parse_math(True)  # no name from a log stands there
 
 
 def band(axes: "Axes", x: Float, low: Float, high: Float, colour: str, label: str, **look: Any) -> None:
@@ -246,13 +282,7 @@ def every_nth(samples: int, most: int = MOST_POINTS) -> slice:
 
 
 def thin_extremes(t: Float, signal: Float, most: int = MOST_POINTS) -> tuple[Float, Float]:
-    """Return at most ``most`` samples that hold the smallest and the largest of every stretch, in order of time.
-
-    Args:
-        t: Time, shape (n,). [s]
-        signal: Shape (n,).
-        most: Number of points wanted.
-    """
+    """Return at most ``most`` samples with the smallest and the largest of every stretch, in order; shape (n,) each."""
     width = -(-2 * len(t) // most)
     if width <= 1 or len(t) <= most:
         return t, signal
@@ -293,6 +323,21 @@ def draw_arrow(axes: "Axes", tail: tuple[float, float], head: tuple[float, float
     """Draw an arrow from one point of a curve to another."""
     style: Look = {"arrowstyle": "-|>", "color": colour, "lw": width, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", head, tail, arrowprops=style, zorder=5)
+
+
+ARROWS_AT, ARROW_LENGTH = 0.6, 0.06  # share of a stroke's peak speed at which an arrow stands; share of both ranges
+
+
+def draw_arrows(axes: "Axes", dq: Float, torque: Float) -> None:
+    """Add arrows in the direction of time to a smooth curve, shape (n,): two to the fastest stroke each way."""
+    look: Look = {"arrowstyle": "-|>", "color": FILTERED, "lw": 0.9, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
+    across, up = (float(np.nanmax(one) - np.nanmin(one)) or 1.0 for one in (dq, torque))
+    for fastest in (int(np.nanargmax(dq)), int(np.nanargmin(dq))):
+        slow = ~(np.sign(dq[fastest]) * dq >= ARROWS_AT * abs(dq[fastest]))
+        for tail in (fastest - int(np.argmax(slow[fastest::-1])), fastest + int(np.argmax(slow[fastest:]))):
+            way = np.hypot((dq - dq[tail]) / across, (torque - torque[tail]) / up)
+            head = tail + int(np.argmax(way[tail:] > ARROW_LENGTH))
+            axes.annotate("", (dq[head], torque[head]), (dq[tail], torque[tail]), arrowprops=look, zorder=5)
 
 
 def label_in_unit(figure: Drawn, unit: str) -> Drawn:

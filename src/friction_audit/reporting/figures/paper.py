@@ -1,7 +1,8 @@
 """Courses of simulated joints -> figures in the layout of the paper's Figs 3 and 6 to 12."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,7 +10,6 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.series import shade_stretches
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,35 +17,22 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 DRAWN, DRAWN_ON_SHEET = 4000, 1500  # points of a curve: more than a column has pixels
-ARROWS_AT = 0.6  # share of a stroke's peak speed at which an arrow stands
-ARROW_SAMPLES = 40  # samples from the middle of an arrow to its ends
+VISCOUS = "Viscous\n[N m s/rad]"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Course:
-    """One joint over time; n samples, m ends of cycles.
+    """One joint over time; n samples, m ends of cycles."""
 
-    Attributes:
-        t: Time, shape (n,). [s]
-        dq: Velocity, shape (n,). [rad/s]
-        interaction_nm: Interaction torque F_m, shape (n,). [N m]
-        energy_j: Net energy E_m, shape (n,). [J]
-        coulomb_nm: Coulomb friction compensated, shape (n,). [N m]
-        viscous_nms_per_rad: Viscous friction compensated, shape (n,). [N m s/rad]
-        damping_nms_per_rad: Damping of the passivity controller, shape (n,). [N m s/rad]
-        ends_s: When cycles end, shape (m,). [s]
-        ends_j: Net energy then, shape (m,). [J]
-    """
-
-    t: Float
-    dq: Float
-    interaction_nm: Float
-    energy_j: Float
-    coulomb_nm: Float
-    viscous_nms_per_rad: Float
-    damping_nms_per_rad: Float
-    ends_s: Float
-    ends_j: Float
+    t: Float  # shape (n,) [s]
+    dq: Float  # velocity, shape (n,) [rad/s]
+    interaction_nm: Float  # interaction torque F_m, shape (n,) [N m]
+    energy_j: Float  # net energy E_m, shape (n,) [J]
+    coulomb_nm: Float  # Coulomb friction compensated, shape (n,) [N m]
+    viscous_nms_per_rad: Float  # viscous friction compensated, shape (n,) [N m s/rad]
+    damping_nms_per_rad: Float  # damping of the passivity controller, shape (n,) [N m s/rad]
+    ends_s: Float  # when cycles end, shape (m,) [s]
+    ends_j: Float  # net energy then, shape (m,) [J]
 
     def part(self, kept: "NDArray[np.bool_]") -> "Course":
         """Return the samples of a mask of shape (n,), and the ends of cycles from the first of them on."""
@@ -55,10 +42,10 @@ class Course:
 
 
 def _shade(axes: "Axes", course: Course) -> None:
-    shade_stretches(axes, [course.t[0], *course.ends_s], [*course.ends_s, course.t[-1]], course.t)
+    parts.shade_stretches(axes, [course.t[0], *course.ends_s], [*course.ends_s, course.t[-1]], course.t)
 
 
-def _draw_energy(axes: "Axes", course: Course, title: str = "") -> None:
+def _draw_energy(course: Course, title: str, axes: "Axes") -> None:
     """Draw the net energy with the ends of its cycles marked."""
     _shade(axes, course)
     parts.mark_zero(axes)
@@ -68,30 +55,34 @@ def _draw_energy(axes: "Axes", course: Course, title: str = "") -> None:
     parts.label_panel(axes, title, y="Energy [J]")
 
 
-def _draw_steps(axes: "Axes", course: Course, signal: Float, y: str, colour: str, title: str = "") -> None:
+def _draw_steps(course: Course, signal: Float, y: str, colour: str, title: str, axes: "Axes") -> None:
     """Draw a coefficient or a damping of shape (n,)."""
     _shade(axes, course)
     parts.draw_curve(axes, course.t, signal, DRAWN, color=colour)
     parts.label_panel(axes, title, y=y)
 
 
-def _draw_loop(axes: "Axes", course: Course, title: str) -> None:
+def _draw_loop(course: Course, title: str, axes: "Axes") -> None:
     """Draw interaction torque over velocity, as measured and filtered, with arrows in the direction of time."""
     parts.draw_dots(axes, course.dq, course.interaction_nm, theme.RAW, "raw", zorder=1)
     dq, torque = parts.smooth(course.t, course.dq), parts.smooth(course.t, course.interaction_nm)
     thin = parts.every_nth(len(course.t), DRAWN)
     axes.plot(dq[thin], torque[thin], color=theme.FILTERED, lw=0.6, label="filtered, 10 Hz", zorder=2)
-    for fastest in (int(np.argmax(dq)), int(np.argmin(dq))):
-        slow = np.sign(dq[fastest]) * dq < ARROWS_AT * abs(dq[fastest])
-        for place in (fastest - int(np.argmax(slow[fastest::-1])), fastest + int(np.argmax(slow[fastest:]))):
-            tail, head = max(place - ARROW_SAMPLES, 0), min(place + ARROW_SAMPLES, len(dq) - 1)
-            parts.draw_arrow(axes, (dq[tail], torque[tail]), (dq[head], torque[head]), theme.FITTED, 0.9)
+    parts.draw_arrows(axes, dq[thin], torque[thin])
     parts.label_panel(axes, title, y="Interaction torque [N m]")
     axes.set_xlabel("Velocity [rad/s]")
 
 
-def _finish(figure: "Figure", last: "Axes") -> "Figure":
+def _column(height_in: float, *draws: "Callable[[Axes], None]", ratios: Sequence[float] | None = None) -> "Figure":
+    """Return panels over time below each other, the time below the last one."""
+    figure = parts.new_figure(theme.COLUMN_IN, height_in)
+    panels = figure.subplots(len(draws), 1, squeeze=False, height_ratios=ratios).ravel()
+    for axes, draw in zip(panels, draws, strict=True):
+        draw(axes)
+    *above, last = (axes for axes in panels if not axes.get_xlabel())
     last.set_xlabel("Time [s]")
+    for axes in above:
+        axes.tick_params(labelbottom=False)
     parts.add_legend(figure)
     figure.align_ylabels()
     return figure
@@ -100,73 +91,64 @@ def _finish(figure: "Figure", last: "Axes") -> "Figure":
 @theme.figure_style(mathematics=True)
 def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> "Figure":
     """Draw the net energy input and its two parts, kinetic and dissipated energy, shape (n,) each (Fig. 3). [J]"""
-    figure = parts.new_figure(theme.COLUMN_IN, 2.4)
-    axes = figure.subplots()
-    _draw_energy(axes, course)
-    parts.draw_curve(axes, course.t, kinetic_j, DRAWN, color=theme.FITTED, ls=theme.DASHED, label="kinetic $E_s$")
-    parts.draw_curve(
-        axes, course.t, dissipated_j, DRAWN, color=theme.DISSIPATED, ls="-.", label="dissipated $E_{dissp}$"
-    )
     box: theme.Look = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
-    for number, end in enumerate(zip(course.ends_s, course.ends_j, strict=True), start=1):
-        name = rf"$E^{number}_{{cyclic}}$"
-        axes.annotate(name, end, (3, -10), textcoords="offset points", fontsize=6.5, bbox=box)
-    return _finish(figure, axes)
+
+    def draw(axes: "Axes") -> None:
+        _draw_energy(course, "", axes)
+        for energy_j, colour, dashes, label in (
+            (kinetic_j, theme.FITTED, theme.DASHED, "kinetic $E_s$"),
+            (dissipated_j, theme.DISSIPATED, "-.", "dissipated $E_{dissp}$"),
+        ):
+            parts.draw_curve(axes, course.t, energy_j, DRAWN, color=colour, ls=dashes, label=label)
+        for number, end in enumerate(zip(course.ends_s, course.ends_j, strict=True), start=1):
+            name = rf"$E^{number}_{{cyclic}}$"
+            axes.annotate(name, end, (3, -10), textcoords="offset points", fontsize=6.5, bbox=box)
+
+    return _column(2.4, draw)
 
 
 @theme.figure_style(mathematics=True)
 def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
     """Draw the net energy, and the coefficient with the true one of shape (n,) (Fig. 6). [N m s/rad]"""
-    figure = parts.new_figure(theme.COLUMN_IN, 3.0)
-    above, below = figure.subplots(2, 1, sharex=True)
-    _draw_energy(above, course, "(a)")
-    parts.draw_curve(
-        below, course.t, viscous_nms_per_rad, DRAWN, color=theme.FITTED, ls=theme.DASHED, label="true friction"
-    )
-    _draw_steps(below, course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", theme.FILTERED, "(b)")
-    below.lines[-1].set_label("compensated")
-    return _finish(figure, below)
+    truth: theme.Look = {"color": theme.FITTED, "ls": theme.DASHED, "label": "true friction"}
+
+    def below(axes: "Axes") -> None:
+        parts.draw_curve(axes, course.t, viscous_nms_per_rad, DRAWN, **truth)
+        _draw_steps(course, course.viscous_nms_per_rad, VISCOUS, theme.FILTERED, "(b)", axes)
+        axes.lines[-1].set_label("compensated")
+
+    return _column(3.0, partial(_draw_energy, course, "(a)"), below)
 
 
 @theme.figure_style(mathematics=True)
 def draw_overcompensation(bare: Course, guarded: Course) -> "Figure":
     """Draw the net energy without and with the passivity controller, and its damping (Fig. 7)."""
-    figure = parts.new_figure(theme.COLUMN_IN, 3.9)
-    top, middle, bottom = figure.subplots(3, 1, sharex=True)
-    _draw_energy(top, bare, "(a) without passivity controller")
-    _draw_energy(middle, guarded, "(b) with it")
-    label = "Damping\n[N m s/rad]"
-    _draw_steps(bottom, guarded, guarded.damping_nms_per_rad, label, theme.FITTED, "(c) adaptive damping")
-    return _finish(figure, bottom)
+    damping = guarded.damping_nms_per_rad
+    return _column(
+        3.9,
+        partial(_draw_energy, bare, "(a) without passivity controller"),
+        partial(_draw_energy, guarded, "(b) with it"),
+        partial(_draw_steps, guarded, damping, "Damping\n[N m s/rad]", theme.FITTED, "(c) adaptive damping"),
+    )
 
 
-def _draw_signals(above: "Axes", below: "Axes", course: Course) -> None:
-    """Draw velocity above interaction torque."""
-    for axes, signal, label in (
-        (above, course.dq, "Velocity\n[rad/s]"),
-        (below, course.interaction_nm, "Torque\n[N m]"),
-    ):
-        _shade(axes, course)
-        parts.draw_raw_and_filtered(axes, course.t, signal, DRAWN, lw=0.8)
-        parts.label_panel(axes, "(a)" if axes is above else "", y=label)
-
-
-def _share_time(panels: "Sequence[Axes]") -> "Axes":
-    """Write the time below the last panel only; return it."""
-    for axes in panels[:-1]:
-        axes.tick_params(labelbottom=False)
-    return panels[-1]
+def _draw_signal(course: Course, signal: Float, label: str, title: str, axes: "Axes") -> None:
+    _shade(axes, course)
+    parts.draw_raw_and_filtered(axes, course.t, signal, DRAWN, lw=0.8)
+    parts.label_panel(axes, title, y=label)
 
 
 @theme.figure_style(mathematics=True)
 def draw_uncompensated(course: Course) -> "Figure":
     """Draw velocity and torque, the net energy, and the torque over the velocity (Fig. 8)."""
-    figure = parts.new_figure(theme.COLUMN_IN, 5.6)
-    panels = figure.subplots(4, 1, height_ratios=(1, 1, 1.2, 2))
-    _draw_signals(panels[0], panels[1], course)
-    _draw_energy(panels[2], course, "(b)")
-    _draw_loop(panels[3], course, "(c)")
-    return _finish(figure, _share_time(panels[:3]))
+    return _column(
+        5.6,
+        partial(_draw_signal, course, course.dq, "Velocity\n[rad/s]", "(a)"),
+        partial(_draw_signal, course, course.interaction_nm, "Torque\n[N m]", ""),
+        partial(_draw_energy, course, "(b)"),
+        partial(_draw_loop, course, "(c)"),
+        ratios=(1, 1, 1.2, 2),
+    )
 
 
 @theme.figure_style(mathematics=True)
@@ -178,22 +160,27 @@ def draw_plateaus(raw: Course, aided: Course) -> "Figure":
     axes.plot(raw.dq, raw.interaction_nm, color=theme.FITTED, ls=theme.DASHED, lw=1.0, label="combined friction")
     axes.plot(aided.dq, aided.interaction_nm, color=theme.FILTERED, lw=1.0, label="compensated")
     parts.label_panel(axes, y="Interaction torque [N m]")
-    _finish(figure, axes)
     axes.set_xlabel("Velocity [rad/s]")
+    parts.add_legend(figure)
     return figure
 
 
 @theme.figure_style(mathematics=True)
 def draw_compensated(course: Course) -> "Figure":
     """Draw velocity and torque, the net energy, and both coefficients (Fig. 10)."""
-    figure = parts.new_figure(theme.COLUMN_IN, 5.2)
-    panels = figure.subplots(5, 1)
-    _draw_signals(panels[0], panels[1], course)
-    _draw_energy(panels[2], course, "(b)")
-    panels[2].axhline(course.ends_j[1], color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
-    _draw_steps(panels[3], course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", theme.FILTERED, "(c)")
-    _draw_steps(panels[4], course, course.coulomb_nm, "Coulomb\n[N m]", theme.DISSIPATED)
-    return _finish(figure, _share_time(panels))
+
+    def energy(axes: "Axes") -> None:
+        _draw_energy(course, "(b)", axes)
+        axes.axhline(course.ends_j[1], color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
+
+    return _column(
+        5.2,
+        partial(_draw_signal, course, course.dq, "Velocity\n[rad/s]", "(a)"),
+        partial(_draw_signal, course, course.interaction_nm, "Torque\n[N m]", ""),
+        energy,
+        partial(_draw_steps, course, course.viscous_nms_per_rad, VISCOUS, theme.FILTERED, "(c)"),
+        partial(_draw_steps, course, course.coulomb_nm, "Coulomb\n[N m]", theme.DISSIPATED, ""),
+    )
 
 
 @theme.figure_style(mathematics=True)
@@ -201,7 +188,7 @@ def draw_compensated_loop(course: Course, without: Course) -> "Figure":
     """Draw torque over velocity on the axes of the uncompensated joint (Fig. 11)."""
     figure = parts.new_figure(theme.COLUMN_IN, 2.5)
     axes = figure.subplots()
-    _draw_loop(axes, course, "")
+    _draw_loop(course, "", axes)
     reach = 1.05 * float(abs(without.interaction_nm).max())
     axes.set_ylim(-reach, reach)
     parts.add_legend(figure)

@@ -1,7 +1,6 @@
 """Diagnosis -> residuals along the quantity that shows an effect and by effect, effect curves, contact events."""
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Sequence
 from textwrap import fill
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -16,7 +15,6 @@ from friction_audit.reporting.figures import style as theme
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from friction_audit.pipeline import Diagnosis
 
@@ -29,7 +27,7 @@ STANDARD_ERRORS = 2.0  # half length of an error bar: about 95 %
 MOST_DOTS = 1500  # samples in a panel above which they would only be a blot
 # Axes from zero on, and the last bin over the first from which a linear one would hide the first bins.
 STRETCHED, WIDENING = ("speed", "displacement"), 30.0
-POINTS = 60  # stretches with equally many samples over which a fitted torque is averaged for a line
+POINTS = 30  # stretches with equally many samples over which a fitted torque is averaged for a line
 
 
 def wave_of(effect: NamedEffect) -> OwnAxis | None:
@@ -65,35 +63,17 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
     return found or [Row(joint, joint.profiles[0] if joint.profiles else None, None)]
 
 
-@theme.figure_style()
-def draw_residual(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
-    """Draw the residual before and after along every axis that shows an effect; a sheet has that of the largest."""
-    joints, sheet, note = parts.choose(
-        found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable"
-    )
-    rows = [row for one in joints for row in (rows_of(one)[:1] if sheet else rows_of(one))]
-    if sheet:
-        figure = parts.new_figure(theme.SHEET_IN, 0.75 + 1.4 * len(rows))
-        panels = iter(figure.subplots(len(rows), 2, squeeze=False, sharey="row").ravel())
-        counts = [2] * len(rows)
-    else:
-        counts = [1 if row.after is None else 2 for row in rows]
-        figure = parts.new_figure(theme.COLUMN_IN, 0.75 + 1.55 * sum(counts))
-        panels = iter(figure.subplots(sum(counts), 1, squeeze=False).ravel())
-    for row, count in zip(rows, counts, strict=True):
-        _draw_row([next(panels) for _ in range(count)], row)
-    parts.add_legend(figure)
-    corners = sorted({round(one.traces.corner_hz, 6) for one in joints if one.traces is not None})
-    ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys((*corners[:1], *corners[-1:])))
-    figure.supylabel(f"Residual torque{f', low-pass {ends} Hz' if corners else ''} [N m]")
-    figure.supxlabel(note.strip())
-    return figure
+def _draw_residual(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosis) -> None:
+    """Draw the residual before and after along every axis that shows an effect; on a sheet of the largest alone."""
+    narrow, left = parts.is_narrow(panels[0]), iter(panels)
+    for row in rows_of(joint) if narrow else rows_of(joint)[:1]:
+        _draw_row([next(left) for _ in range(2 if row.after is not None else 1)], row)
+    for axes in left:
+        axes.set_axis_off()
 
 
 def _draw_row(panels: "list[Axes]", row: Row) -> None:
     joint, traces = row.joint, row.joint.traces
-    for axes in panels[1:] if row.after is None else ():
-        axes.set_axis_off()
     if row.before is None or traces is None:
         write_verdict(panels[0], joint)
         return
@@ -103,13 +83,35 @@ def _draw_row(panels: "list[Axes]", row: Row) -> None:
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
     drawn = [one for one in zip((row.before, row.after), residuals, titles, strict=True) if one[0] is not None]
     ends = np.array([limits_for(residual, profile) for profile, residual, _ in drawn if profile is not None])
-    for axes, (profile, residual, title) in zip(panels, drawn, strict=False):
+    for axes, (profile, residual, title) in zip(panels, drawn, strict=True):
         assert profile is not None
         along = traces.along[profile.axis] if row.own is None else row.own.values
         draw_profile(axes, profile, along, traces.dq, residual)
         parts.label_panel(axes, fill(title, CHARACTERS), across=4)
         name_axis(axes, profile)
         axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
+
+
+def _residual_panels(_: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
+    return 2 if sheet else sum(1 if row.after is None else 2 for row in rows_of(joint))
+
+
+def _residual_label(found: "Diagnosis") -> str:
+    corners = [one.traces.corner_hz for one in found.discrepancy.joints if one.traces is not None]
+    ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys(map(float, (min(corners), max(corners))))) if corners else ""
+    return f"Residual torque{f', low-pass {ends} Hz' if corners else ''} [N m]"
+
+
+RESIDUAL = parts.Layout(
+    joints=lambda found: found.discrepancy.joints,
+    has=lambda _, joint: joint.traces is not None,
+    lacks="not testable",
+    draw=_draw_residual,
+    panels=_residual_panels,
+    height_in=(1.4, 1.55),
+    x="",
+    y=_residual_label,
+)
 
 
 def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
@@ -123,15 +125,7 @@ def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
 
 
 def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque: Float) -> None:
-    """Draw samples as dots and the means of the bins with their errors, each direction of motion apart.
-
-    Args:
-        axes: The panel.
-        profile: Means of the bins.
-        along: The quantity of the axis, of every sample, shape (m,).
-        dq: Velocity of every sample, shape (m,). [rad/s]
-        torque: What is drawn of every sample, shape (m,). [N m]
-    """
+    """Draw samples of shape (m,) as dots over ``along`` and the means of the bins, each direction of motion apart."""
     parts.mark_zero(axes)
     reach = np.stack([profile.centre - profile.edges[:-1], profile.edges[1:] - profile.centre])
     directions = (
@@ -145,7 +139,7 @@ def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque
         half = STANDARD_ERRORS * np.where(np.isfinite(error), error, 0.0)
         axes.errorbar(
             profile.centre, mean, half, fmt=marker, color=colour, ms=3.2, mec=theme.BORDER, mew=0.4, elinewidth=0.8,
-            ecolor=theme.BORDER, capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
+            capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
         )  # fmt: skip
 
 
@@ -161,36 +155,44 @@ def name_axis(axes: "Axes", profile: Profile) -> None:
         axes.set_xlim(0.0, float(profile.edges[-1]))
 
 
-@theme.figure_style()
-def draw_effects(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
-    """Draw a panel per effect of one joint at column width, parameters below, or of every joint on a sheet."""
-    joints, sheet, note = parts.choose(found.discrepancy.joints, joint, lambda one: one.effects, "no effect named")
-    panels: list[Callable[[Axes], None]] = []
-    heights: list[float] = []
-    for one in joints:
-        drawn = [panel for effect in one.effects for panel in _effect_panels(one, effect, sheet=sheet)]
-        panels += drawn or [partial(write_verdict, joint=one)]
-        heights += [1.55 if sheet else 2.3 for _ in drawn] or [0.9]
-    figure, grid_axes = parts.grid(heights, sheet=sheet, across=3, head_in=0.75)
-    for axes, draw in zip(grid_axes, panels, strict=True):
-        draw(axes)
-    parts.add_legend(figure)
-    figure.supylabel("Torque of the effect [N m]")
-    figure.supxlabel(note.strip())
-    return figure
+def _draw_effects(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosis) -> None:
+    """Draw a panel per effect, of contacts a second one in a column; without any effect the residual and its noise."""
+    left = iter(panels)
+    if not joint.effects:
+        _draw_nothing_missing(next(left), joint)
+    for effect in joint.effects:
+        if effect.name != CONTACT_EVENT or joint.contacts is None:
+            _draw_effect(next(left), joint, effect)
+            continue
+        t, residual, spans = joint.contacts.t, joint.contacts.residual_nm, joint.contacts.spans_s
+        title = f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}"
+        _draw_contacts(next(left), joint, title, (float(t[0]), float(t[-1])))
+        if parts.is_narrow(panels[0]):
+            size = [np.nanmax(np.abs(residual[(t >= start) & (t <= stop)]), initial=0.0) for start, stop in spans]
+            start, stop = spans[int(np.argmax(size))]
+            _draw_contacts(next(left), joint, "the largest", (start - ASIDE_S, stop + ASIDE_S))
 
 
-def _effect_panels(joint: JointDiagnosis, effect: NamedEffect, *, sheet: bool) -> "list[Callable[[Axes], None]]":
-    if effect.name != CONTACT_EVENT or joint.contacts is None:
-        return [partial(_draw_effect, joint=joint, effect=effect)]
-    t, residual, spans = joint.contacts.t, joint.contacts.residual_nm, joint.contacts.spans_s
-    title = f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}"
-    panels = [partial(_draw_contacts, joint=joint, title=title, ends=(float(t[0]), float(t[-1])))]
-    if not sheet:
-        largest = max(spans, key=lambda span: np.nanmax(np.abs(residual[(t >= span[0]) & (t <= span[1])]), initial=0.0))
-        ends = (largest[0] - ASIDE_S, largest[1] + ASIDE_S)
-        panels.append(partial(_draw_contacts, joint=joint, title="the largest", ends=ends))
-    return list(panels)
+def _effect_panels(_: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
+    contacts = joint.contacts is not None and any(effect.name == CONTACT_EVENT for effect in joint.effects)
+    return max(len(joint.effects), 1) + (contacts and not sheet)
+
+
+def _draw_nothing_missing(axes: "Axes", joint: JointDiagnosis) -> None:
+    """Draw what the nominal model leaves over the quantity that shows most of it, within the detection limit."""
+    profile, traces, limit = next(iter(joint.profiles), None), joint.traces, joint.detection_limit_nm
+    if profile is None or traces is None:
+        write_verdict(axes, joint)
+        return
+    residual = traces.measured - traces.before
+    draw_profile(axes, profile, traces.along[profile.axis], traces.dq, residual)
+    if np.isfinite(limit):
+        look: theme.Look = {"color": theme.SHADE, "lw": 0, "zorder": 0, "label": "below the detection limit"}
+        axes.axhspan(-limit, limit, **look)
+    words = plain_names(joint.verdict.replace("_", " "))
+    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {words}, no effect named", across=4)
+    name_axis(axes, profile)
+    axes.set_ylim(*limits_for(residual, profile))
 
 
 def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> None:
@@ -248,6 +250,27 @@ def _draw_contacts(axes: "Axes", joint: JointDiagnosis, title: str, ends: tuple[
     axes.set_xlabel("Time [s]")
 
 
+def _has_effect(found: "Diagnosis", joint: JointDiagnosis) -> bool:
+    """Return whether an effect was named; where none was on any joint, whether there is a residual."""
+    none = not any(one.effects for one in found.discrepancy.joints)
+    return bool(joint.effects) or (none and joint.traces is not None)
+
+
+EFFECTS = parts.Layout(
+    joints=RESIDUAL.joints,
+    has=_has_effect,
+    lacks="no effect named",
+    draw=_draw_effects,
+    panels=_effect_panels,
+    across=3,
+    height_in=lambda joint, sheet: 1.55 if sheet else 2.3 if joint.effects else 1.8,
+    x="",
+    y=lambda found: (
+        f"{'Torque of the effect' if any(one.effects for one in found.discrepancy.joints) else 'Residual torque'} [N m]"
+    ),
+)
+
+
 def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
     """Fill a panel with the verdict on a joint that has nothing to draw there."""
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
@@ -258,27 +281,9 @@ def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
 ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
 
 
-@theme.figure_style()
-def draw_ladder(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
-    """Draw the residual after each effect of one joint at column width, or of every joint tested on a sheet."""
-    joints, sheet, note = parts.choose(found.discrepancy.joints, joint, lambda one: one.ladder, "not testable")
-    heights = [0.45 + 0.21 * max(len(one.ladder), 3) for one in joints]
-    figure, panels = parts.grid(heights, sheet=sheet, across=2, head_in=0.75)
-    for axes, one in zip(panels, joints, strict=True):
-        _draw_steps(axes, one)
-    figure.supxlabel(f"Residual torque on held-out cycles, rms [N m]{note}")
-    return figure
-
-
-def draw_panel(axes: "Axes", found: "Diagnosis", joint: int) -> None:
-    """Draw the residual after each effect of one joint into axes, and name them."""
-    (one,) = parts.chosen_joints(found.discrepancy.joints, joint)
-    _draw_steps(axes, one)
-    axes.set_xlabel("Residual torque on held-out cycles, rms [N m]")
-
-
-def _draw_steps(axes: "Axes", joint: JointDiagnosis) -> None:
+def _draw_steps(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosis) -> None:
     """Draw a bar per step, the largest on top, and a line at the noise floor."""
+    (axes,) = panels
     if not joint.ladder or joint.gap is None:
         write_verdict(axes, joint)
         return
@@ -309,3 +314,14 @@ def explained_words(joint: JointDiagnosis) -> str:
         return f"at the noise floor from the start\n{cycles}"
     error = f" ± {100 * gap.shrink_se:.1f}" if np.isfinite(gap.shrink_se) else ""
     return f"{100 * gap.shrink:.1f}{error} % explained\n{cycles}"
+
+
+LADDER = parts.Layout(
+    joints=RESIDUAL.joints,
+    has=lambda _, joint: joint.ladder,
+    lacks="not testable",
+    draw=_draw_steps,
+    across=2,
+    height_in=lambda joint, _: 0.45 + 0.21 * max(len(joint.ladder), 3),
+    x="Residual torque on held-out cycles, rms [N m]",
+)

@@ -8,11 +8,10 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.series import MOST_SHADED, shade_stretches
+from friction_audit.reporting.figures.series import MOST_SHADED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from friction_audit.compensation.result import JointReplay, Signals
     from friction_audit.pipeline import LogReplay
@@ -23,76 +22,36 @@ SMALLEST_TORQUE_NM = 0.5  # half height of the torque panel of a joint at rest, 
 SMALLEST_SPEED_RAD_S = 0.1  # half width of the panel of a joint that stands still
 MOST_OF_WITHOUT = 3.0  # times the largest speed and torque without a compensator beyond which a diverging one is cut
 WITHOUT: dict[str, Any] = {"color": theme.FITTED, "ls": theme.DASHED}
+NAMES = ("Velocity\n[rad/s]", "Torque\n[N m]", "Energy [J]", "Viscous\n[N m s/rad]", "Coulomb\n[N m]")
 
 
-@theme.figure_style()
-def draw_replay(found: "LogReplay", joint: parts.Numbers) -> "Figure":
-    """Draw one joint at column width, or every joint that was replayed on a sheet, a row for each."""
-    joints, sheet, note = parts.choose(found.replay.joints, joint, lambda one: not one.reason, "not replayed")
-    title = f"{found.replay.counterfactual.title}{note}"
-    figure = _draw_sheet(joints, title) if sheet else _draw_column(joints[0], title)
-    figure.align_ylabels()
-    return figure
-
-
-def _draw_column(joint: "JointReplay", title: str) -> "Figure":
-    figure = parts.new_figure(theme.COLUMN_IN, 5.6)
-    panels = figure.subplots(5, 1, sharex=True)
-    _draw_velocity(panels[0], joint)
-    _draw_torque(panels[1], joint)
-    _draw_energy(panels[2], joint)
-    _draw_coefficient(panels[3], joint, "viscous_nms_per_rad", theme.FILTERED, "")
-    _draw_coefficient(panels[4], joint, "coulomb_nm", theme.DISSIPATED, "")
-    names = ("Velocity\n[rad/s]", "Torque\n[N m]", "Energy [J]", "Viscous\n[N m s/rad]", "Coulomb\n[N m]")
-    for axes, label in zip(panels, names, strict=True):
-        parts.label_panel(
-            axes,
-            f"{parts.joint_title(joint.joint, joint.name)}, {title}" if axes is panels[0] else "",
-            y=label,
-            across=6,
-        )
-    _finish(panels, joint, characters=44)
-    parts.add_legend(figure)
-    panels[4].set_xlabel("Time [s]")
-    return figure
-
-
-def _draw_sheet(joints: "Sequence[JointReplay]", title: str) -> "Figure":
-    figure = parts.new_figure(theme.SHEET_IN, 0.9 + len(joints))
-    rows = figure.subplots(len(joints), 4, squeeze=False, sharex=True)
-    for row, joint in zip(rows, joints, strict=True):
-        _draw_torque(row[0], joint)
-        _draw_energy(row[1], joint)
-        _draw_coefficient(row[2], joint, "coulomb_nm", theme.DISSIPATED, "")
-        _draw_coefficient(row[3], joint, "viscous_nms_per_rad", theme.FILTERED, "")
-        for axes in row:
-            parts.label_panel(axes, across=4)
-        row[0].set_ylabel(parts.joint_title(joint.joint, joint.name))
-        _finish(row, joint, characters=30)
-    for axes, text in zip(
-        rows[0], ("torque [N m]", "net energy [J]", "Coulomb [N m]", "viscous [N m s/rad]"), strict=True
-    ):
-        axes.set_title(text, loc="left")
-    figure.supxlabel(f"Time [s], {title}")
-    parts.add_legend(figure)
-    return figure
-
-
-def _finish(panels: "Sequence[Axes]", joint: "JointReplay", *, characters: int) -> None:
-    """Shade the compensator's cycles; say where there is nothing to see, and where the loop diverges."""
-    for axes in panels:
+def _draw_over_time(panels: "Sequence[Axes]", _: "LogReplay", joint: "JointReplay") -> None:
+    """Draw velocity, torque, energy and coefficients; on a sheet without the velocity."""
+    narrow, title = parts.is_narrow(panels[0]), parts.joint_title(joint.joint, joint.name)
+    draws = (_draw_velocity, _draw_torque, _draw_energy, _draw_viscous, _draw_coulomb)[-len(panels) :]
+    for axes, draw, name in zip(panels, draws, NAMES[-len(panels) :], strict=True):
+        draw(axes, joint)
+        heads = axes is panels[0] if narrow else axes.get_subplotspec().is_first_row()  # type: ignore[union-attr]
+        head = title if narrow else name.replace("\n", " ")
+        parts.label_panel(axes, head if heads else "", y=name if narrow else "", across=6 if narrow else 4)
         history = joint.history
         few = history is not None and len(history.stop) <= MOST_SHADED
         starts, stops = (history.start_s, history.stop_s) if few and history is not None else ((), ())
-        shade_stretches(axes, starts, stops, joint.without.t)
+        parts.shade_stretches(axes, starts, stops, joint.without.t)
         if joint.reason and len(axes.lines) <= 1:
             axes.set_yticks([])
-    reason = f"not replayed: {joint.reason.partition(';')[0]}" if joint.reason else ""
-    parts.write_message(panels[len(panels) // 2], reason, characters=characters)
-    if joint.replayed is not None and len(joint.replayed.t) < len(joint.without.t):
-        for axes in panels:
-            axes.axvline(joint.replayed.t[-1], color=theme.BORDER, lw=0.8)
-        panels[0].annotate("diverges", (joint.replayed.t[-1], 0.9), xycoords=("data", "axes fraction"), fontsize=6.5)
+        if joint.replayed is not None and len(joint.replayed.t) < len(joint.without.t):
+            end = joint.replayed.t[-1]
+            axes.axvline(end, color=theme.BORDER, lw=0.8)
+            if axes is panels[0]:
+                axes.annotate("diverges", (end, 0.9), xycoords=("data", "axes fraction"), fontsize=6.5)
+    if not narrow:
+        panels[0].set_ylabel(title)
+    parts.write_message(panels[len(panels) // 2], _reason(joint), characters=44 if narrow else 30)
+
+
+def _reason(joint: "JointReplay") -> str:
+    return f"not replayed: {joint.reason.partition(';')[0]}" if joint.reason else ""
 
 
 def _within(limits: tuple[float, float], least: float, most: float) -> tuple[float, float]:
@@ -131,26 +90,29 @@ def _draw_energy(axes: "Axes", joint: "JointReplay") -> None:
     parts.draw_curve(axes, without.t, without.net_energy_j, POINTS, lw=0.8, **WITHOUT)
     energy = shown.net_energy_j
     parts.draw_curve(axes, shown.t, energy, POINTS, color=theme.FILTERED, label="with compensator", zorder=4)
-    ends = history.stop
-    axes.plot(history.stop_s, energy[ends], "o", color=theme.BORDER, ms=1.8, mew=0, zorder=5, label="end of a cycle")
+    dots: theme.Look = {"color": theme.BORDER, "ms": 1.8, "mew": 0, "zorder": 5, "label": "end of a cycle"}
+    axes.plot(history.stop_s, energy[history.stop], "o", **dots)
 
 
-def _draw_coefficient(axes: "Axes", joint: "JointReplay", name: str, colour: str, label: str) -> None:
+def _draw_viscous(axes: "Axes", joint: "JointReplay") -> None:
+    _draw_coefficient(axes, joint, "viscous_nms_per_rad", theme.FILTERED)
+
+
+def _draw_coulomb(axes: "Axes", joint: "JointReplay") -> None:
+    _draw_coefficient(axes, joint, "coulomb_nm", theme.DISSIPATED)
+
+
+def _draw_coefficient(axes: "Axes", joint: "JointReplay", name: str, colour: str) -> None:
     """Draw the coefficient compensated over time."""
     parts.mark_zero(axes)
     if joint.history is not None and joint.replayed is not None:
         t, value = applied(joint, name)
         axes.update_datalim([(t[0], LEAST_COEFFICIENT)])
-        axes.step(t, value, where="post", color=colour, lw=0.9, label=label or None, zorder=3)
+        axes.step(t, value, where="post", color=colour, lw=0.9, zorder=3)
 
 
 def applied(joint: "JointReplay", name: str) -> tuple[Float, Float]:
-    """Return times [s] and values of a coefficient compensated: steps, the last one up to where the replay ends.
-
-    Args:
-        joint: With a result.
-        name: ``"coulomb_nm"`` or ``"viscous_nms_per_rad"``.
-    """
+    """Return times [s] and values of a coefficient compensated: steps, the last one up to where the replay ends."""
     assert joint.history is not None
     assert joint.replayed is not None
     assert joint.last is not None
@@ -162,31 +124,25 @@ def applied(joint: "JointReplay", name: str) -> tuple[Float, Float]:
     return ends, np.concatenate([value, [last, last]])
 
 
+REPLAY = parts.Layout(
+    joints=lambda found: found.replay.joints,
+    has=lambda _, joint: not joint.reason,
+    lacks="not replayed",
+    draw=_draw_over_time,
+    panels=lambda _, __, sheet: 4 if sheet else 5,
+    height_in=(1.0, 0.95),
+    head_in=0.9,
+    x=lambda found: f"Time [s], {found.replay.counterfactual.title}",
+    shared="all",
+)
+
 RAW_WITHOUT = "#f6cfb0"  # as pale to FITTED as RAW is to FILTERED
 DOTS, LOOP_POINTS, POINTS_PER_PERIOD = 8000, 12_000, 10
 
 
-@theme.figure_style()
-def draw_replay_velocity_torque(found: "LogReplay", joint: parts.Numbers) -> "Figure":
-    """Draw torque over velocity of one joint at column width, or of every joint that was replayed on a sheet."""
-    joints, sheet, note = parts.choose(found.replay.joints, joint, lambda one: not one.reason, "not replayed")
-    figure, panels = parts.grid([1.75 if sheet else 2.3] * len(joints), sheet=sheet, across=4, head_in=0.6)
-    for axes, one in zip(panels, joints, strict=True):
-        _draw_loops(axes, one)
-    parts.add_legend(figure)
-    figure.supxlabel(f"Velocity [rad/s], {found.replay.counterfactual.title}{note}")
-    figure.supylabel("Interaction torque [N m]")
-    return figure
-
-
-def draw_panel(axes: "Axes", found: "LogReplay", joint: int) -> None:
-    """Draw torque over velocity of one joint into axes, and name them."""
-    (one,) = parts.chosen_joints(found.replay.joints, joint)
-    _draw_loops(axes, one)
-    axes.set(xlabel="Velocity [rad/s]", ylabel="Interaction torque [N m]")
-
-
-def _draw_loops(axes: "Axes", joint: "JointReplay") -> None:
+def _draw_loops(panels: "Sequence[Axes]", _: "LogReplay", joint: "JointReplay") -> None:
+    """Draw torque over velocity, with and without the compensator."""
+    (axes,) = panels
     parts.mark_zero(axes, x=True, zorder=0)
     without, shown = joint.without, joint.replayed
     _draw_loop(axes, without, 0, (RAW_WITHOUT, theme.FITTED), "without")
@@ -196,7 +152,7 @@ def _draw_loops(axes: "Axes", joint: "JointReplay") -> None:
     axes.set_xlim(-reach, reach)
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name), across=4)
     if shown is None or joint.history is None:
-        parts.write_message(axes, f"not replayed: {joint.reason.partition(';')[0]}", characters=24)
+        parts.write_message(axes, _reason(joint), characters=24)
         return
     # Until the compensator has its first estimate the curve is the one without it.
     active = np.flatnonzero(shown.compensation_nm)
@@ -219,3 +175,16 @@ def _draw_loop(axes: "Axes", signals: "Signals", start: int, colours: tuple[str,
     curve = [parts.smooth(t, one)[::step] for one in (dq, torque)]
     label = f"{name}, {parts.cutoff_hz(t):.3g} Hz"
     axes.plot(*curve, color=colours[1], lw=0.4, rasterized=True, label=label)
+
+
+REPLAY_VELOCITY_TORQUE = parts.Layout(
+    joints=REPLAY.joints,
+    has=REPLAY.has,
+    lacks=REPLAY.lacks,
+    draw=_draw_loops,
+    across=4,
+    height_in=(1.75, 2.3),
+    head_in=0.6,
+    x=lambda found: f"Velocity [rad/s], {found.replay.counterfactual.title}",
+    y="Interaction torque [N m]",
+)

@@ -12,11 +12,10 @@ from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, write_verdict
-from friction_audit.reporting.figures.series import choose_series
+from friction_audit.reporting.figures.series import series_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
     from friction_audit.pipeline import Diagnosis
 
@@ -24,7 +23,6 @@ SHOWN = 4  # held-out cycles in a panel
 GAP = 0.04  # of the time shown, between one cycle and the next
 LONGEST_STEP = 1.5  # usual steps of time beyond which samples were left out
 POINTS = 4000
-LEAST_ROOM = 0.17  # of the axis, from one cycle's label to the next, for a label in words
 # Times the range of the other curves that raw torque, and the motion of a nominal model that runs away, may stretch
 # a panel; there they are cut.
 FARTHEST_RAW, FARTHEST_NOMINAL = 0.5, 1.5
@@ -40,30 +38,9 @@ class Piece(NamedTuple):
     place: float
 
 
-@theme.figure_style()
-def draw_simulation(found: "Diagnosis", joint: parts.Numbers) -> "Figure":
-    """Draw one joint at column width, panels above each other, or every joint tested on a sheet, a row for each."""
-    joints, sheet, note = parts.choose(
-        found.discrepancy.joints, joint, lambda one: one.traces is not None, "not testable"
-    )
-    across = 3 if any(one.simulation is not None for one in joints) else 2
-    if sheet:
-        figure = parts.new_figure(theme.SHEET_IN, 0.75 + 1.25 * len(joints))
-        rows = figure.subplots(len(joints), across, squeeze=False, sharex="row").tolist()
-    else:
-        figure = parts.new_figure(theme.COLUMN_IN, 0.75 + 1.3 * across)
-        rows = figure.subplots(across, 1, squeeze=False, sharex=True).T.tolist()
-    for row, one in zip(rows, joints, strict=True):
-        _draw_joint(row, found, one, alone=len(joints) == 1)
-    parts.add_legend(figure)
-    figure.supxlabel(f"Time within the held-out cycles shown [s]{note}")
-    figure.align_ylabels()
-    return figure
-
-
-def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis, *, alone: bool) -> None:
-    """Draw torque, residual and motion of one joint."""
-    motion, traces = joint.simulation, joint.traces
+def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -> None:
+    """Draw torque, residual and, where it was simulated, motion."""
+    motion, traces, alone = joint.simulation, joint.traces, parts.is_narrow(panels[0])
     drawn = panels[: 1 if traces is None else 2 if motion is None else 3]
     for axes in panels[len(drawn) :]:
         axes.set_axis_off()
@@ -74,41 +51,40 @@ def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis,
     names = plain_names(" and ".join(effect.name for effect in joint.added)) if alone else "the effects named"
     with_effects = f"with {names}" if joint.added else ""
     filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
-    (series,) = choose_series(found.estimate, joint.joint).joints
-    raw = parts.thin_extremes(*lay_out(pieces, series.t, series.driving_torque), POINTS)
-    panels[0].plot(*raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
-    measured = _draw(
-        panels[0], pieces, traces.t, traces.measured, color=theme.FILTERED, lw=1.0, label=filtered, zorder=2
-    )
+    (friction,) = parts.chosen_joints(found.estimate.friction.joints, joint.joint)
+    series = series_of(found.estimate, friction)
+    # The stamps of a log may jitter by more than their step, those of the samples of the diagnosis do not.
+    length_s = pieces[-1].place + pieces[-1].stop - pieces[-1].start
+    thin = parts.every_nth(int(length_s * parts.median_rate_hz(series.t)), POINTS)
+    x, raw = lay_out(pieces, series.t[thin], series.driving[thin], float(np.median(np.diff(traces.t))))
+    panels[0].plot(x, raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
+    look: theme.Look = {"color": theme.FILTERED, "lw": 1.0, "label": filtered, "zorder": 2}
+    measured = _draw_curve(panels[0], pieces, traces.t, traces.measured, **look)
     models = _draw_models(panels[0], pieces, traces.t, (traces.before, traces.after), with_effects)
-    panels[0].set_ylim(parts.limits(np.concatenate([measured, *models]), raw[1], near=FARTHEST_RAW, smallest=SMALLEST))
+    panels[0].set_ylim(parts.limits(np.concatenate([measured, *models]), raw, near=FARTHEST_RAW, smallest=SMALLEST))
     parts.mark_zero(panels[1])
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
     _draw_models(panels[1], pieces, traces.t, residuals, with_effects)
     if motion is not None:
-        look: theme.Look = {"color": theme.BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
-        measured = _draw(panels[2], pieces, motion.t, motion.measured, **look)
-        nominal, *augmented = _draw_models(
-            panels[2], pieces, motion.t, (motion.nominal, motion.augmented), with_effects
-        )
+        look = {"color": theme.BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
+        measured = _draw_curve(panels[2], pieces, motion.t, motion.measured, **look)
+        both = (motion.nominal, motion.augmented)
+        nominal, *augmented = _draw_models(panels[2], pieces, motion.t, both, with_effects)
         shown = np.concatenate([measured, *augmented])
         panels[2].set_ylim(parts.limits(shown, nominal, near=FARTHEST_NOMINAL, smallest=SMALLEST))
     for axes, label in zip(drawn, LABELS, strict=False):
         for one, following in pairwise(pieces):
             axes.axvspan(one.place + one.stop - one.start, following.place, color=theme.SHADE, lw=0, zorder=0)
-        axes.set_xlim(0.0, pieces[-1].place + pieces[-1].stop - pieces[-1].start)
+        axes.set_xlim(0.0, length_s)
         parts.label_panel(axes, parts.joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
-    label_cycles(panels[1], pieces)
+    for piece in pieces:  # when it began
+        where: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}
+        middle = piece.place + 0.5 * (piece.stop - piece.start)
+        panels[1].annotate(f"{piece.start:.1f} s", (middle, 1.0), color=theme.MUTED, **where)
 
 
 def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int = SHOWN) -> tuple[Piece, ...]:
-    """Return held-out cycles from the first to the last, evenly chosen, in a row.
-
-    Args:
-        traces: Of one joint, with at least one held-out cycle.
-        motion: The simulated motion, or None; cycles that it holds go before those that it lacks.
-        most: Number of cycles.
-    """
+    """Return held-out cycles from the first to the last, evenly chosen, in a row; simulated ones before others."""
     held_out = np.unique(traces.cycle[traces.held_out])
     if motion is not None:
         begins = np.array([traces.t[traces.cycle == number][0] for number in held_out])
@@ -123,26 +99,26 @@ def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int 
     return tuple(Piece(*span, float(place)) for span, place in zip(spans, places, strict=True))
 
 
-def lay_out(pieces: Sequence[Piece], t: Float, signal: Float) -> tuple[Float, Float]:
+def lay_out(pieces: Sequence[Piece], t: Float, signal: Float, usual_s: float) -> tuple[Float, Float]:
     """Return place in the panel and signal of the samples that are shown, NaN between cycles and over gaps.
 
     Args:
         pieces: The cycles.
         t: Ascending; NaN where a curve is interrupted, shape (n,). [s]
         signal: Shape (n,).
+        usual_s: Usual step of time; samples were left out where it is much longer. [s]
     """
-    usual = float(np.nanmedian(np.diff(t))) if len(t) > 1 else 0.0
     x: list[Float] = []
     y: list[Float] = []
     for piece in pieces:
         inside = (t >= piece.start) & (t <= piece.stop)
         x.append(np.append(t[inside] - piece.start + piece.place, np.nan))
-        y.append(np.append(parts.break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual), np.nan))
+        y.append(np.append(parts.break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual_s), np.nan))
     return np.concatenate(x), np.concatenate(y)
 
 
-def _draw(axes: "Axes", pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
-    x, y = lay_out(pieces, t, signal)
+def _draw_curve(axes: "Axes", pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
+    x, y = lay_out(pieces, t, signal, float(np.nanmedian(np.diff(t))) if len(t) > 1 else 0.0)
     axes.plot(x, y, **look)  # type: ignore[arg-type]
     return y
 
@@ -152,20 +128,23 @@ def _draw_models(
 ) -> list[Float]:
     """Draw a curve of the nominal model and, where effects were added, of the augmented one; return what is drawn."""
     look: theme.Look = {"color": NOMINAL, "lw": 0.8, "ls": theme.DASHED, "label": "nominal model", "zorder": 3}
-    drawn = [_draw(axes, pieces, t, curves[0], **look)]
+    drawn = [_draw_curve(axes, pieces, t, curves[0], **look)]
     if with_effects:
-        drawn.append(_draw(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=with_effects, zorder=4))
+        drawn.append(_draw_curve(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=with_effects, zorder=4))
     return drawn
 
 
-def label_cycles(axes: "Axes", pieces: Sequence[Piece]) -> None:
-    """Write above each cycle when it began; on a sheet, or over short cycles, there is room for the number alone."""
-    middles = [piece.place + 0.5 * (piece.stop - piece.start) for piece in pieces]
-    room = min((following - one for one, following in pairwise(middles)), default=np.inf)
-    wide = room >= LEAST_ROOM * (pieces[-1].place + pieces[-1].stop - pieces[-1].start)
-    words = "from " if wide and parts.is_narrow(axes) else ""
-    for piece, middle in zip(pieces, middles, strict=True):
-        axes.annotate(
-            f"{words}{piece.start:.1f} s", (middle, 1.0), xycoords=("data", "axes fraction"), ha="center", va="bottom",
-            fontsize=5.5, color=theme.MUTED,
-        )  # fmt: skip
+def _panels(found: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
+    return 3 if any(one.simulation for one in (found.discrepancy.joints if sheet else [joint])) else 2
+
+
+SIMULATION = parts.Layout(
+    joints=lambda found: found.discrepancy.joints,
+    has=lambda _, joint: joint.traces is not None,
+    lacks="not testable",
+    draw=_draw,
+    panels=_panels,
+    height_in=(1.25, 1.3),
+    x="Time within the held-out cycles shown [s]",
+    shared="row",
+)

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from importlib import import_module
 from io import BytesIO
+from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -90,32 +91,22 @@ def load_style(name: str) -> Mapping[str, Any]:
     if not Path(name).is_file():
         known = f"{', '.join(STYLES)}, or one of matplotlib, e.g. ggplot"
         raise UsageError(f"{where}: neither a file nor a style; give a style sheet (.mplstyle), or a name: {known}")
-    logger, faults = logging.getLogger("matplotlib"), _Faults()
-    logger.addHandler(faults)
+    logger, heard = logging.getLogger("matplotlib"), BufferingHandler(capacity=10**6)
+    logger.addHandler(heard)  # matplotlib warns of a line that it does not understand, and leaves it out
     try:
         found = rc_params_from_file(name, use_default_template=False)
     except (OSError, UnicodeError) as error:
         raise UsageError(f"{where}: cannot be read ({error}); {expected}; give a style sheet of matplotlib") from error
     finally:
-        logger.removeHandler(faults)
-    if faults.lines:
-        raise UsageError(f"{where}: {faults.lines[0]}; {expected}; correct the file")
+        logger.removeHandler(heard)
+    for fault in heard.buffer:
+        reason = shortened(fault.getMessage(), LONGEST_FAULT)
+        raise UsageError(f"{where}: {reason}; {expected}; correct the file")
     return _items(found)
 
 
 def _items(found: Mapping[Any, Any]) -> dict[str, Any]:
     return dict(found.items())  # with the type of every name, mypy takes them for no names
-
-
-class _Faults(logging.Handler):
-    """Keeps what matplotlib says of a style sheet: it leaves out what it does not understand."""
-
-    def __init__(self) -> None:
-        super().__init__(logging.WARNING)
-        self.lines: list[str] = []
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.lines.append(shortened(record.getMessage(), LONGEST_FAULT))
 
 
 def style_in_force() -> Mapping[str, Any]:

@@ -7,11 +7,11 @@ from friction_audit.reporting import drift_words
 from friction_audit.reporting.batch_drawings import draw, page_drawings
 from friction_audit.reporting.drift import COEFFICIENT, FAILED, BatchSummary, CoefficientRow, coefficient_rows
 from friction_audit.reporting.drift_text import sessions_text
-from friction_audit.reporting.figures.registry import figure_names
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
-from friction_audit.reporting.words import enumerate_words
+from friction_audit.reporting.words import count_of, enumerate_words, joints_label
 
 # Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
@@ -33,28 +33,22 @@ WORDS = {
     "within a session": "Change from the first to the last third of a session, such as warm-up; no part of drift.",
 }
 """What the words of the page mean."""
-NOTHING_YET: Mapping[str, html.Figure] = {}
 
 
-def write_page(summary: BatchSummary, drawn: Mapping[str, html.Figure] = NOTHING_YET) -> str:
+def write_page(summary: BatchSummary, drawn: Mapping[str, html.Figure] | None = None) -> str:
     """Return the page of a batch as HTML text, the same bytes for the same batch.
 
     Args:
         summary: The batch.
         drawn: Figures that are drawn already, by their anchors; the others are drawn here.
     """
-    return html.render_page(batch_page(summary, drawn))
-
-
-def batch_page(summary: BatchSummary, drawn: Mapping[str, html.Figure] = NOTHING_YET) -> html.Page:
-    """Return what the page of a batch is made of; another page may take sections from it."""
-    return html.Page(
+    page = html.Page(
         title="Friction over sessions",
         lead=_lead(summary),
         facts=_facts(summary),
         sections=(
             _verdict_section(summary),
-            *_arm_sections(summary, drawn),
+            *_arm_sections(summary, drawn or {}),
             *_failed_section(summary),
             html.Section(
                 anchor="words",
@@ -66,22 +60,18 @@ def batch_page(summary: BatchSummary, drawn: Mapping[str, html.Figure] = NOTHING
             html.citation_section(),
         ),
     )
+    return html.render_page(page)
 
 
 def _lead(summary: BatchSummary) -> str:
-    drifting = [arm for arm in summary.arms if arm.drift]
     if not summary.arms:
         return "No session could be read: no statement on drift is possible."
-    if not drifting:
-        arms = "the arm" if len(summary.arms) == 1 else f"any of {len(summary.arms)} arms"
-        return f"No drift of the friction was found on {arms}."
-    return "; ".join(f"{arm.robot}: {_drift_words(arm)}" for arm in drifting) + "."
-
-
-def _drift_words(arm: ArmDrift) -> str:
-    joints = [joint.joint for joint in arm.joints if drift_words.joint_verdict(joint) == drift_words.DRIFT]
-    word = "joint" if len(joints) == 1 else "joints"
-    return f"friction drifts on {word} {enumerate_words(joints)}" if joints else "friction drifts"
+    drifting, arms = [arm for arm in summary.arms if arm.drift], count_of(len(summary.arms), "arm")
+    if len(drifting) > 1:
+        return f"Friction drifts on {len(drifting)} of {arms}: {enumerate_words(arm.robot for arm in drifting)}."
+    if drifting:
+        return f"{drifting[0].robot}: {drift_words.arm_sentence(drifting[0])}."
+    return f"No drift of the friction was found on {arms}."
 
 
 def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
@@ -116,10 +106,10 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
     found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
-        drawings = (one for kind in figure_names("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
+        drawings = (one for kind in figures_of("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
         every = (drawn.get(one.anchor) or draw(one).figure for one in drawings)
         figures = tuple(figure for figure in every if figure is not None)
-        left -= sum(len(figure.picture.svg) for figure in figures)
+        left -= sum(len(figure.svg) for figure in figures)
         if left < 0 and found:
             break
         found[k + 1] = figures
@@ -137,7 +127,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
         caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
         "sessions it is significant; the change with temperature that was taken out, and the temperature of the "
         "comparison; the scatter between sessions",
-    )
+    ).filled()
     return html.Section(
         anchor=anchor,
         title=arm.robot,
@@ -199,7 +189,7 @@ def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
             kind = f"{drift_words.NAMES[name]} coefficient"
-            which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
+            which = f"{kind[:1].upper()}{kind[1:]} of each session, {joints_label(one.joint for one in joints)}"
             columns = (batch_tables.SESSION_NUMBER, *(batch_tables.coefficient_column(joint, name) for joint in joints))
             caption = f"{which}, with its 95 % interval [{unit}]{cut}"
             yield Record(columns).people(rows, caption=caption, folded=True)

@@ -1,9 +1,9 @@
 """LogReport -> the figures of its page: which there are, what they show, and how they are made small."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -29,17 +29,11 @@ COARSE_PT = 0.5  # invisible deviation of a drawn line
 MOST_POINTS = 1500  # points of a curve over time: more than a panel has dots of a screen, also enlarged
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Drawn:
-    """The figures of a page by section, and what there was no room for.
+class Drawn(NamedTuple):
+    """The figures of a page by section, in order, and titles of those that found no room."""
 
-    Attributes:
-        by_section: Figures, in order.
-        left_out: Titles of figures that found no room, by section.
-    """
-
-    by_section: dict[str, list[Figure]]
-    left_out: dict[str, list[str]]
+    by_section: Mapping[str, list[Figure]]
+    left_out: Mapping[str, list[str]]
 
 
 @lru_cache(maxsize=1)  # a page and its PDF have the same figures
@@ -47,33 +41,22 @@ def draw_figures(report: LogReport) -> Drawn:
     """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room."""
     from friction_audit.reporting.figures.style import load_matplotlib
 
-    drawn, left = Drawn(by_section={}, left_out={}), MOST_BYTES
+    drawn, left = Drawn(defaultdict(list), defaultdict(list)), MOST_BYTES
     sheets = list(_sheets(report))
     load_matplotlib(["svg", "png"] if sheets else [])  # once, and not by every copy
     work = in_processes(lambda k: _figure(report, *sheets[k]), len(sheets), workers_for(len(sheets)))
     for kind, _, title in sheets:
         figure = next(work) if left > 0 else None
-        left -= len(figure.picture.svg) if figure is not None else 0
-        section = _section(kind)
+        left -= 0 if figure is None else len(figure.svg)
         if figure is None or left < 0:
-            drawn.left_out.setdefault(section, []).append(title)
+            drawn.left_out[_section(kind)].append(title)
         else:
-            drawn.by_section.setdefault(section, []).append(figure)
+            drawn.by_section[_section(kind)].append(figure)
     return drawn
 
 
 def _section(kind: FigureKind) -> str:
     return "verdicts" if kind.name == FIRST else SECTIONS[kind.result]
-
-
-def _has(kind: FigureKind, joint: JointReport) -> bool:
-    """Return whether a figure has something to show of a joint."""
-    if kind.result == "estimate":
-        return not joint.friction.reason
-    if kind.result == "replay":
-        return joint.replay is not None and not joint.replay.reason
-    found = joint.discrepancy
-    return found is not None and bool(found.effects if kind.name == "effects" else found.gap)
 
 
 def _describe(kind: FigureKind, joint: JointReport) -> str:
@@ -96,15 +79,20 @@ def _describe(kind: FigureKind, joint: JointReport) -> str:
 
 def _sheets(report: LogReport) -> Iterator[tuple[FigureKind, tuple[JointReport, ...], str]]:
     """Yield kind, joints and title of every figure of the sections asked for."""
-    kinds = [kind for kind in LOG_FIGURES if _section(kind) in ("verdicts", *report.sections)]
-    every = [one for one in report.joints if any(_has(kind, one) for kind in kinds)]
+    shown = {}
+    for kind in LOG_FIGURES:
+        result = getattr(report, kind.result)
+        if result is not None and _section(kind) in ("verdicts", *report.sections):
+            layout = kind.layout()
+            shown[kind] = {one.joint for one in layout.joints(result) if layout.has(result, one)}
+    every = [one for one in report.joints if any(one.joint in numbers for numbers in shown.values())]
     for first in range(0, len(every), ON_A_SHEET):
         own = every[first : first + ON_A_SHEET]
-        for kind in kinds:
-            shown = tuple(one for one in own if _has(kind, one))
-            which = "" if len(every) <= ON_A_SHEET else f", joints {own[0].joint} to {own[-1].joint}"
-            if shown:
-                yield kind, shown, f"{kind.title}{which}"
+        which = "" if len(every) <= ON_A_SHEET else f", joints {own[0].joint} to {own[-1].joint}"
+        for kind, numbers in shown.items():
+            joints = tuple(one for one in own if one.joint in numbers)
+            if joints:
+                yield kind, joints, f"{kind.title}{which}"
 
 
 def _figure(report: LogReport, kind: FigureKind, joints: tuple[JointReport, ...], title: str) -> Figure:
@@ -112,9 +100,9 @@ def _figure(report: LogReport, kind: FigureKind, joints: tuple[JointReport, ...]
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
     _make_small(drawing)
     words = [f"joint {joint_label(one.joint, one.name)}: {_describe(kind, one)}" for one in joints]
-    description = in_unit(f"{title}. {'; '.join(words)}.", report.unit)
-    picture = draw_inline(drawing, prefix=f"{kind.name}-{numbers[0]}", description=description)
-    return Figure(picture=picture, title=title, caption=kind.caption)
+    words_in_unit = in_unit(f"{title}. {'; '.join(words)}.", report.unit)
+    prefix = f"{kind.name}-{numbers[0]}"
+    return draw_inline(drawing, prefix, title=title, caption=kind.caption, description=words_in_unit)
 
 
 def _make_small(drawing: "Drawing") -> None:

@@ -50,7 +50,7 @@ from friction_audit.reporting.report import (
 from friction_audit.reporting.table import Column, JointName, Record, Table, joint_column
 from friction_audit.reporting.words import MARK, count_of, format_start, in_unit, joint_label, joints_label
 
-NO_FIGURES = Drawn(by_section={}, left_out={})
+NO_FIGURES = Drawn({}, {})
 WORDS = {
     "interaction torque": "F_m, the torque at the joint's torque sensor that drives the joint against friction and "
     "inertia.",
@@ -219,24 +219,17 @@ def _of_one_joint(table: Table) -> Table:
 
 
 def _friction(report: LogReport, drawn: Drawn) -> Section:
-    found = report.estimate.friction
-    lines = [f"Estimator {found.estimator}, {report.estimate.settings.friction.model} model.", *_windows(report)]
+    found, settings = report.estimate.friction, report.estimate.settings.friction
+    lines = [
+        f"Estimator {found.estimator}, {settings.model} model.",
+        f"A window of up to {settings.cycles_per_point} cycles moves over the log.",
+    ]
+    fitted = (one.friction for one in report.joints if not one.friction.reason and one.friction.method == "energy")
+    short = [one.joint for one in fitted if one.cycles < 2 * one.window]
+    if short:
+        lines.append(f"Too few cycles for a change within the log to show: {joints_label(short)}.")
     parts = (Text(lines=lines), *_pictures(drawn, "friction"))
     return Section(anchor="friction", title="Friction over time", parts=parts, folded=True)
-
-
-def _windows(report: LogReport) -> Iterator[str]:
-    """Yield over how many cycles each point of the history is, and which joints are too short for a change to show."""
-    windows: dict[int, list[int]] = {}
-    short = []
-    for one in report.joints:
-        if not one.friction.reason and one.friction.method == "energy":
-            windows.setdefault(min(one.friction.window, one.friction.cycles), []).append(one.joint)
-            short += [one.joint] if one.friction.cycles < 2 * one.friction.window else []
-    for window, joints in windows.items():
-        yield f"A window of {count_of(window, 'cycle')} moves over the log: {joints_label(joints)}."
-    if short:
-        yield f"Too few cycles for a change within the log to show: {joints_label(short)}."
 
 
 def _compensator(report: LogReport, drawn: Drawn) -> Section:

@@ -26,27 +26,14 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Picture:
-    """A drawing for a page.
-
-    Attributes:
-        svg: Its markup; the words in it are escaped.
-        width: Width at which its text is as large as it was drawn. [pt]
-        description: What it shows, for those who do not see it.
-    """
-
-    svg: str
-    width: float
-    description: str
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Figure:
-    """A figure that can be enlarged: the drawing, what it shows in a line, and how to read it."""
+    """A figure that can be enlarged."""
 
-    picture: Picture
-    title: str
-    caption: str
+    title: str  # what it shows, in a line
+    caption: str  # how to read it
+    svg: str  # its markup; the words in it are escaped
+    width: float  # width at which its text is as large as it was drawn [pt]
+    description: str  # what it shows, for those who do not see it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -78,25 +65,15 @@ Part = Table | Figure | Text | Command | Terms
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Section:
-    """A section with a heading, and sections in it.
+    """A section with a heading, and sections in it."""
 
-    Attributes:
-        anchor: Unique: ASCII letters, digits and hyphens.
-        title: The heading.
-        parts: What stands in it.
-        sections: Sections in it, after the parts.
-        folded: Whether a screen shows it only when asked for; paper shows it whole.
-        note: What stands next to the heading of a folded section.
-        on_paper: Whether paper has it.
-    """
-
-    anchor: str
-    title: str
-    parts: Sequence[Part] = ()
-    sections: Sequence["Section"] = ()
-    folded: bool = False
-    note: str = ""
-    on_paper: bool = True
+    anchor: str  # unique: ASCII letters, digits and hyphens
+    title: str  # the heading
+    parts: Sequence[Part] = ()  # what stands in it
+    sections: Sequence["Section"] = ()  # sections in it, after the parts
+    folded: bool = False  # whether a screen shows it only when asked for; paper shows it whole
+    note: str = ""  # what stands next to the heading of a folded section
+    on_paper: bool = True  # whether paper has it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -208,28 +185,21 @@ def _resource(name: str) -> str:
     return files("friction_audit.reporting.html").joinpath("templates", name).read_text(encoding="utf-8")
 
 
-SVG, XLINK = "http://www.w3.org/2000/svg", "{http://www.w3.org/1999/xlink}href"
-REFERENCE = re.compile(r"url\(#([^)]+)\)")
+SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 # A coordinate finer than a hundredth of a point is not visible; without it a page is a third smaller.
 FINE = re.compile(r"\d+\.\d{3,}")
-# Words as text: small, searchable and read aloud; clouds of dots, which are images, as fine as a screen shows them.
 CURVE = "curve of "  # what the id of a curve begins with while it is drawn
 CURVED = 33  # values that stand for an axis that is not linear
-IN_PAGE: dict[Any, Any] = {"svg.fonttype": "none", "savefig.dpi": 120}
+# Words as text: small, searchable and read aloud; clouds of dots, which are images, as fine as a screen shows them.
+IN_PAGE: dict[str, Any] = {"svg.fonttype": "none", "savefig.dpi": 120}
 
 
-def draw_inline(figure: "Drawing", *, prefix: str, description: str) -> Picture:
-    """Return a figure as SVG to stand inside a page.
-
-    Args:
-        figure: The figure.
-        prefix: Starts every id in it, so that figures of one page do not share any.
-        description: What it shows, for those who do not see it.
-    """
+def draw_inline(figure: "Drawing", prefix: str, *, title: str, caption: str, description: str) -> Figure:
+    """Return a figure as SVG to stand inside a page; every id in it begins anew with another prefix."""
     from matplotlib import rc_context
 
     stream = io.StringIO()
-    with figure_style(), rc_context(IN_PAGE):
+    with figure_style(), rc_context(IN_PAGE | {"svg.hashsalt": prefix}):
         for line in (line for axes in figure.axes for line in axes.lines):
             name = str(line.get_label())
             line.set_gid(None if line.get_rasterized() or name.startswith("_") else f"{CURVE}{name}")
@@ -239,21 +209,19 @@ def draw_inline(figure: "Drawing", *, prefix: str, description: str) -> Picture:
     for parent in root.iter():
         for child in [one for one in parent if one.tag.endswith(("metadata", "}style"))]:
             parent.remove(child)
-    _rename(root, prefix)
-    title = ET.Element(f"{{{SVG}}}title", {"id": f"{prefix}-title"})
-    title.text = printable(description)
-    root.insert(0, title)
+    _trim(root)
+    words = ET.Element(f"{{{SVG}}}title", {"id": f"{prefix}-title"})
+    words.text = printable(description)
+    root.insert(0, words)
     width = float(root.attrib["viewBox"].split()[2])
     for name in ("width", "height", "version"):
         root.attrib.pop(name, None)
-    root.attrib |= {
-        "data-panels": json.dumps(panels),
-        "role": "img",
-        "aria-labelledby": f"{prefix}-title",
-        "focusable": "false",
-    }
+    about = {"role": "img", "aria-labelledby": f"{prefix}-title", "focusable": "false"}
+    root.attrib |= {"data-panels": json.dumps(panels), **about}
     ET.register_namespace("", SVG)
-    return Picture(svg=ET.tostring(root, encoding="unicode"), width=width, description=description)
+    ET.register_namespace("xlink", XLINK)
+    svg = ET.tostring(root, encoding="unicode")
+    return Figure(title=title, caption=caption, svg=svg, width=width, description=description)
 
 
 def _panel(axes: "Axes") -> list[Any]:
@@ -269,24 +237,17 @@ def _panel(axes: "Axes") -> list[Any]:
     return [*(round(length, 1) for length in place), *along, *(name.partition("\n")[0] for name in names)]
 
 
-def _rename(root: ET.Element, prefix: str) -> None:
-    """Begin the ids that something refers to with the prefix, drop the others, and round coordinates."""
-    used = {element.get(XLINK, "").removeprefix("#") for element in root.iter()}
-    used |= {name for element in root.iter() for value in element.attrib.values() for name in REFERENCE.findall(value)}
+def _trim(root: ET.Element) -> None:
+    """Name the curves, leave only the ids that something refers to, and round coordinates."""
+    texts = [text for element in root.iter() for text in element.attrib.values()]
+    used = {name for text in texts for name in re.findall(r"(?:^|url\()#([^)]+)", text)}
     for element in root.iter():
         name = element.attrib.pop("id", "")
         if name.startswith(CURVE):
             element.set("data-curve", printable(name.removeprefix(CURVE)))
-        if name and name in used:
-            element.set("id", f"{prefix}-{name}")
-        link = element.attrib.pop(XLINK, None)
-        if link is not None:  # within the drawing, or an image that is the link itself
-            element.set("href", f"#{prefix}-{link[1:]}" if link.startswith("#") else link)
-        for key in ("d", "x", "y", "transform", "clip-path", "style"):
-            if key in element.attrib:
-                text = REFERENCE.sub(rf"url(#{prefix}-\1)", element.attrib[key])
-                element.set(key, text if key == "style" else FINE.sub(_rounded, text))
-
-
-def _rounded(match: re.Match[str]) -> str:
-    return f"{float(match[0]):.2f}".rstrip("0").rstrip(".")
+        elif name in used:
+            element.set("id", name)
+        for key in {"d", "x", "y", "transform"}.intersection(element.attrib):
+            element.set(
+                key, FINE.sub(lambda found: f"{float(found[0]):.2f}".rstrip("0").rstrip("."), element.get(key, ""))
+            )

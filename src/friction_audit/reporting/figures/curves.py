@@ -1,0 +1,149 @@
+"""ArmDrift, TwoSides -> velocity-torque curves of sessions and of two sides, and the change of the friction law."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from friction_audit.drift.report import ArmDrift, JointDrift
+from friction_audit.drift.session import SpeedCurve
+from friction_audit.drift.two_sides import JointChange, TwoSides
+from friction_audit.joint_log import Float
+from friction_audit.reporting.figures import panels as parts
+from friction_audit.reporting.figures.style import DASHED, DISSIPATED, FILTERED, FITTED, GREEN
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SPREAD = "range of the reference"
+
+
+class Mean(NamedTuple):
+    """Curves of several sessions in one: mean, smallest and largest torque at each speed, each of shape (m,)."""
+
+    speed: Float
+    torque: Float
+    low: Float
+    high: Float
+
+
+def curve_sessions(arm: ArmDrift) -> tuple[int, tuple[int, ...], int]:
+    """Return the sessions whose curves are drawn: the first, those of the reference, the last."""
+    compared = arm.compared or tuple(range(len(arm.sessions)))
+    return compared[0], arm.reference, compared[-1]
+
+
+def _draw_curves(panels: "Sequence[Axes]", arm: ArmDrift, joint: JointDrift) -> None:
+    """Draw the first session, the mean of the reference and the last session of one joint."""
+    (axes,) = panels
+    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
+    first, reference, last = curve_sessions(arm)
+    curves = (
+        (f"first (session {first + 1})", (first,), DISSIPATED, ":", 1.3),
+        (f"reference (mean of {len(reference)})", reference, GREEN, "-", 1.0),
+        (f"last (session {last + 1})", (last,), FILTERED, DASHED, 1.1),
+    )
+    for label, sessions, colour, dash, width in curves:
+        found = [one.curve for k in sessions for one in arm.sessions[k].joints if one.joint == joint.joint]
+        mean = mean_curve(found)
+        if mean is not None:
+            axes.plot(mean.speed, mean.torque, color=colour, ls=dash, lw=width, label=label)
+            if len(sessions) > 1:
+                parts.band(axes, mean.speed, mean.low, mean.high, colour, SPREAD)
+    if axes.lines:
+        parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
+    else:
+        parts.write_message(axes, "no session moves this joint", characters=36, instead=True)
+
+
+def mean_curve(curves: list[SpeedCurve]) -> Mean | None:
+    """Return curves in one, on the speeds of the first that has any; a gap where the direction changes.
+
+    Where a curve does not reach, it does not count.
+    """
+    broken = [
+        np.insert((one.speed_rad_s, one.torque_nm), np.searchsorted(one.speed_rad_s, 0.0), (0.0, np.nan), axis=1)
+        for one in curves
+        if len(one.speed_rad_s) > 1
+    ]
+    if not broken:
+        return None
+    speed = broken[0][0]
+    table = np.ma.masked_invalid([np.interp(speed, one[0], one[1], left=np.nan, right=np.nan) for one in broken])
+    return Mean(speed, *(np.ma.filled(column, np.nan) for column in (table.mean(0), table.min(0), table.max(0))))
+
+
+def _has_curve(arm: ArmDrift, joint: JointDrift) -> bool:
+    first, reference, last = curve_sessions(arm)
+    every = (one for k in (first, *reference, last) for one in arm.sessions[k].joints if one.joint == joint.joint)
+    return any(one.curve.speed_rad_s for one in every)
+
+
+CURVES = parts.Layout(
+    joints=lambda arm: arm.joints,
+    has=_has_curve,
+    lacks="no curve",
+    draw=_draw_curves,
+    across=4,
+    x="Velocity [rad/s]",
+    y="Interaction torque [N m]",
+)
+
+COLOURS = {"before": FILTERED, "after": FITTED}
+
+
+def _draw_sides(panels: "Sequence[Axes]", _: TwoSides, joint: JointChange) -> None:
+    """Draw the mean curve of each side; of a result, which holds none, the fitted friction."""
+    (axes,) = panels
+    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
+    parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
+    for place, (label, colour) in enumerate(COLOURS.items()):
+        mean = mean_curve(list(joint.curves[place]))
+        if mean is None:
+            coulomb, viscous = ((one.before, one.after)[place].value for one in joint.coefficients)
+            speed: Float = np.array([-1.0, -1e-9, np.nan, 1e-9, 1.0]) * _reach(joint)  # no line crosses zero
+            torque = coulomb * np.sign(speed) + viscous * speed
+            axes.plot(speed, torque, color=colour, lw=1.1, ls=":", label=f"{label}, fitted")
+            continue
+        axes.plot(mean.speed, mean.torque, color=colour, lw=1.1, ls=DASHED if place else "-", label=label)
+        if np.any(mean.high > mean.low):
+            parts.band(axes, mean.speed, mean.low, mean.high, colour, f"{label}, range of the recordings")
+
+
+def _reach(joint: JointChange) -> float:
+    speeds = [abs(speed) for side in joint.curves for curve in side for speed in curve.speed_rad_s]
+    return max(speeds, default=0.0 if joint.law is None else float(joint.law.speed_rad_s[-1]))
+
+
+SIDES = parts.Layout(
+    joints=lambda sides: sides.joints,
+    has=lambda _, joint: _reach(joint),
+    lacks="no curve and no estimate",
+    draw=_draw_sides,
+    across=4,
+    x="Velocity [rad/s]",
+    y="Interaction torque [N m]",
+)
+
+
+def _draw_law_change(panels: "Sequence[Axes]", _: TwoSides, joint: JointChange) -> None:
+    """Draw the difference of the friction laws with its 95 % interval at each speed."""
+    (axes,), law = panels, joint.law
+    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
+    if law is None:
+        parts.write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
+        return
+    parts.band(axes, law.speed_rad_s, law.low_nm, law.high_nm, FILTERED, "95 % interval")
+    axes.plot(law.speed_rad_s, law.change_nm, color=FILTERED, lw=1.1, label="after less before")
+    parts.mark_zero(axes)
+
+
+LAW_CHANGE = parts.Layout(
+    joints=SIDES.joints,
+    has=SIDES.has,
+    lacks=SIDES.lacks,
+    draw=_draw_law_change,
+    across=4,
+    x="Speed [rad/s]",
+    y="Friction torque, after less before [N m]",
+)
