@@ -191,9 +191,10 @@ def _with_stated(recording: Recording, table: Table) -> Recording:
 
 def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: str) -> tuple[ColumnMap, Part]:
     """Bring a long table to one row per time; rows of times that some joint lacks are left out."""
-    import pandas as pd
+    import pyarrow as pa
 
-    codes, labels = pd.factorize(joint, sort=False)
+    coded = pa.array(joint, from_pandas=True).dictionary_encode()
+    codes, labels = coded.indices.fill_null(-1).to_numpy(), coded.dictionary.to_pylist()
     if len(labels) > MOST_JOINTS:
         raise InputError(
             f"{path}: the column of joints holds {len(labels)} names; expected at most {MOST_JOINTS} joints; "
