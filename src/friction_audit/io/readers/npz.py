@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
-from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
+from friction_audit.io.readers.arrays import ArrayTable
 from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.readers.table import ColumnTable, Part, read_table
-from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
+from friction_audit.io.readers.table import read_table
+from friction_audit.io.readers.time_column import TimeColumn
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import Finding
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time")
@@ -56,63 +56,31 @@ def read(path: Path, options: ReadOptions) -> Recording:
         return read_table(NpzTable(path, archive), options)
 
 
-class NpzTable(ColumnTable):
+class NpzTable(ArrayTable):
     """The arrays of an archive; pickled ones are never unpacked."""
 
     may_be_long = False
 
     def __init__(self, path: Path, archive: zipfile.ZipFile) -> None:
         self._archive = archive
-        entries, self._damage = _entries(archive, path)
-        self._tables = {name: e for name, e in entries.items() if e.dtype.kind in "fiu" and e.width <= MOST_JOINTS}
-        self._cells: list[tuple[str, int | None]] = []
-        for name, entry in self._tables.items():  # panda-py keeps scalars as vectors of length 1
-            self._cells += [(name, None)] if entry.width == 1 else [(name, i) for i in range(entry.width)]
-        super().__init__(path, [name if element is None else f"{name}[{element}]" for name, element in self._cells])
+        entries, damage = _entries(archive, path)
+        self._entries = {name: entry for name, entry in entries.items() if entry.dtype.kind in "fiu"}
+        super().__init__(path, self._entries, damage)
         named = entries.get("joint_names")
         if named is not None and named.dtype.kind == "U" and named.info.file_size <= _NAMES_BYTES:
             self.joint_names = [str(name) for name in _array(archive, named).ravel()]
-        wide = {name for name, entry in self._tables.items() if entry.width == len(self.joint_names) > 1}
-        places = enumerate(self._cells)
-        self.labels = {cell: self.joint_names[e] for cell, (name, e) in places if e is not None and name in wide}
-        self.clock = _PANDA_PY_CLOCK if self._tables.keys() >= _PANDA_PY else None
+        joints = len(self.joint_names)
+        wide = {name for name, entry in self._entries.items() if entry.width == joints > 1}
+        self.labels = {cell: self.joint_names[j] for cell, (name, j) in enumerate(self._cells) if name in wide}
+        self.clock = _PANDA_PY_CLOCK if self._entries.keys() >= _PANDA_PY else None
 
-    def findings(self) -> tuple[Finding, ...]:
-        """Return the arrays that are damaged."""
-        return self._damage
+    def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+        """Return an array as (n, k), in the rows of a mask or in all."""
+        return _array(self._archive, self._entries[name], rows)
 
-    def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of samples, and the bytes that these arrays take in the file."""
-        time = self._cells[columns.time.cells[0]][0]
-        samples = self._tables[time].shape[0]
-        wanted = {self._cells[cell][0] for cells in columns.channels.values() for cell in cells}
-        for name in sorted(wanted):
-            if (shape := self._tables[name].shape)[0] != samples:
-                raise InputError(
-                    f"{self.path}: {name} has shape {shape}, time has {samples} samples; expected one row per sample; "
-                    "save it transposed or cut to the same length"
-                )
-        return samples, sum(self._tables[name].info.compress_size for name in {time, *wanted})
-
-    def read_clock(self, time: TimeColumn) -> Clock:
-        """Read all stamps."""
-        name, element = self._cells[time.cells[0]]
-        stamps = _array(self._archive, self._tables[name])[:, element or 0]
-        raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
-        return to_clock(raw, time.unit, path=str(self.path))
-
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
-        """Read the channels, in the rows of a mask or in all; one array at a time is in memory as a whole."""
-        channels: dict[str, Float] = {}
-        for channel, cells in columns.channels.items():
-            channels[channel] = np.empty((len(clock.t), len(cells)), order="F")
-            arrays: dict[str, NDArray[Any]] = {}
-            for joint, cell in enumerate(cells):
-                name, element = self._cells[cell]
-                if name not in arrays:
-                    arrays = {name: _array(self._archive, self._tables[name], rows)}
-                channels[channel][:, joint] = arrays[name][:, element or 0]
-        return Part(clock=clock, channels=channels)
+    def packed_bytes(self, name: str) -> int:
+        """Return the bytes that an array takes in the file."""
+        return self._entries[name].info.compress_size
 
 
 @contextmanager
