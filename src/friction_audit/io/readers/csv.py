@@ -103,13 +103,13 @@ class CsvTable(Table):
         raw = np.concatenate(stamps) if stamps else np.empty(0)
         channels = {c: np.empty((len(raw), len(own)), order="F") for c, own in columns.channels.items()}
         for channel, own in columns.channels.items():
-            for joint, cell in enumerate(own):
-                np.concatenate(found[cell] or [raw], out=channels[channel][:, joint])
+            for place, cell in enumerate(own):
+                np.concatenate(found[cell] or [raw], out=channels[channel][:, place])
                 if cells.count(cell) == 1:
                     found[cell].clear()  # one column at a time is in memory twice
         joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [raw])
         clock = to_clock(raw, unit, path=str(self.path)) if part is None else part.clock(raw)
-        return Part(clock=clock, channels=channels, joint=joint, first_s=part and part.first_s)
+        return Part(clock=clock, channels=channels, joint=joint, first_s=None if part is None else part.first_s)
 
     def _gather(
         self, time: TimeColumn, part: "_PartOfClock | None", *, in_order: bool

@@ -1,12 +1,13 @@
 """Messages as containers hand them over: decompressed, in blocks, with their clocks."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
+from abc import abstractmethod
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from math import inf
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,19 +164,47 @@ class Damage:
     reason: str
 
 
-class MessageStream(Protocol):
-    """What every container offers; ``damage`` is complete once all blocks have been read."""
+class MessageStream(AbstractContextManager["MessageStream"]):
+    """An open container of messages.
 
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Connections in the file."""
+    Attributes:
+        connections: Connections in the file.
+        notes: What the file says of its own by name; complete, as ``damage`` is, once all blocks have been read.
+        stated: Number of messages of each topic that a file next to it states.
+    """
+
+    connections: tuple[Connection, ...]
+    stated: Mapping[str, int] = {}
+
+    def __init__(self, path: Path) -> None:
+        """Open the file; InputError if nothing in it can be read."""
+        self._path, self._bytes = path, path.stat().st_size
+        self._damage: dict[int | str, Damage] = {}
+        self.notes: Mapping[str, str] = {}
+
+    def __exit__(self, *_: object) -> None:
+        """Keep nothing: files are open only while they are read."""
+        return None  # noqa: RET501
 
     @property
     def damage(self) -> tuple[Damage, ...]:
         """What was found broken so far."""
+        return tuple(self._damage.values())
 
+    @abstractmethod
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some connections, in the order of the file; the window may be exceeded."""
+
+    def _note(self, byte: int | None, reason: str, whole: int | None = None) -> None:
+        self._damage[reason if byte is None else byte] = Damage(byte, whole or self._bytes, reason)
+
+    def _unpack(self, offset: int, compression: str, packed: bytes, claimed: int, *, cut: bool) -> bytes | None:
+        """Return the records of the chunk at an offset, None if they cannot be decompressed."""
+        try:
+            return unpack(compression, packed, claimed, cut=cut)
+        except UnpackError as error:
+            self._note(offset, f"a chunk cannot be decompressed: {error}")
+            return None
 
 
 class BlockCollector:
