@@ -19,7 +19,6 @@ from friction_audit.io.readers.columns import (
     ColumnMap,
     doubt_torque,
     map_columns,
-    map_long_columns,
 )
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
@@ -138,17 +137,20 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
     mapping = options.mapping
     if options.partial:  # what another file of the log has is looked for there
         mapping = {channel: name for channel, name in mapping.items() if not absent({channel: name}, table.names)}
-    needed = () if options.partial else REQUIRED
-    columns = map_long_columns(table.names, path=path, mapping=mapping, needed=needed) if table.may_be_long else None
-    if columns is None:
-        labels, constant = table.labels, table.constant
-        try:
-            columns = map_columns(
-                table.names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed
-            )
-        except InputError as error:
-            damage = (finding.message for finding in table.findings())
-            raise InputError("; ".join((str(error), *damage))) from error
+    try:
+        columns = map_columns(
+            table.names,
+            path=path,
+            mapping=mapping,
+            labels=table.labels,
+            constant=table.constant,
+            arm=arm,
+            needed=() if options.partial else REQUIRED,
+            may_be_long=table.may_be_long,
+        )
+    except InputError as error:
+        damage = (finding.message for finding in table.findings())
+        raise InputError("; ".join((str(error), *damage))) from error
     if table.clock is not None and table.clock.name == columns.time.name:
         columns = replace(columns, time=replace(table.clock, cells=columns.time.cells))
     part = table.read(columns, options)
