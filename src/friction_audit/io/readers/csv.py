@@ -1,7 +1,8 @@
 """Text tables -> Recording: libfranka's logToCSV, rostopic echo -p, bag exports, tidy and long tables."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +26,9 @@ from friction_audit.io.readers.csv_lines import (
     without_cut_line,
 )
 from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
-from friction_audit.io.readers.table import Part, Table, read_table
+from friction_audit.io.readers.table import Part, Table, may_be_in_blocks, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
-from friction_audit.io.recording import Recording
+from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
 
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
@@ -94,8 +95,14 @@ class CsvTable(Table):
         words = [*self._labels] if columns.joint is None else [columns.joint]
         kind = _time_kind(dialect, time)
         self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
-        rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
         unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
+        if may_be_in_blocks(columns, options, 8 * (rows := count_lines(self.path, dialect)) * (len(cells) + 1)):
+            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
+        unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
+        rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
+        if kind is not str and may_be_in_blocks(columns, options, 8 * rows * (len(cells) + 1)):
+            rows = count_lines(self.path, dialect)
+            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
         part = _PartOfClock(options, unit, self.path) if options.reads_part(8 * rows * len(self._kinds)) else None
         if part is None:
             refuse_too_large(self.path, 8 * rows * (len(cells) + 1), dialect.size)
@@ -154,6 +161,27 @@ class CsvTable(Table):
             elif len(time.cells) > 1:
                 stamps = stamps * _NANOSECONDS + columns[time.cells[1]]
             yield stamps, columns
+
+    def _pieces(self, rows: int, cells: Sequence[int]) -> Iterator[Block]:
+        """Yield columns of whole lines.
+
+        Raises:
+            WholeLogError: If a line has a fault, or there are not so many.
+        """
+        kinds = {cell: self._kinds[cell] for cell in (*cells, *self._labels)}
+        for line, block, is_last in blocks_of_lines(self.path, self._dialect):
+            kept, cut = without_cut_line(self._dialect, block, line, self._kinds) if is_last else (block, None)
+            columns = _parse(self._dialect, kept, kinds)
+            if (
+                cut is not None
+                or columns is None
+                or any((columns[c] != label).any() for c, label in self._labels.items())
+            ):
+                raise WholeLogError
+            rows -= len(columns[cells[0]])
+            yield columns
+        if rows:
+            raise WholeLogError
 
     def _by_line(self, block: bytes, line: int) -> Block:
         """Read line by line; a few cells that are no number are missing values, or cost their line as a stamp.

@@ -31,30 +31,38 @@ class Piece:
 
 
 class JointSamples:
-    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order."""
+    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order.
 
-    def __init__(self, joints: int, channels: Iterable[str], expected: int) -> None:
-        """Make room for the number of samples expected; it grows with the pieces."""
-        rows = max(expected, _SMALLEST_CAPACITY)
-        self.count, self.channels = 0, {name: np.empty((rows, joints), order="F") for name in channels}
-        self._times: dict[str, NDArray[Any]] = {name: np.empty(rows, np.int64) for name in ("log_time", "stamp")}
-        self._times["robot_time"] = np.empty(rows)
+    Attributes:
+        rows: Number of samples so far.
+        count: Number of those that are kept.
+    """
+
+    def __init__(self, joints: int, channels: Iterable[str], expected: int, *, every: int = 1) -> None:
+        """Make room for the number of samples expected, which grows with the pieces; keep one of so many."""
+        room = max(expected // every, _SMALLEST_CAPACITY)
+        self.rows = self.count = 0
+        self.channels = {name: np.empty((room, joints), order="F") for name in channels}
+        self._times: dict[str, NDArray[Any]] = {name: np.empty(room, np.int64) for name in ("log_time", "stamp")}
+        self._times["robot_time"] = np.empty(room)
         self._absent: set[str] = set()
+        self._every = every
 
     def add(self, piece: Piece) -> None:
         """Append a piece."""
-        rows = slice(self.count, self.count + len(piece.log_time))
+        kept = slice(-self.rows % self._every, None, self._every)
+        rows = slice(self.count, self.count + len(piece.log_time[kept]))
         if rows.stop > len(self._times["log_time"]):
             self.resize(max(rows.stop, 2 * rows.start))
-        self.count = rows.stop
-        for name, columns in piece.channels.items():
-            for joint, column in enumerate(columns):
-                self.channels[name][rows, joint] = column
-        for name, array in self._times.items():
+        self.rows, self.count = self.rows + len(piece.log_time), rows.stop
+        for name, array in self.channels.items():
+            for joint, column in enumerate(piece.channels[name]):
+                array[rows, joint] = column[kept]
+        for name, times in self._times.items():
             if (own := getattr(piece, name)) is None:
                 self._absent.add(name)
             else:
-                array[rows] = own
+                times[rows] = own[kept]
 
     def resize(self, rows: int) -> None:
         """Move everything, one array at a time; memory that was never written to costs nothing."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from math import inf
 from pathlib import Path
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,9 +171,11 @@ class MessageStream(AbstractContextManager["MessageStream"]):
         connections: Connections in the file.
         notes: What the file says of its own by name; complete, as ``damage`` is, once all blocks have been read.
         stated: Number of messages of each topic that a file next to it states.
+        is_lasting: False if what it reads is deleted when it is closed.
     """
 
     connections: tuple[Connection, ...]
+    is_lasting = True
     stated: Mapping[str, int] = {}
 
     def __init__(self, path: Path) -> None:
@@ -267,13 +269,22 @@ _TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header sta
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MessageClock:
-    """The clock chosen: name, t from its smallest value [s], its reading at t = 0, and that if it is Unix time."""
+    """The clock chosen."""
 
     name: str
-    t: Float
-    origin_s: float
-    start_s: float | None
+    t: Float  # time from its smallest value [s]
+    origin_s: float  # its reading at t = 0 [s]
+    start_s: float | None  # that, if it is Unix time [s]
     findings: tuple[Finding, ...]
+    first: Any  # its smallest value, in its own unit
+    per_second: float  # of the robot's own time, as it is written
+
+    def time_of(self, log_time: Int, stamp: Int | None, robot_time: Float | None) -> Float:
+        """Return t of other messages."""
+        if self.name == "robot_time":
+            return np.asarray(np.asarray(robot_time) / self.per_second - self.first)
+        raw = log_time if stamp is None or self.name == "log_time" else stamp
+        return np.asarray((raw - self.first) / _NANOSECONDS)
 
 
 def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> MessageClock:
@@ -285,6 +296,7 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
         robot_time: The robot's own clock, if there is one. [s]
     """
     robot_time, findings = (None, []) if robot_time is None else _in_seconds(robot_time, log_time)
+    per_second = float(findings[0].amount or 1.0) if findings else 1.0
     # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
     offered = {
         "robot_time": None if robot_time is None else robot_time - np.min(robot_time),
@@ -304,7 +316,9 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
     source = stamp if chosen == "header_stamp" and stamp is not None else log_time
     start_s = float(source.min()) / _NANOSECONDS
     unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
-    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings))
+    first = {"robot_time": robot_time, "header_stamp": stamp, "log_time": log_time}[chosen]
+    assert first is not None
+    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first.min(), per_second)
 
 
 def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]:

@@ -2,10 +2,11 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from difflib import get_close_matches
+from functools import partial
 from itertools import islice
 from pathlib import Path
 
@@ -22,15 +23,16 @@ from friction_audit.io.readers.message_samples import JointDecoder, JointSamples
 from friction_audit.io.readers.message_stream import (
     Block,
     Connection,
+    MessageClock,
     MessageStream,
     Window,
     block_of_payloads,
     choose_clock,
 )
-from friction_audit.io.readers.reader import MARGIN_S, ReadOptions, Topic, refuse_too_large
+from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.topics import Candidate, choose_topic
-from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding, find_window
+from friction_audit.io.recording import Blocks, Recording
+from friction_audit.joint_log import Finding, Float, find_window
 
 _SAMPLED_MESSAGES = 16  # first messages of a topic, from which its joints and channels are known
 _CLOCK_DRIFT = 0.01  # most drift of the time of recording against the source's clock; beyond, the whole log is read
@@ -38,6 +40,8 @@ _MOST_TIMES_SMALLER = 100  # a count in the file is believed up to a file of a h
 _NANOSECONDS = 1e9
 _UNIT = re.compile(r":m?A$")  # of a motor current, after the name of a field in --map
 _CLOCKS = 3  # arrays of times that are kept with the channels
+_MOST_CLOCKS = 1 << 22  # messages whose clocks are compared where a log is read in blocks, spread evenly over it
+_BLOCK_ROWS = 1 << 16
 
 Open = Callable[[Path], AbstractContextManager[MessageStream]]
 
@@ -66,11 +70,11 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     decoder = JointDecoder(joints, chosen.channels, chosen.kind, chosen.decoders)
     row_bytes = np.float64().itemsize * (len(chosen.channels) * len(joints) + _CLOCKS)
     expected = min(chosen.messages or 0, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
-    missing: list[Finding] = []
-    part = _read_part(path, stream, decoder, chosen, options) if options.reads_part(expected * row_bytes) else None
+    size, missing, blocks = expected * row_bytes, list[Finding](), None
+    part = _read_part(path, stream, decoder, chosen, options) if options.reads_part(size) else None
     if part is None:
-        refuse_too_large(path, expected * row_bytes, expected * row_bytes)
-        samples, skipped = JointSamples(len(joints), chosen.channels, expected), 0
+        in_blocks = options.in_blocks and options.as_recorded and stream.is_lasting and size > IN_BLOCKS_BYTES
+        samples, skipped = _samples(path, chosen, len(joints), expected, size, in_blocks=in_blocks), 0
         decoder.undecodable = decoder.incomplete = 0
         missing = _missing(stream, chosen, _collect(stream, decoder, chosen, samples))
     else:
@@ -81,16 +85,20 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
             "topic with --topic"
         )
     clock, kind = choose_clock(*samples.times), chosen.kind
+    t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
+    if not channels:
+        t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in chosen.channels}
+        blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, chosen, joints, clock))
     shown = f"{kind.elements}[{{i}}].%s" if kind.elements else "%s[{i}]"
     units = {name: found[0] for name, text in options.mapping.items() if (found := _UNIT.search(text))}
     left_out = dict.fromkeys(name for row in chosen.rows for name in row.names if name not in joints)
     if left_out:  # as the joints of a gripper are
         text = f"left out, no joints of the arm: {', '.join(left_out)}"
         findings += (Finding(code="joints_left_out", message=text, amount=float(len(left_out))),)
-    findings += (*_empty_channels(chosen, candidates), *_losses(stream, decoder, samples.count), *missing)
+    findings += (*_empty_channels(chosen, candidates), *_losses(stream, decoder, samples.rows), *missing)
     return Recording(
-        t=clock.t[skipped:],
-        channels={name: array[skipped:] for name, array in samples.channels.items()},
+        t=t,
+        channels=channels,
         first_s=float(clock.t[:skipped].min()) if skipped else None,
         joint_names=joints,
         clock=clock.name,
@@ -98,9 +106,36 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         origin_s=clock.origin_s,
         robot=_robot(joints, candidates),
         topic=chosen.topic,
-        mapping={name: shown % kind.fields[name] + units.get(name, "") for name in samples.channels},
+        mapping={name: shown % kind.fields[name] + units.get(name, "") for name in channels},
         findings=(*findings, *clock.findings),
+        blocks=blocks,
     )
+
+
+def _samples(path: Path, chosen: Candidate, joints: int, expected: int, size: int, *, in_blocks: bool) -> JointSamples:
+    """Make room for the samples of a topic, or for its clocks alone where it is read in blocks."""
+    if in_blocks:
+        return JointSamples(joints, (), expected, every=-(-expected // _MOST_CLOCKS))
+    refuse_too_large(path, size, size)
+    return JointSamples(joints, chosen.channels, expected)
+
+
+def _blocks(
+    stream: MessageStream, chosen: Candidate, joints: tuple[str, ...], clock: MessageClock, names: Collection[str]
+) -> Iterator[tuple[Float, dict[str, Float]]]:
+    """Yield the clock of many messages, and those of their channels that are asked for, again and again."""
+    wanted = [name for name in chosen.channels if name in names]
+    decoder = JointDecoder(joints, wanted, chosen.kind, chosen.decoders)
+    samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
+    for block in stream.blocks(list(chosen.decoders)):
+        samples.add(decoder.decode(block))
+        if samples.count >= _BLOCK_ROWS:
+            samples.resize(samples.count)
+            yield clock.time_of(*samples.times), samples.channels
+            samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
+    if samples.count:
+        samples.resize(samples.count)
+        yield clock.time_of(*samples.times), samples.channels
 
 
 def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:

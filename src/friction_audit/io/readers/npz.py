@@ -4,7 +4,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import prod
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.readers.table import read_table
+from friction_audit.io.readers.table import Part, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import TimeColumn
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
@@ -29,6 +30,8 @@ _PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time
 _ZIP_MAGIC = b"PK"
 _CHUNK_BYTES = 8 << 20
 _NAMES_BYTES = 1 << 20
+_BLOCK_ROWS = 1 << 16
+_NAME_LENGTHS = 26  # where they are in the header of an entry
 # What NumPy and the zip module raise on a damaged archive.
 _DAMAGED = (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, SyntaxError, OSError, EOFError,
             LookupError, OverflowError, ValueError, RuntimeError)  # fmt: skip
@@ -48,6 +51,11 @@ class Entry:
     def width(self) -> int:
         """Numbers per row."""
         return prod(self.shape[1:])
+
+    @property
+    def is_mapped(self) -> bool:
+        """Whether its columns lie one after the other in the file, as they are."""
+        return self.by_column and self.info.compress_type == zipfile.ZIP_STORED
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
@@ -81,6 +89,28 @@ class NpzTable(ArrayTable):
     def packed_bytes(self, name: str) -> int:
         """Return the bytes that an array takes in the file."""
         return self._entries[name].info.compress_size
+
+    def in_blocks(self, columns: ColumnMap) -> Part | None:
+        """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""
+        cells = [*columns.time.cells, *(cell for own in columns.channels.values() for cell in own)]
+        wanted = {self._cells[cell][0]: self._entries[self._cells[cell][0]] for cell in cells}
+        for entry in wanted.values():
+            if entry.is_mapped:
+                with self._archive.open(entry.info) as stream:  # a map says nothing of a wrong checksum
+                    while stream.read(_CHUNK_BYTES):
+                        pass
+            elif entry.by_column:
+                return None
+
+        def pieces(cells: Sequence[int]) -> Iterator[dict[int, NDArray[Any]]]:
+            names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
+            with _opened(self.path) as archive:
+                for chunks in zip(*(_chunks(archive, self._entries[name]) for name in names), strict=True):
+                    arrays = dict(zip(names, chunks, strict=True))
+                    yield {cell: arrays[self._cells[cell][0]][:, self._cells[cell][1]] for cell in cells}
+
+        rows = self._entries[self._cells[columns.time.cells[0]][0]].shape[0]
+        return part_in_blocks(columns, columns.time.unit, rows, pieces, str(self.path))
 
 
 @contextmanager
@@ -157,6 +187,25 @@ def _array(archive: zipfile.ZipFile, entry: Entry, rows: NDArray[np.bool_] | Non
         while stream.read(_CHUNK_BYTES):
             pass
     return numbers
+
+
+def _chunks(archive: zipfile.ZipFile, entry: Entry) -> Iterator[NDArray[Any]]:
+    """Yield the rows of an array, (m, k), in pieces that are alike for all arrays of one length."""
+    samples, width = entry.shape[0], entry.width
+    starts = range(0, samples, _BLOCK_ROWS)
+    if entry.is_mapped:
+        with Path(str(archive.filename)).open("rb") as file:
+            file.seek(entry.info.header_offset + _NAME_LENGTHS)  # of the name and of the extra field that follow
+            place = file.tell() + 4 + sum(struct.unpack("<HH", file.read(4))) + entry.offset
+        numbers = np.memmap(str(archive.filename), entry.dtype, "r", place, (samples, width), order="F")
+        yield from (numbers[start : start + _BLOCK_ROWS] for start in starts)
+        return
+    with archive.open(entry.info) as stream:
+        _read_exactly(stream, entry.offset)
+        for start in starts:
+            rows = min(_BLOCK_ROWS, samples - start)
+            content = _read_exactly(stream, rows * width * entry.dtype.itemsize)
+            yield np.frombuffer(content, entry.dtype).reshape(rows, width)
 
 
 def _read_exactly(stream: IO[bytes], size: int) -> bytes:

@@ -65,13 +65,17 @@ def _opened(path: Path) -> Iterator[MessageStream]:
         metadata, files = _metadata(path), _storage_files(path)
         compressed = [file for file in files if file.suffix in _COMPRESSED_SUFFIXES]
         folder = Path(stack.enter_context(TemporaryDirectory())) if compressed else None
-        streams: list[MessageStream] = []
+        streams, is_lasting = list[MessageStream](), True
         for packed in files:  # by what it holds; by its name if it holds neither
             file = _decompress_file(packed, folder) if folder and packed in compressed else packed
             is_sqlite = starts_with(file, SQLITE_MAGIC)
             is_mcap = starts_with(file, MAGIC) or (file.suffix == ".mcap" and not is_sqlite)
-            streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file, copy_of_cut(file, stack)))
-        yield Rosbag2Stream(path, streams, metadata)
+            copy = None if is_mcap else copy_of_cut(file, stack)
+            streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file, copy))
+            is_lasting &= file is packed and copy is None
+        stream = Rosbag2Stream(path, streams, metadata)
+        stream.is_lasting = is_lasting
+        yield stream
 
 
 def _storage_files(path: Path) -> list[Path]:
