@@ -36,6 +36,7 @@ _MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column
 _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
 _NANOSECONDS = 1_000_000_000
+_SLOWER = 4  # times as long as numbers take in other files, so that smaller tables are not read twice
 _COUNTED_BYTES = 256 << 20  # lines of a larger file are not counted where it is only listed: that takes seconds
 
 Block = dict[int, NDArray[Any]]  # position of a column -> its numbers or words
@@ -100,12 +101,13 @@ class CsvTable(Table):
             return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
         unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
         rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
-        if kind is not str and may_be_in_blocks(columns, options, 8 * rows * (len(cells) + 1)):
+        size = 8 * rows * (len(cells) + 1)
+        if kind is not str and may_be_in_blocks(columns, options, size // _SLOWER):
             rows = count_lines(self.path, dialect)
             return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
         part = _PartOfClock(options, unit, self.path) if options.reads_part(8 * rows * len(self._kinds)) else None
         if part is None:
-            refuse_too_large(self.path, 8 * rows * (len(cells) + 1), dialect.size)
+            refuse_too_large(self.path, size, dialect.size)
         stamps, found = self._gather(time, part, in_order=columns.joint is None)
         raw = np.concatenate(stamps) if stamps else np.empty(0)
         channels = {c: np.empty((len(raw), len(own)), order="F") for c, own in columns.channels.items()}

@@ -88,7 +88,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:
         t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in chosen.channels}
-        blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, chosen, joints, clock))
+        blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, chosen, joints, clock, samples.rows))
     shown = f"{kind.elements}[{{i}}].%s" if kind.elements else "%s[{i}]"
     units = {name: found[0] for name, text in options.mapping.items() if (found := _UNIT.search(text))}
     left_out = dict.fromkeys(name for row in chosen.rows for name in row.names if name not in joints)
@@ -121,10 +121,18 @@ def _samples(path: Path, chosen: Candidate, joints: int, expected: int, size: in
 
 
 def _blocks(
-    stream: MessageStream, chosen: Candidate, joints: tuple[str, ...], clock: MessageClock, names: Collection[str]
+    stream: MessageStream,
+    chosen: Candidate,
+    joints: tuple[str, ...],
+    clock: MessageClock,
+    rows: int,
+    names: Collection[str],
 ) -> Iterator[tuple[Float, dict[str, Float]]]:
     """Yield the clock of many messages, and those of their channels that are asked for, again and again."""
     wanted = [name for name in chosen.channels if name in names]
+    if not wanted and len(clock.t) == rows:
+        yield from ((clock.t[first : first + _BLOCK_ROWS].copy(), {}) for first in range(0, rows, _BLOCK_ROWS))
+        return
     decoder = JointDecoder(joints, wanted, chosen.kind, chosen.decoders)
     samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
     for block in stream.blocks(list(chosen.decoders)):
