@@ -34,7 +34,7 @@ FORMS = {
 @pytest.fixture(scope="module")
 def log() -> JointLog:
     """Return a log of seven joints with a gap of 0.3 s."""
-    arrays = {name: np.delete(array, slice(3000, 3300), axis=0) for name, array in motion(9000, 7).items()}
+    arrays = {name: np.delete(array, slice(3000, 3300), axis=0) for name, array in motion(6000, 7).items()}
     arrays["tau_J"] += 0.02 * np.random.default_rng(0).standard_normal(arrays["q"].shape)
     names = tuple(f"panda_joint{j}" for j in range(1, 8))
     source = Source(path="made", sha256="0" * 64, format="made", robot="panda", start_s=1.7e9)
@@ -65,8 +65,7 @@ def assert_in_blocks(path: Path, blocks: int) -> None:
     assert_same(found, expected)
 
 
-@pytest.mark.parametrize("rows", [333, 4001])
-@pytest.mark.parametrize("dialect", FORMS)
+@pytest.mark.parametrize(("dialect", "rows"), [*((dialect, 333) for dialect in FORMS), ("mcap", 3001), ("csv", 3001)])
 def test_blocks_are_the_whole(
     log: JointLog, tmp_path: Path, dialect: str, rows: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -82,7 +81,7 @@ def test_an_archive_that_is_not_compressed(
     cut_into(1000, monkeypatch)
     arrays = {name: np.asarray(array, order=order) for name, array in log.channels().items()}
     np.savez(tmp_path / "run.npz", time=log.t, joint_names=np.array(log.joint_names), **arrays)  # type: ignore[arg-type]
-    assert_in_blocks(tmp_path / "run.npz", blocks=9)
+    assert_in_blocks(tmp_path / "run.npz", blocks=5)
 
 
 @pytest.mark.parametrize("fault", ["word", "missing", "blank line", "cut"])
@@ -93,9 +92,9 @@ def test_a_text_table_with_a_fault_is_read_at_once(
     path = tmp_path / "run.csv"
     write_log(log, path)
     lines = path.read_text().splitlines()
-    line = lines[5000].split(",")
+    line = lines[4000].split(",")
     faults = {"word": [*line[:3], "oops", *line[4:]], "missing": [*line[:3], "", *line[4:]], "blank line": []}
-    lines[5000] = ",".join(faults.get(fault, line))
+    lines[4000] = ",".join(faults.get(fault, line))
     lines[-1] = ",".join(lines[-1].split(",")[:5]) if fault == "cut" else lines[-1]
     path.write_text("\n".join(lines) + "\n")
     usual, found = read_log(path), read_log(path, InBlocks())
