@@ -141,11 +141,3 @@ def test_writers_are_listed_without_their_libraries() -> None:
     heavy = ("pandas", "pyarrow", "rosbags", "mcap", "google.protobuf", "scipy")
     code = f"import sys, friction_audit.io.writers; print([name for name in {heavy} if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
-
-
-def test_several_blocks_of_messages_read_back(tmp_path: Path) -> None:
-    log = make_log(channels=JOINT_STATE, joints=2, samples=9000)
-    write_log(log, tmp_path / "log.mcap")
-    back = read_log(tmp_path / "log.mcap")
-    assert_array_equal(back.q, log.q)
-    assert_array_equal(back.t, log.t)

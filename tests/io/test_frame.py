@@ -95,7 +95,7 @@ def test_an_empty_frame_is_refused(frame: pd.DataFrame) -> None:
         with pytest.raises(InputError, match=r"0 samples in .* expected one row per sample"):
             friction_audit.log_from_frame(empty)
     short = {str(name): frame[name].to_numpy()[: 500 if name == frame.columns[1] else 800] for name in frame}
-    with pytest.raises(InputError, match=r"has 500 samples, .* has 800; expected one row per sample"):
+    with pytest.raises(InputError, match=r"has shape \(500,\), .* has 800 samples; expected one row per sample"):
         friction_audit.log_from_frame(short)
 
 

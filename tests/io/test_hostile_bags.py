@@ -255,25 +255,14 @@ def test_messages_that_the_index_of_a_bag_counts_are_missed(tmp_path: Path) -> N
     assert [(f.code, f.amount) for f in damage(recording)] == [("missing_messages", 1.0)]
 
 
-def cut_mcap(folder: Path, compression: CompressionType, share: float) -> tuple[Path, np.ndarray]:
-    values = samples(900)
-    path = write_mcap(
-        folder / "a.mcap",
-        ros2_store(),
-        [joint_states(ros2_store(), values)],
-        compression=compression,
-        chunk_size=1 << 30,
-    )
-    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
-    return path, values["q"]
-
-
 @pytest.mark.parametrize("compression", list(CompressionType))
 def test_log_of_one_chunk_that_is_cut_is_salvaged(tmp_path: Path, compression: CompressionType) -> None:
-    path, q = cut_mcap(tmp_path, compression, 0.7)
+    values, options = samples(900), {"compression": compression, "chunk_size": 1 << 30}
+    path = write_mcap(tmp_path / "a.mcap", ros2_store(), [joint_states(ros2_store(), values)], **options)
+    path.write_bytes(path.read_bytes()[: int(0.7 * path.stat().st_size)])
     recording = read(path)
     saved = len(recording.t)
     assert 200 < saved < 700
-    np.testing.assert_array_equal(recording.channels["q"], q[:saved])
+    np.testing.assert_array_equal(recording.channels["q"], values["q"][:saved])
     (finding,) = damage(recording)
     assert "without" in finding.message or "lack" in finding.message

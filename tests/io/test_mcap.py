@@ -62,34 +62,6 @@ def test_json_joint_states(tmp_path: Path) -> None:
     np.testing.assert_array_equal(recording.t, np.arange(40) * STEP_NS / 1e9)
 
 
-def test_foxglove_joint_states_as_json(tmp_path: Path) -> None:
-    values = samples(30)
-    order = [3, 0, 1, 2, 6, 5, 4]
-    messages = [
-        (
-            stamp_ns(i) + 1000,
-            {
-                "timestamp": {"sec": stamp_ns(i) // 10**9, "nsec": stamp_ns(i) % 10**9},
-                "joints": [
-                    {
-                        "name": JOINTS[j],
-                        "position": values["q"][i, j],
-                        "velocity": values["dq"][i, j],
-                        "effort": values["tau_J"][i, j],
-                    }
-                    for j in order
-                ],
-            },
-        )
-        for i in range(30)
-    ]
-    recording = read(write_json_mcap(tmp_path / "a.mcap", "/joints", "foxglove.JointStates", messages))
-    assert_read(recording, values)
-    assert recording.joint_names == JOINTS
-    assert recording.mapping["tau_J"] == "joints[{i}].effort"
-    assert recording.clock == "header_stamp"
-
-
 @pytest.mark.parametrize("with_effort", [True, False])
 def test_foxglove_joint_states_as_protobuf(tmp_path: Path, with_effort: bool) -> None:
     descriptors = _descriptors()

@@ -168,19 +168,6 @@ def test_columns_of_channels(
     assert columns.time.unit == ("ms" if "t" in mapping else None)
 
 
-def test_all_missing_columns_at_once_with_near_misses() -> None:
-    with pytest.raises(InputError) as caught:
-        mapped(["tyme", *(f"{name}_{i}" for name in ("velocty", "q") for i in range(1, 8))])
-    for words in (
-        "no column for t and dq and a torque (tau_interaction, tau_J, tau_ext_hat_filtered)",
-        "tyme (t), velocty_1 (dq)",
-        "--map dq=<column with {i} for the joint>",
-        "dq is not made from q",
-        "velocty_1...velocty_7",
-    ):
-        assert words in str(caught.value)
-
-
 @pytest.mark.parametrize(
     ("names", "mapping", "words"),
     [
@@ -195,7 +182,7 @@ def test_columns_that_are_not_there(names: str, mapping: Mapping[str, str], word
 
 
 def test_two_arms_are_refused_with_their_names() -> None:
-    with pytest.raises(SeveralLogsError, match=r"several arms for q: left_joint\{i\}/q, right_joint\{i\}/q") as caught:
+    with pytest.raises(SeveralLogsError, match=r"several arms in one log") as caught:
         mapped(TWO_ARMS)
     assert caught.value.topics == ("#left", "#right")
 

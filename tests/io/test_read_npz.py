@@ -67,7 +67,7 @@ def test_lengths_that_differ(tmp_path: Path) -> None:
     arrays["dq"] = arrays["dq"][:200]
     path = tmp_path / "run.npz"
     np.savez(path, **arrays)  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=r"dq has shape \(200, 3\), time has 300 samples"):
+    with pytest.raises(InputError, match=r"dq has shape \(200, 3\), t has 300 samples"):
         read_log(path)
 
 

@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 from friction_audit.joint_log import Finding, Float
 
 
+class WholeLogError(Exception):
+    """A recording cannot be read block by block: what is wrong with it needs all samples at once."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Blocks:
     """A recording that is read block by block, anew for every pass.

@@ -10,18 +10,16 @@ from friction_audit.io.checks.clock import DROPPED_STEPS, GAP_S, LEAST_SHARE, SH
 from friction_audit.io.checks.motion import LARGEST_Q_RAD, TRAVELLED, check_motion, mend_units
 from friction_audit.io.checks.torque import check_torque, drop_stale_samples
 from friction_audit.io.checks.values import ABSURD, LAG, MOST_SAMPLES, scale_of, usual_change
-from friction_audit.io.recording import Blocks, Recording
+from friction_audit.io.recording import Blocks, Recording, WholeLogError
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float, step_places
 from friction_audit.log_in_blocks import block_means, samples_per_mean
 from friction_audit.parallel import ahead
 
+__all__ = ["WholeLogError", "examine_in_blocks"]
+
 # A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
 MOST_MEANS, STRETCH = 1 << 18, 1 << 10
 _GAP_STEPS = 3.0  # smaller steps matter to nothing
-
-
-class WholeLogError(Exception):
-    """A recording has to be examined at once: most faults concern rows that the rest of it decides about."""
 
 
 def examine_in_blocks(recording: Recording, blocks: Blocks, path: str) -> Recording:

@@ -1,6 +1,7 @@
 """Arrays in memory -> Recording: what NumPy, MATLAB and LeRobot files and data frames share."""
 
 from collections.abc import Mapping
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -20,58 +21,69 @@ _INDEX = "__index_level_0__"  # what Arrow calls an index without a name
 class ArrayTable(ColumnTable):
     """Arrays by name, of shape (n,) or (n, k): numbers, dates, or the joints of a long table as text."""
 
-    def __init__(self, path: Path, arrays: Mapping[str, NDArray[Any]], findings: tuple[Finding, ...] = ()) -> None:
-        self._findings = findings
-        self._cells: list[NDArray[Any]] = []
-        names: list[str] = []
-        for name, array in arrays.items():
-            rows = array.reshape(len(array), -1)
-            if rows.shape[1] > MOST_JOINTS:
-                continue
-            one = rows.shape[1] == 1
-            names += [name] if one else [f"{name}[{column}]" for column in range(rows.shape[1])]
-            self._cells += list(rows.T)
-        super().__init__(path, names)
+    def __init__(self, path: Path, arrays: Mapping[str, Any], findings: tuple[Finding, ...] = ()) -> None:
+        """Keep arrays, or what has the shape and type of one and is read by ``load``."""
+        widths = {name: prod(array.shape[1:]) for name, array in arrays.items()}
+        self._arrays, self._findings = arrays, findings
+        self._cells = [(name, cell) for name, n in widths.items() if n <= MOST_JOINTS for cell in range(n)]
+        super().__init__(path, [name if widths[name] == 1 else f"{name}[{cell}]" for name, cell in self._cells])
 
     def findings(self) -> tuple[Finding, ...]:
         """Return what was noticed when the arrays were read."""
         return self._findings
 
+    def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+        """Return an array as (n, k), in the rows of a mask or in all."""
+        array: NDArray[Any] = self._arrays[name].reshape(len(self._arrays[name]), -1)
+        return array if rows is None else array[rows]
+
+    def packed_bytes(self, name: str) -> int:
+        """Return the bytes that an array takes where it is kept."""
+        return int(self._arrays[name].nbytes)
+
     def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of samples, and the bytes of these columns."""
+        """Return the number of samples, and the bytes of the arrays of these columns."""
         wanted = [*columns.time.cells, *(cell for cells in columns.channels.values() for cell in cells)]
-        samples = len(self._cells[columns.time.cells[0]])
-        for cell in wanted:
-            if len(self._cells[cell]) != samples:
+        names = list(dict.fromkeys(self._cells[cell][0] for cell in wanted))
+        samples = self._arrays[names[0]].shape[0]
+        for name in sorted(names):
+            if (shape := self._arrays[name].shape)[0] != samples:
                 raise InputError(
-                    f"{self.path}: {self.names[cell]} has {len(self._cells[cell])} samples, {columns.time.name} has "
-                    f"{samples}; expected one row per sample; save arrays of shape (samples, joints)"
+                    f"{self.path}: {name} has shape {shape}, {columns.time.name} has {samples} samples; expected one "
+                    "row per sample; save it transposed or cut to the same length"
                 )
-        return samples, sum(self._cells[cell].nbytes for cell in wanted)
+        return samples, sum(map(self.packed_bytes, names))
 
     def read_clock(self, time: TimeColumn) -> Clock:
         """Read all stamps."""
-        stamps, unit = self._cells[time.cells[0]], time.unit
+        stamps, unit = self._column(time.cells[0]), time.unit
         if stamps.dtype.kind in "mM":
             stamps, unit = stamps.astype(f"{stamps.dtype.kind}8[ns]").astype(np.int64), "ns"
         elif len(time.cells) > 1:
-            stamps = stamps.astype(np.int64) * _NANOSECONDS + self._cells[time.cells[1]].astype(np.int64)
+            stamps = stamps.astype(np.int64) * _NANOSECONDS + self._column(time.cells[1]).astype(np.int64)
         raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
         return to_clock(raw, unit, path=str(self.path))
 
+    def _column(self, cell: int, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+        name, place = self._cells[cell]
+        return self.load(name, rows)[:, place]
+
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
-        """Read the channels, in the rows of a mask or in all."""
-        kept = slice(None) if rows is None else rows
+        """Read the channels, in the rows of a mask or in all; one array at a time is in memory as a whole."""
         channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
         for channel, cells in columns.channels.items():
+            loaded: dict[str, NDArray[Any]] = {}
             for joint, cell in enumerate(cells):
+                name, place = self._cells[cell]
+                if name not in loaded:
+                    loaded = {name: self.load(name, rows)}
                 try:
-                    channels[channel][:, joint] = self._cells[cell][kept]
+                    channels[channel][:, joint] = loaded[name][:, place]
                 except (ValueError, TypeError) as error:
                     raise InputError(
                         f"{self.path}: {self.names[cell]} holds no numbers ({error}); name another column with --map"
                     ) from error
-        labels = None if columns.joint is None else self._cells[columns.joint][kept].astype(object)
+        labels = None if columns.joint is None else self._column(columns.joint, rows).astype(object)
         return Part(clock=clock, channels=channels, joint=labels)
 
 

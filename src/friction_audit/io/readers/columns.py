@@ -17,7 +17,7 @@ from friction_audit.io.readers.channel_names import (
     stated_group,
     stated_time,
 )
-from friction_audit.io.readers.joint_names import UNNAMED_ARM, arms_in, choose_arm, robot_of, several_arms
+from friction_audit.io.readers.joint_names import arms_in, choose_arm, robot_of
 from friction_audit.io.readers.time_column import TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
@@ -56,8 +56,9 @@ def map_columns(
     constant: Collection[int] = (),
     arm: str = "",
     needed: Sequence[str] = REQUIRED,
+    may_be_long: bool = False,
 ) -> ColumnMap:
-    """Find time, joints and channels among the columns of a table with one row per time.
+    """Find time, joints and channels among the columns of a table.
 
     Args:
         names: Name of every column that holds one number per row; elements of lists as ``name[0]``, ``name[1]``...
@@ -67,6 +68,7 @@ def map_columns(
         constant: Positions of columns seen not to change.
         arm: The arm to read, where the table holds several.
         needed: Channels without which it is no log, and with them a torque; none where other files have them.
+        may_be_long: Whether the table may have one row per joint and time.
 
     Raises:
         InputError: If a column that is needed is missing; all of them are named at once.
@@ -74,12 +76,16 @@ def map_columns(
     """
     bare = [name.strip() for name in names]
     refuse_absent(mapping, bare, path)
-    labels = labels or {}
-    outside = _outside_the_arm(bare, labels, arm, path)
+    joint, labels = _joint_column(bare, mapping) if may_be_long else None, labels or {}
+    outside = _outside_the_arm(bare, labels, mapping, arm, path) if joint is None else frozenset[int]()
     stated = {c: stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
     taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
     parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
-    groups = {**_guessed_groups(parsed, labels, stated, path), **stated}
+    if joint is not None:  # the joint's name or number is in the row
+        parsed = {cell: name for cell, name in parsed.items() if name and name.index is None and name.joint is None}
+    groups = {**_guessed_groups(parsed, labels, stated), **stated}
+    if joint is not None and not groups.keys() >= {*needed}:
+        return map_columns(names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed)
     most = max((len(group.cells) for group in groups.values()), default=0)
     if most > MOST_JOINTS:
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
@@ -89,43 +95,33 @@ def map_columns(
     if time is None or lacks:
         _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
+    if joint is not None:
+        return _of_long_table(groups, time, bare, joint, stated)
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
     first = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
     doubts = doubt_torque(columns, first, joints=len(columns.joint_names))
     return replace(columns, findings=(*columns.findings, *doubts))
 
 
-def map_long_columns(
-    names: Sequence[str], *, path: str, mapping: Mapping[str, str], needed: Sequence[str] = REQUIRED
-) -> ColumnMap | None:
-    """Find the columns of a table with one row per joint and time; None if it has a column per joint."""
-    bare = [name.strip() for name in names]
-    joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
-    listed = [one for channel, one in mapping.items() if channel != "t" and one not in bare]
-    if joint is None or any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed):
+def _joint_column(names: Sequence[str], mapping: Mapping[str, str]) -> int | None:
+    """Return the column of joints of a table with one row per joint and time; None if it has a column per joint."""
+    listed = [one for channel, one in mapping.items() if channel != "t" and one not in names]
+    if any(_SEVERAL.search(one) or f"{one}[0]" in names for one in listed):
         return None
-    refuse_absent(mapping, bare, path)
-    stated = {channel: stated_group(value, bare) for channel, value in mapping.items() if channel != "t"}
-    cells = {channel: group.cells[0] for channel, group in stated.items()}
-    parsed = [(cell, name) for cell, text in enumerate(bare) if (name := parse_name(text))]
-    free = [(c, name) for c, name in parsed if c not in cells.values() and name.index is None and name.joint is None]
-    best = {name.channel: cell for cell, name in sorted(free, key=lambda one: -one[1].rank)} | cells
-    degrees = {name.channel for cell, name in parsed if name.degrees and best.get(name.channel) == cell}
-    degrees |= {channel for channel, group in stated.items() if group.degrees}
-    degrees -= {channel for channel, group in stated.items() if group.template.endswith(":rad")}
-    if not {*needed} <= best.keys() or not best:
-        return None
-    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
-    if time is None or (needed and not set(TORQUE_CHANNELS) & best.keys()):
-        raise InputError(
-            f"{path}: a table with a column {bare[joint]!r} needs columns for time, q, dq and a torque "
-            f"({', '.join(TORQUE_CHANNELS)}); found {', '.join(bare)}"
-        )
+    return next((cell for cell, name in enumerate(names) if name.lower() in _JOINT_COLUMNS), None)
+
+
+def _of_long_table(
+    groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], joint: int, stated: Collection[str]
+) -> ColumnMap:
+    cells = {channel: next(iter(group.cells.values())) for channel, group in groups.items()}
+    degrees = {channel for channel, group in groups.items() if group.degrees}
+    degrees |= {c for c in stated if (name := parse_name(names[cells[c]])) and name.degrees and name.channel == c}
     return ColumnMap(
         time=time,
-        channels={channel: (cell,) for channel, cell in best.items()},
-        mapping={channel: bare[cell] for channel, cell in best.items()},
-        degrees=frozenset(degrees),
+        channels={channel: (cell,) for channel, cell in cells.items()},
+        mapping={channel: names[cell] for channel, cell in cells.items()},
+        degrees=frozenset(channel for channel in degrees if not groups[channel].template.endswith(":rad")),
         joint=joint,
         stated=frozenset(stated),
     )
@@ -147,11 +143,13 @@ def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -
     return (Finding(code="torque_ambiguous", message=message),)
 
 
-def _outside_the_arm(names: Sequence[str], labels: Mapping[int, str], arm: str, path: str) -> frozenset[int]:
-    """Return the positions of columns of fingers and of other arms."""
-    joints = dict(labels)
-    if arm and not joints:
-        joints = {cell: name.joint for cell, text in enumerate(names) if (name := parse_name(text)) and name.joint}
+def _outside_the_arm(
+    names: Sequence[str], labels: Mapping[int, str], mapping: Collection[str], arm: str, path: str
+) -> frozenset[int]:
+    """Return the positions of columns of fingers and of other arms; a column that the user named chooses its arm."""
+    parsed = ((cell, parse_name(text)) for cell, text in enumerate(names))
+    own = {cell: name.joint for cell, name in parsed if name and name.joint and (arm or name.channel not in mapping)}
+    joints = {**labels} or own
     kept = choose_arm(list(joints.values()), arm, path=path)
     return frozenset(cell for cell, joint in joints.items() if joint not in kept)
 
@@ -170,7 +168,7 @@ def _refuse_melted(names: Sequence[str], path: str) -> None:
 
 
 def _guessed_groups(
-    names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str], path: str
+    names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
 ) -> dict[str, Group]:
     """Group the columns by channel and template, and keep the best template of each channel."""
     found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
@@ -181,21 +179,9 @@ def _guessed_groups(
     groups = {}
     for channel, candidates in found.items():
         rank = min(rank for rank, _ in candidates)
-        best = [(template, cells) for (r, template), cells in candidates.items() if r == rank]
-        _refuse_several_arms(channel, [template for template, _ in best], path)
-        groups[channel] = _group(*best[0], labels)
+        template, cells = next((one, cells) for (r, one), cells in candidates.items() if r == rank)
+        groups[channel] = _group(template, cells, labels)
     return groups
-
-
-def _refuse_several_arms(channel: str, templates: Sequence[str], path: str) -> None:
-    """Two templates that differ in the joint's prefix alone are two arms; the user chooses."""
-    arms = {
-        match[1].rstrip("_").removesuffix("joint").rstrip("_") or UNNAMED_ARM: t
-        for t in templates
-        if (match := re.search(r"(?:^|[./])(\w*joint_?)\{i\}", t)) is not None
-    }
-    if len(arms) > 1:
-        raise several_arms(f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}", arms)
 
 
 def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:

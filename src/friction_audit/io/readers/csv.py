@@ -1,11 +1,10 @@
 """Text tables -> Recording: libfranka's logToCSV, rostopic echo -p, bag exports, tidy and long tables."""
 
-import csv
-import io
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,32 +16,30 @@ from friction_audit.io.readers.csv_lines import (
     PEEK_BYTES,
     Dialect,
     blocks_of_lines,
-    check_widths,
     count_lines,
-    fits,
     is_number,
     open_table,
     separator_of,
     sniff_csv,
     split_line,
+    value_of,
     without_cut_line,
 )
 from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
-from friction_audit.io.readers.table import Part, Table, read_table
+from friction_audit.io.readers.table import Part, Table, may_be_in_blocks, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
-from friction_audit.io.recording import Recording
+from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
 _MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column is not what its name says
 _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
-_NA = ("-nan(ind)", "nan(ind)")
 _NANOSECONDS = 1_000_000_000
+_SLOWER = 4  # times as long as numbers take in other files, so that smaller tables are not read twice
 _COUNTED_BYTES = 256 << 20  # lines of a larger file are not counted where it is only listed: that takes seconds
+
+Block = dict[int, NDArray[Any]]  # position of a column -> its numbers or words
 
 
 def recognises(path: Path) -> bool:
@@ -75,7 +72,7 @@ def read(path: Path, options: ReadOptions) -> Recording:
 
 
 class CsvTable(Table):
-    """A text table, read in blocks of whole lines; lines outside the part asked for are parsed for their stamps."""
+    """A text table, parsed by Arrow in blocks of whole lines, and line by line where a block has a fault."""
 
     def __init__(self, path: Path, dialect: Dialect) -> None:
         super().__init__(path, dialect.names[: dialect.width])
@@ -87,52 +84,56 @@ class CsvTable(Table):
         if len(dialect.rows) >= 3:  # noqa: PLR2004  # a header stamp that stands still is no clock
             whole = [row for row in dialect.rows if len(row) == dialect.width]
             self.constant = frozenset(c for c in range(dialect.width) if len({row[c] for row in whole}) == 1)
-        self._origin: float | None = None  # the first stamp, where a part is read
-        self._lowest, self._highest, self._block_lowest = np.inf, -np.inf, np.inf
+        self._kinds: dict[int, Any] = {}
         self._lines = self._bad_lines = 0
         self._bad: list[str] = []
         self._cut: Finding | None = None
 
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
         """Read the columns; of a large table the part asked for alone."""
-        dialect, cells = self._dialect, [cell for own in columns.channels.values() for cell in own]
-        self._time, self._options, self._kind = columns.time, options, _time_kind(dialect, columns.time)
-        self._unit = "ns" if len(columns.time.cells) > 1 or self._kind is str else columns.time.unit
-        self._stamp_kinds: dict[int, Any] = dict.fromkeys(columns.time.cells, self._kind)
-        texts = [*self._labels] if columns.joint is None else [columns.joint]
-        self._kinds = dict.fromkeys(texts, str) | dict.fromkeys(cells, np.float64) | self._stamp_kinds
-        lengths = [sum(map(len, row)) + len(row) for row in dialect.rows]
-        self._is_part = options.reads_part(8 * dialect.size / (sum(lengths) / len(lengths)) * len(self._kinds))
-        capacity = 0 if self._is_part else count_lines(self.path, dialect)
-        refuse_too_large(self.path, 8 * capacity * (len(cells) + 1), dialect.size)
-        time, channels, joints = self._gather(columns, capacity)
-        clock, first_s = self._clock(time)
-        joint = None if columns.joint is None else np.concatenate(joints)
-        return Part(clock=clock, channels=channels, joint=joint, first_s=first_s)
+        dialect, time = self._dialect, columns.time
+        cells = [cell for own in columns.channels.values() for cell in own]
+        words = [*self._labels] if columns.joint is None else [columns.joint]
+        kind = _time_kind(dialect, time)
+        self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
+        unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
+        if may_be_in_blocks(columns, options, 8 * (rows := count_lines(self.path, dialect)) * (len(cells) + 1)):
+            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
+        unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
+        rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
+        size = 8 * rows * (len(cells) + 1)
+        if kind is not str and may_be_in_blocks(columns, options, size // _SLOWER):
+            rows = count_lines(self.path, dialect)
+            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
+        part = _PartOfClock(options, unit, self.path) if options.reads_part(8 * rows * len(self._kinds)) else None
+        if part is None:
+            refuse_too_large(self.path, size, dialect.size)
+        stamps, found = self._gather(time, part, in_order=columns.joint is None)
+        raw = np.concatenate(stamps) if stamps else np.empty(0)
+        channels = {c: np.empty((len(raw), len(own)), order="F") for c, own in columns.channels.items()}
+        for channel, own in columns.channels.items():
+            for place, cell in enumerate(own):
+                np.concatenate(found[cell] or [raw], out=channels[channel][:, place])
+                if cells.count(cell) == 1:
+                    found[cell].clear()  # one column at a time is in memory twice
+        joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [raw])
+        clock = to_clock(raw, unit, path=str(self.path)) if part is None else part.clock(raw)
+        return Part(clock=clock, channels=channels, joint=joint, first_s=None if part is None else part.first_s)
 
     def _gather(
-        self, columns: ColumnMap, capacity: int
-    ) -> tuple[NDArray[Any], dict[str, NDArray[np.float64]], list[NDArray[Any]]]:
-        """Return stamps and channels, and of a long table the joints, block by block."""
-        time: NDArray[Any] = np.empty(capacity, dtype=np.int64 if self._kind is str else self._kind)
-        channels = {c: np.empty((capacity, len(own)), order="F") for c, own in columns.channels.items()}
-        joints: list[NDArray[Any]] = []
-        count = 0
-        for line, block, stamps in self._blocks(in_order=columns.joint is None):
-            stop = count + len(block)
-            if stop > len(time):  # the length of a part is not known in advance
-                time = np.resize(time, 2 * stop)
-                channels = {c: _longer(array, 2 * stop) for c, array in channels.items()}
-            time[count:stop] = stamps
-            for channel, own in columns.channels.items():
-                for joint, cell in enumerate(own):
-                    channels[channel][count:stop, joint] = block[cell].to_numpy()
-            if columns.joint is None:
-                self._refuse_moving_labels(block, line)
-            else:
-                joints.append(block[columns.joint].to_numpy(dtype=object))
-            count = stop
-        return time[:count], {c: array[:count] for c, array in channels.items()}, joints
+        self, time: TimeColumn, part: "_PartOfClock | None", *, in_order: bool
+    ) -> tuple[list[NDArray[Any]], dict[int, list[NDArray[Any]]]]:
+        """Return stamps and columns, block by block."""
+        stamps, found = list[NDArray[Any]](), {cell: list[NDArray[Any]]() for cell in self._kinds}
+        for raw, block in self._blocks(time):
+            kept = part.rows_of(raw) if part else slice(None)
+            if kept is None and in_order:
+                break
+            if kept is not None:  # the joints of a long table may follow each other
+                stamps.append(raw[kept])
+                for cell, array in block.items():
+                    found[cell].append(array[kept])
+        return stamps, found
 
     def findings(self) -> tuple[Finding, ...]:
         """Return what is damaged."""
@@ -142,77 +143,77 @@ class CsvTable(Table):
         message = f"{self._bad_lines} lines hold what is no number ({'; '.join(self._bad)}); these are missing values"
         return (*found, Finding(code="no_numbers", message=message, amount=float(self._bad_lines), damaged=True))
 
-    def _blocks(self, *, in_order: bool) -> Iterator[tuple[int, "pd.DataFrame", NDArray[Any]]]:
-        """Yield the number of a block's first line, the block as a frame, and its stamps."""
+    def _blocks(self, time: TimeColumn) -> Iterator[tuple[NDArray[Any], Block]]:
+        """Yield the stamps of whole lines, and their columns."""
         for line, block, is_last in blocks_of_lines(self.path, self._dialect):
             kept = block
             if is_last:
                 kept, self._cut = without_cut_line(self._dialect, block, line, self._kinds)
-            check_widths(self.path, self._dialect, kept, line)
             if not kept.strip():
                 continue
-            rows = self._rows_in_part(kept, line) if self._is_part else None
-            if rows is not None and in_order and self._block_lowest > self._stop:
-                return
-            if rows is None or rows.any():
-                frame = self._frame(kept, line, self._kinds)
-                frame = frame if rows is None or len(rows) != len(frame) else frame[rows]
-                yield line, *self._with_stamps(frame)
+            self._lines += kept.count(b"\n")
+            columns = _parse(self._dialect, kept, self._kinds) or self._by_line(kept, line)
+            for cell, label in self._labels.items():
+                if cell in columns:
+                    self._refuse_moving_label(columns[cell], label, line)
+            stamps = columns[time.cells[0]]
+            if self._kinds[time.cells[0]] is str:
+                stamps, dated = self._dates(stamps, time.name)
+                columns = {cell: array[dated] for cell, array in columns.items()}
+            elif len(time.cells) > 1:
+                stamps = stamps * _NANOSECONDS + columns[time.cells[1]]
+            yield stamps, columns
 
-    def _rows_in_part(self, block: bytes, line: int) -> NDArray[np.bool_]:
-        _, stamps = self._with_stamps(self._frame(block, line, self._stamp_kinds))
-        if self._origin is None:
-            self._unit = to_clock(stamps.copy(), self._unit, path=str(self.path)).unit
-            self._origin = stamps[np.isfinite(stamps).argmax()]
-        start, self._stop = (e * UNITS[self._unit or "s"] + self._origin for e in self._options.window_of_clock())
-        self._block_lowest = float(np.nanmin(stamps))
-        self._lowest = min(self._lowest, self._block_lowest)
-        self._highest = max(self._highest, float(np.nanmax(stamps)))
-        rows: NDArray[np.bool_] = (stamps >= start) & (stamps < self._stop)
-        return rows
+    def _pieces(self, rows: int, cells: Sequence[int]) -> Iterator[Block]:
+        """Yield columns of whole lines.
 
-    def _clock(self, stamps: NDArray[Any]) -> tuple[Clock, float | None]:
-        """Return the clock of the rows that were read, and the log's first stamp on it where they are a part."""
-        if not self._is_part:
-            return to_clock(stamps, self._unit, path=str(self.path)), None
-        assert self._origin is not None
-        unit = UNITS[self._unit or "s"]
-        if len(stamps) == 0:
-            ends = np.array([0.0, (self._highest - self._lowest) / unit * self._options.time_scale])
-            find_window(ends, self._options.t_start_s, self._options.t_end_s, str(self.path))
-        clock = to_clock(stamps, self._unit, path=str(self.path), origin=self._origin)
-        return clock, (self._lowest - self._origin) / unit
+        Raises:
+            WholeLogError: If a line has a fault, or there are not so many.
+        """
+        kinds = {cell: self._kinds[cell] for cell in (*cells, *self._labels)}
+        for line, block, is_last in blocks_of_lines(self.path, self._dialect):
+            kept, cut = without_cut_line(self._dialect, block, line, self._kinds) if is_last else (block, None)
+            columns = _parse(self._dialect, kept, kinds)
+            if (
+                cut is not None
+                or columns is None
+                or any((columns[c] != label).any() for c, label in self._labels.items())
+            ):
+                raise WholeLogError
+            rows -= len(columns[cells[0]])
+            yield columns
+        if rows:
+            raise WholeLogError
 
-    def _with_stamps(self, frame: "pd.DataFrame") -> tuple["pd.DataFrame", NDArray[Any]]:
-        """Return the rows that have a stamp, and the stamps."""
-        column = frame[self._time.cells[0]]
-        if self._kind is str:
-            dates = _dates(column)
-            lost = np.isnat(dates)
-            if lost.any():
-                text = column.iloc[int(lost.argmax())]
-                what = f"column {self._time.name} holds neither a number nor an ISO 8601 date: {text!r}"
-                self._complain(int(np.count_nonzero(lost)), what)
-            return frame[~lost], dates[~lost].astype(np.int64)
-        stamps = column.to_numpy()
-        if len(self._time.cells) > 1:
-            stamps = stamps * _NANOSECONDS + frame[self._time.cells[1]].to_numpy()
-        return frame, stamps
+    def _by_line(self, block: bytes, line: int) -> Block:
+        """Read line by line; a few cells that are no number are missing values, or cost their line as a stamp.
 
-    def _frame(self, block: bytes, line: int, kinds: Mapping[int, Any]) -> "pd.DataFrame":
-        """Parse whole lines; a few cells that are no number are missing values."""
-        is_whole = kinds is self._kinds
-        self._lines += block.count(b"\n") if is_whole else 0
-        try:
-            return _frame(self._dialect, block, kinds)
-        except (ValueError, OverflowError):  # pandas' ParserError is a ValueError
-            mended, bad = _mend(self._dialect, block, line, kinds)
-        for complaint in bad if is_whole else ():
-            self._complain(1, complaint)
-        try:
-            return _frame(self._dialect, mended, kinds)
-        except (ValueError, OverflowError) as error:
-            raise InputError(f"{self.path}: lines from {line} on cannot be read as numbers: {error}") from error
+        Raises:
+            InputError: If a line has another number of fields, or many cells are no number.
+        """
+        dialect, found = self._dialect, {cell: list[Any]() for cell in self._kinds}
+        for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
+            text = raw.strip("\r")
+            if "\r" in text:
+                raise InputError(
+                    f"{self.path}: line {number} has a carriage return within it; expected one at its end or none; "
+                    "repair or remove the line"
+                )
+            fields = split_line(text, dialect.separator) if text.strip() else ()
+            if fields and len(fields) != dialect.width:
+                raise InputError(
+                    f"{self.path}: line {number} has {len(fields)} fields; expected {dialect.width} as in the lines "
+                    "before; repair or remove the line"
+                )
+            values = {c: value_of(fields[c], kind, dialect.decimal) for c, kind in self._kinds.items() if fields}
+            wrong = [cell for cell, value in values.items() if value is None]
+            if wrong:
+                name, cell_text = dialect.names[wrong[0]].strip(), fields[wrong[0]].strip()[:_SHOWN_TEXT]
+                self._complain(1, f"line {number}, column {name}: {cell_text!r} is not a number")
+            if not any(self._kinds[cell] is np.int64 for cell in wrong):
+                for cell, value in values.items():
+                    found[cell].append(np.nan if value is None else value)
+        return {cell: np.array(values, _DTYPES[self._kinds[cell]]) for cell, values in found.items()}
 
     def _complain(self, lines: int, what: str) -> None:
         """Note lines with a cell that is no number; refuse a table with many."""
@@ -224,63 +225,95 @@ class CsvTable(Table):
                 f"{1.0 - _MOST_BAD:.0%} of them; repair or remove the line"
             )
 
-    def _refuse_moving_labels(self, block: "pd.DataFrame", line: int) -> None:
-        for cell, label in self._labels.items():
-            other = block[cell].str.strip() != label
-            if other.any():
+    def _refuse_moving_label(self, words: NDArray[Any], label: str, line: int) -> None:
+        for row in np.flatnonzero(words != label):
+            if words[row].strip() != label:
                 raise InputError(
-                    f"{self.path}: line {line + other.index[other][0]}: joint {block[cell][other].iloc[0]!r} where the "
-                    f"first line has {label!r}; the order of the joints changes; expected one order in the whole "
-                    "table; sort the columns by joint"
+                    f"{self.path}: line {line + row}: joint {words[row]!r} where the first line has {label!r}; the "
+                    "order of the joints changes; expected one order in the whole table; sort the columns by joint"
                 )
 
+    def _dates(self, words: NDArray[Any], name: str) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+        """Return dates in nanoseconds since 1970, without what is none or beyond what these can hold; and which are."""
+        import pandas as pd
 
-def _longer(array: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
-    longer = np.empty((rows, array.shape[1]), order="F")
-    longer[: len(array)] = array
-    return longer
-
-
-def _mend(dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]) -> tuple[bytes, list[str]]:
-    """Return the lines with cells that are no number left empty, without those that lack a stamp, and what is wrong."""
-    lines, bad = [], []
-    for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
-        fields = list(split_line(raw.strip("\r"), dialect.separator)) if raw.strip() else []
-        wrong = [c for c in kinds if c < len(fields) and not fits(fields[c], kinds[c], dialect.decimal)]
-        if wrong:
-            name, text = dialect.names[wrong[0]].strip(), fields[wrong[0]].strip()[:_SHOWN_TEXT]
-            bad.append(f"line {number}, column {name}: {text!r} is not a number")
-            if any(kinds[c] is np.int64 for c in wrong):
-                continue
-            for cell in wrong:
-                fields[cell] = "nan"
-            stream = io.StringIO()
-            csv.writer(stream, delimiter=dialect.separator, lineterminator="").writerow(fields)
-        lines.append(stream.getvalue() if wrong else raw)
-    return "\n".join(lines).encode(), bad
+        dates = pd.to_datetime(pd.Series(words), format="ISO8601", utc=True, errors="coerce")
+        dates = dates.where(dates.between(pd.Timestamp.min.tz_localize("UTC"), pd.Timestamp.max.tz_localize("UTC")))
+        dated = dates.notna().to_numpy()
+        if not dated.all():
+            what = f"column {name} holds neither a number nor an ISO 8601 date: {words[~dated][0]!r}"
+            self._complain(int(np.count_nonzero(~dated)), what)
+        stamps = dates[dated].dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
+        return stamps, dated
 
 
-def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> "pd.DataFrame":
-    import pandas as pd
+class _PartOfClock:
+    """The part asked for of a table that is read in blocks."""
 
-    # Since pandas 3.1 numbers always are rounded correctly, and asking for it is deprecated.
-    rounds = tuple(map(int, pd.__version__.split(".")[:2])) >= (3, 1)
-    exact: dict[str, Any] = {} if rounds else {"float_precision": "round_trip"}
-    frame: pd.DataFrame = pd.read_csv(
-        io.BytesIO(block),
-        header=None,
-        names=range(dialect.width),
-        usecols=sorted(kinds),
-        dtype=dict(kinds),
-        sep=r"\s+" if dialect.separator == " " else dialect.separator,
-        decimal=dialect.decimal,
-        skipinitialspace=True,
-        na_values=list(_NA),
-        index_col=False,
-        engine="c",
-        **exact,
-    )
-    return frame
+    def __init__(self, options: ReadOptions, unit: str | None, path: Path) -> None:
+        self._options, self._unit, self._path = options, unit, str(path)
+        self._origin: Any = None  # the first stamp
+        self._lowest, self._highest = np.inf, -np.inf
+
+    def rows_of(self, stamps: NDArray[Any]) -> NDArray[np.bool_] | None:
+        """Return which rows of a block are in the part; None where all come after it."""
+        if self._origin is None:
+            self._unit = to_clock(stamps.copy(), self._unit, path=self._path).unit
+            self._origin = stamps[np.isfinite(stamps).argmax()]
+        start, stop = (end * UNITS[self._unit or "s"] + self._origin for end in self._options.window_of_clock())
+        lowest = float(np.nanmin(stamps))
+        self._lowest, self._highest = min(self._lowest, lowest), max(self._highest, float(np.nanmax(stamps)))
+        rows: NDArray[np.bool_] = (stamps >= start) & (stamps < stop)
+        return None if lowest > stop else rows
+
+    def clock(self, stamps: NDArray[Any]) -> Clock:
+        """Return the clock of the rows that were read."""
+        if len(stamps) == 0:
+            length = (self._highest - self._lowest) / UNITS[self._unit or "s"] * self._options.time_scale
+            find_window(np.array([0.0, length]), self._options.t_start_s, self._options.t_end_s, self._path)
+        return to_clock(stamps, self._unit, path=self._path, origin=self._origin)
+
+    @property
+    def first_s(self) -> float:
+        """First stamp of the whole table on that clock."""
+        return float(self._lowest - self._origin) / UNITS[self._unit or "s"]
+
+
+_DTYPES: dict[Any, Any] = {str: object, float: np.float64, np.int64: np.int64}
+
+
+def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Block | None:
+    """Parse whole lines; None where Arrow refuses one of them."""
+    import pyarrow as pa
+    from pyarrow import compute, csv
+
+    if block.count(b"\r") != block.count(b"\r\n"):  # within a line it would end it
+        return None
+    if dialect.separator == " ":
+        block = b"\n".join(b" ".join(line.split()) for line in block.split(b"\n"))
+    types = {str: pa.dictionary(pa.int32(), pa.string()), float: pa.float64(), np.int64: pa.int64()}
+    columns = {f"f{cell}": types[kind] for cell, kind in kinds.items()}
+    try:
+        table = csv.read_csv(
+            pa.BufferReader(block),
+            read_options=csv.ReadOptions(autogenerate_column_names=True),
+            parse_options=csv.ParseOptions(delimiter=dialect.separator),
+            convert_options=csv.ConvertOptions(
+                column_types=columns, include_columns=list(columns), decimal_point=dialect.decimal
+            ),
+        )
+    except (pa.ArrowInvalid, pa.ArrowKeyError):
+        return None
+    found: Block = {}
+    for (cell, kind), column in zip(kinds.items(), table.combine_chunks().itercolumns(), strict=True):
+        own = column.chunk(0) if column.num_chunks else pa.array([], column.type)
+        if kind is str:
+            found[cell] = np.array(own.dictionary.to_pylist(), object)[np.from_dlpack(own.indices)]
+            continue
+        if own.null_count and kind is np.int64:
+            return None
+        found[cell] = np.from_dlpack(compute.fill_null(own, np.nan) if own.null_count else own)
+    return found if table.num_columns and table.num_rows else None
 
 
 def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
@@ -289,17 +322,7 @@ def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
     if texts and not any(is_number(text, dialect.decimal) for text in texts):
         return str
     exact = len(time.cells) > 1 or any(text.lstrip("-").isdigit() and len(text) >= _LONG_INTEGER for text in texts)
-    return np.int64 if exact else np.float64
-
-
-def _dates(column: "pd.Series[str]") -> NDArray[np.datetime64]:
-    """Return dates in nanoseconds since 1970; what is no date, or beyond what these can hold, is missing."""
-    import pandas as pd
-
-    dates = pd.to_datetime(column, format="ISO8601", utc=True, errors="coerce")
-    dates = dates.where(dates.between(pd.Timestamp.min.tz_localize("UTC"), pd.Timestamp.max.tz_localize("UTC")))
-    stamps: NDArray[np.datetime64] = dates.dt.tz_convert(None).dt.as_unit("ns").to_numpy()
-    return stamps
+    return np.int64 if exact else float
 
 
 def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:

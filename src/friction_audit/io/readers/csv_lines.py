@@ -2,11 +2,12 @@
 
 import csv
 import io
-import os
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -20,78 +21,54 @@ if TYPE_CHECKING:
 
 
 PACKED = {b"\x1f\x8b": "gzip", b"\x28\xb5\x2f\xfd": "zstd"}  # magic bytes -> codec of Arrow
-_SKIP_BYTES = 1 << 20
+# The longest head holds four lines of 100 000 columns; a file of one endless line is not split as a whole. [byte]
+_HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 23
+_BLOCK_BYTES = 8 << 20
 
 
-def open_table(path: Path) -> BinaryIO:
-    """Open a text table for reading, decompressed if it is compressed.
+def open_table(path: Path) -> io.BufferedReader:
+    """Open a text table for reading from its begin on, decompressed if it is compressed.
 
     Raises:
         OSError: If it cannot be opened.
         InputError: While it is read: if the compressed stream breaks off or is damaged, or is a bomb.
     """
     codec = next((codec for magic, codec in PACKED.items() if starts_with(path, magic)), None)
-    return path.open("rb") if codec is None else io.BufferedReader(_Unpacked(path, codec))
+    if codec is None:
+        return io.BufferedReader(path.open("rb", buffering=0), _HEAD_BYTES)
+    return io.BufferedReader(_Unpacked(path, codec), _HEAD_BYTES)
 
 
 class _Unpacked(io.RawIOBase):
-    """A decompressed file: seeking backwards starts again from its begin."""
+    """A decompressed file."""
 
     def __init__(self, path: Path, codec: str) -> None:
-        self._path, self._codec = path, codec
-        self._packed = path.stat().st_size
-        self._rewind()
-
-    def _rewind(self) -> None:
         import pyarrow as pa
 
-        self._stream = pa.CompressedInputStream(pa.OSFile(str(self._path)), self._codec)
-        self._place = 0
+        self._path, self._codec, self._packed, self._size = path, codec, path.stat().st_size, 0
+        self._stream = pa.CompressedInputStream(pa.OSFile(str(path)), codec)
 
     def readable(self) -> bool:
         return True
 
-    def seekable(self) -> bool:
-        return True
-
-    def tell(self) -> int:
-        return self._place
-
     def readinto(self, buffer: "WriteableBuffer") -> int:
-        view = memoryview(buffer)
-        chunk = self._read(len(view))
-        view[: len(chunk)] = chunk
-        return len(chunk)
-
-    def _read(self, size: int) -> bytes:
         try:
-            chunk: bytes = self._stream.read(size)
+            size = int(self._stream.readinto(buffer))
         except OSError as error:
             raise InputError(
                 f"{self._path}: the {self._codec} stream breaks off or is damaged ({error}); expected a whole one; "
                 f"copy it again, or read the part that there is: `{self._codec} -dc {self._path} > part.csv`"
             ) from error
-        self._place += len(chunk)
-        refuse_bomb(self._path, self._place, self._packed)
-        return chunk
-
-    def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
-        target = offset + {os.SEEK_SET: 0, os.SEEK_CUR: self._place}.get(whence, 0)
-        if whence != os.SEEK_END and target < self._place:
-            self._rewind()
-        while whence == os.SEEK_END or self._place < target:
-            if not self._read(_SKIP_BYTES if whence == os.SEEK_END else min(_SKIP_BYTES, target - self._place)):
-                break
-        return self._place
+        self._size += size
+        refuse_bomb(self._path, self._size, self._packed)
+        return size
 
 
-# The longest head holds four lines of 100 000 columns; a file of one endless line is not split as a whole. [byte]
-_HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 23
 _FEWEST_LINES = 4
 _LOOK = 20
 PEEK_BYTES = 4096
 _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
-            "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip
+            "1.#qnan", "-1.#qnan", "1.#ind"}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -109,16 +86,27 @@ class Dialect:
     rows: tuple[tuple[str, ...], ...]  # the fields of the first lines of numbers
 
 
+def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401
+    """Return what a field holds, None if it is not what its column holds.
+
+    NaN is one of the usual ways to write that there is no number; a stamp kept as an integer cannot be missing.
+    """
+    text = field.strip()
+    if kind is str:
+        return text
+    if kind is np.int64:
+        return int(text) if text.lstrip("+-").isdigit() and abs(int(text)) < 1 << 63 else None
+    if text.lower() in _MISSING:
+        return math.nan
+    try:
+        return None if "_" in text else float(text.replace(",", ".") if decimal == "," else text)
+    except ValueError:
+        return None
+
+
 def is_number(text: str, decimal: str = ".") -> bool:
     """Return True if a field is a number or one of the usual ways to write that there is none."""
-    stripped = text.strip()
-    if stripped.lower() in _MISSING:
-        return True
-    try:
-        float(stripped.replace(",", ".") if decimal == "," else stripped)
-    except ValueError:
-        return False
-    return "_" not in stripped
+    return value_of(text, float, decimal) is not None
 
 
 def split_line(line: str, separator: str) -> tuple[str, ...]:
@@ -137,15 +125,21 @@ def sniff_csv(path: Path) -> Dialect:
     Raises:
         InputError: If it holds no line of numbers.
     """
+    skipped, begin, last = 0, 0, b""
     with open_table(path) as stream:
-        _refuse_no_text(path, stream.read(_HEAD_BYTES))
-        skipped, begin = _skip_comments(stream)
-        head = stream.read(_HEAD_BYTES)
+        _refuse_no_text(path, stream.peek(_HEAD_BYTES))
+        # The last of the comments and blank lines at the start: numpy.savetxt writes its header as a comment.
+        while (line := stream.readline(_HEAD_BYTES)).startswith(b"#") or (line and not line.strip()):
+            skipped, begin, last = skipped + bool(last), begin + len(last), line
+        head = last + line + stream.read(_HEAD_BYTES)
         while head.count(b"\n") < _FEWEST_LINES and len(head) < _LONGEST_HEAD and (more := stream.read(_HEAD_BYTES)):
             head += more
-        place, size = stream.tell(), stream.seek(0, os.SEEK_END)
+        size = path.stat().st_size
+        if isinstance(stream.raw, _Unpacked):
+            size = begin + len(head) + sum(map(len, iter(partial(stream.read, _BLOCK_BYTES), b"")))
     lines = head.splitlines(keepends=True)
-    del lines[len(lines) - (place < size and len(lines) > 1) :]  # which may end in the middle
+    if begin + len(head) < size and len(lines) > 1:
+        del lines[-1]  # which may end in the middle
     texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
     start = next((i for i, text in enumerate(texts) if text.strip() and not text.startswith("#")), None)
     if start is None:
@@ -153,7 +147,7 @@ def sniff_csv(path: Path) -> Dialect:
     separator = separator_of(texts[start])
     fields = split_line(texts[start], separator)
     if all(is_number(field, "," if separator == ";" else ".") for field in fields):
-        first = start  # numpy.savetxt writes its header as a comment
+        first = start
         names = (
             split_line(texts[start - 1].lstrip("#"), separator) if texts[start - 1].startswith("#") and start else ()
         )
@@ -197,18 +191,6 @@ def _refuse_no_text(path: Path, head: bytes) -> None:
         raise InputError(f"{path}: {found}; expected a table in UTF-8 with lines that end in a line feed; save it so")
 
 
-def _skip_comments(stream: BinaryIO) -> tuple[int, int]:
-    """Go to the last of the comments and blank lines at the start; return how many are before it, and its place."""
-    stream.seek(0)
-    count, begin, place = -1, 0, 0
-    for line in iter(lambda: stream.readline(_HEAD_BYTES), b""):
-        if line.strip() and not line.startswith(b"#"):
-            break
-        count, begin, place = count + 1, place, place + len(line)
-    stream.seek(begin)
-    return max(count, 0), begin
-
-
 def separator_of(line: str) -> str:
     """Return what separates the fields of a line."""
     counts = {separator: line.count(separator) for separator in ("\t", ";", ",")}
@@ -230,9 +212,6 @@ def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...]
     return width if len(rows) > 1 else len(names)
 
 
-_BLOCK_BYTES = 8 << 20
-
-
 def blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
     """Yield (number of the first line, whole lines, is it the end of the file)."""
     line, rest = dialect.line, b""
@@ -248,8 +227,10 @@ def blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, 
 def _chunks(path: Path, dialect: Dialect) -> Iterator[bytes]:
     """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
     with open_table(path) as stream:
-        stream.seek(dialect.offset)
-        while chunk := stream.read(min(_BLOCK_BYTES, dialect.size - stream.tell())):
+        stream.read(dialect.offset)
+        left = dialect.size - dialect.offset
+        while chunk := stream.read(min(_BLOCK_BYTES, left)):
+            left -= len(chunk)
             yield chunk
 
 
@@ -259,13 +240,6 @@ def count_lines(path: Path, dialect: Dialect) -> int:
     for chunk in _chunks(path, dialect):
         count += int(np.count_nonzero(np.frombuffer(chunk, dtype=np.uint8) == ord("\n")))
     return count + (chunk[-1:] != b"\n")
-
-
-def fits(field: str, kind: Any, decimal: str) -> bool:  # noqa: ANN401
-    """Return True if a field is what its column holds; a stamp that is kept as an integer cannot be missing."""
-    if kind is np.int64:
-        return field.strip().lstrip("+-").isdigit()
-    return kind is str or is_number(field, decimal)
 
 
 def without_cut_line(
@@ -281,7 +255,7 @@ def without_cut_line(
     fields = split_line(last.decode(errors="replace"), dialect.separator)
     is_short, found = True, f"{len(fields)} of {dialect.width} fields"
     if len(fields) == dialect.width:
-        wrong = next((fields[c] for c in kinds if not fits(fields[c], kinds[c], dialect.decimal)), None)
+        wrong = next((fields[c] for c in kinds if value_of(fields[c], kinds[c], dialect.decimal) is None), None)
         found = "" if wrong is None else f"{wrong!r} where a number belongs"
         if not found and body == text and newline and dialect.width - 1 in kinds:
             lines = before.decode(errors="replace").splitlines()[-_LOOK:]
@@ -293,27 +267,3 @@ def without_cut_line(
     number = line + before.count(b"\n") + len(newline)
     message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
     return before + newline, Finding(code="truncated", message=message, amount=1.0, damaged=is_short)
-
-
-def check_widths(path: Path, dialect: Dialect, block: bytes, line: int) -> None:
-    """Every line has the same number of fields; a count of separators proves it, lines are looked at if it fails.
-
-    A carriage return within a line would end it for the parser, and leave the count of separators as it is.
-    """
-    codes = np.frombuffer(block, dtype=np.uint8)
-    if dialect.separator != " " and block.count(b"\r") == block.count(b"\r\n"):
-        separators = np.count_nonzero(codes == ord(dialect.separator))
-        if separators == (dialect.width - 1) * np.count_nonzero(codes == ord("\n")):
-            return
-    for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
-        if "\r" in raw.strip("\r"):
-            raise InputError(
-                f"{path}: line {number} has a carriage return within it; expected one at its end or none; "
-                "repair or remove the line"
-            )
-        fields = split_line(raw.strip("\r"), dialect.separator) if raw.strip() else ()
-        if fields and len(fields) != dialect.width:
-            raise InputError(
-                f"{path}: line {number} has {len(fields)} fields; expected {dialect.width} as in the lines before; "
-                "repair or remove the line"
-            )

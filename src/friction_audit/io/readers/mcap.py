@@ -3,7 +3,6 @@
 import struct
 from collections.abc import Collection, Iterator
 from contextlib import suppress
-from dataclasses import replace
 from functools import partial
 from io import SEEK_CUR, BytesIO
 from pathlib import Path
@@ -14,23 +13,18 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
-from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
 from friction_audit.io.readers.message_stream import (
     LARGEST_CHUNK,
     Block,
     BlockCollector,
     Connection,
-    Damage,
-    UnpackError,
+    MessageStream,
     Window,
     block_of_payloads,
     open_log,
-    unpack,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.recording import Recording
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, Schema
@@ -51,10 +45,8 @@ _MESSAGE_FIELDS_BYTES = _MESSAGE_HEADER.itemsize - _RECORD_START.size
 _LOOSE_MESSAGES_PER_BLOCK = 8192
 
 
-class McapStream:
+class McapStream(MessageStream):
     """The messages in one MCAP file.
-
-    ``notes`` holds the metadata records by name, once the messages have been read.
 
     The records are walked one after another, which needs neither an index nor a footer; the messages within a chunk
     are found here too, and not by the mcap library, since that is where the time would go.
@@ -62,37 +54,26 @@ class McapStream:
 
     def __init__(self, path: Path) -> None:
         """Find the channels, from the summary at the end or, where that is missing, by reading everything once."""
-        self._path = path
-        self._damage: dict[int, Damage] = {}
+        super().__init__(path)
         self._cut_chunk: int | None = None
         self._channels: dict[int, Channel] = {}
         self._schemas: dict[int, Schema] = {}
-        self.notes: dict[str, str] = {}
+        self._counts: dict[int, int] = {}
         with open_log(path) as file:
-            self._bytes = file.seek(0, 2)
-            file.seek(0)
             if file.read(len(MAGIC)) != MAGIC:
                 raise InputError(
                     f"{path}: {'is empty' if not self._bytes else 'does not begin as an MCAP file'}; "
                     "expected the bytes 89 4D 43 41 50 30 0D 0A; check the file's type and that it was copied whole"
                 )
-            counts = self._read_summary(file)
-        self._counts = counts if counts is not None else self._scan()
-        if counts is None and not self._channels and self._damage:
-            raise InputError(
-                f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole chunk; "
-                "no message can be saved; copy it again or record again"
-            )
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Channels of the file."""
-        return tuple(map(self._connection, self._channels.values()))
-
-    @property
-    def damage(self) -> tuple[Damage, ...]:
-        """What was found broken so far."""
-        return tuple(self._damage.values())
+            is_whole = self._read_summary(file)
+        if not is_whole:
+            self._scan()
+            if self._damage and not self._channels:
+                raise InputError(
+                    f"{path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first whole "
+                    "chunk; no message can be saved; copy it again or record again"
+                )
+        self.connections = tuple(map(self._connection, self._channels.values()))
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some channels, chunk by chunk; chunks outside the window are passed over."""
@@ -142,7 +123,7 @@ class McapStream:
             if opcode in (_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK):
                 yield opcode, offset, _parse(opcode, file.read(length))
             elif opcode == _METADATA:
-                self.notes |= _parse(opcode, file.read(length)).metadata
+                self.notes = {**self.notes, **_parse(opcode, file.read(length)).metadata}
         except _BROKEN as error:
             self._note(offset, f"a record is broken: {error}")
 
@@ -156,24 +137,17 @@ class McapStream:
             yield _CHUNK, offset, chunk
         return self._note(offset, "the last chunk is cut off; its whole messages were read without its checksum")
 
-    def _note(self, offset: int, reason: str) -> None:
-        self._damage[offset] = Damage(offset, self._bytes, reason)
-
     def _decompress(self, chunk: "Chunk", offset: int) -> bytes | None:
         """Return the records of a chunk, or None if it is damaged."""
         cut = offset == self._cut_chunk
-        try:
-            data = unpack(chunk.compression, chunk.data, chunk.uncompressed_size, cut=cut)
-        except UnpackError as error:
-            self._note(offset, f"a chunk cannot be decompressed: {error}")
-            return None
-        if not cut and chunk.uncompressed_crc and crc32(data) != chunk.uncompressed_crc:
+        data = self._unpack(offset, chunk.compression, chunk.data, chunk.uncompressed_size, cut=cut)
+        if data is not None and not cut and chunk.uncompressed_crc and crc32(data) != chunk.uncompressed_crc:
             self._note(offset, "a chunk has another checksum than its header says")
             return None
         return data
 
-    def _read_summary(self, file: BinaryIO) -> dict[int, int] | None:
-        """Read channels and message counts from the end of the file; None if they are not all there."""
+    def _read_summary(self, file: BinaryIO) -> bool:
+        """Read channels and message counts from the end of the file; False if they are not all there."""
         from mcap.exceptions import McapError
         from mcap.reader import SeekingReader
 
@@ -181,30 +155,25 @@ class McapStream:
         try:
             summary = SeekingReader(file, record_size_limit=self._bytes).get_summary()
         except (McapError, OSError, ValueError, MemoryError, *_BROKEN):
-            return None  # a file without a sound end is read from its beginning instead
+            return False  # a file without a sound end is read from its beginning instead
         if summary is None or summary.statistics is None or summary.statistics.channel_count != len(summary.channels):
-            return None
-        counts = dict(summary.statistics.channel_message_counts)
-        if sum(counts.values()) != summary.statistics.message_count:
-            return None
-        self._channels.update(summary.channels)
-        self._schemas.update(summary.schemas)
-        return counts
+            return False
+        self._counts = dict(summary.statistics.channel_message_counts)
+        self._channels, self._schemas = summary.channels, summary.schemas
+        return sum(self._counts.values()) == summary.statistics.message_count
 
-    def _scan(self) -> dict[int, int]:
+    def _scan(self) -> None:
         """Read the whole file for its channels and the number of their messages."""
-        counts: dict[int, int] = {}
+        self._channels, self._schemas, self._counts = {}, {}, {}
         for opcode, offset, record in self._records():
             if opcode == _CHUNK:
-                data = self._decompress(record, offset)
-                self._count_chunk(data or b"", counts, offset)
+                self._scan_chunk(self._decompress(record, offset) or b"", offset)
             elif opcode == _MESSAGE:
-                counts[record.channel_id] = counts.get(record.channel_id, 0) + 1
+                self._counts[record.channel_id] = self._counts.get(record.channel_id, 0) + 1
             else:
                 self._learn(opcode, record)
-        return counts
 
-    def _count_chunk(self, data: bytes, counts: dict[int, int], offset: int) -> None:
+    def _scan_chunk(self, data: bytes, offset: int) -> None:
         position = 0
         while position + _RECORD_START.size <= len(data):
             opcode, length = _RECORD_START.unpack_from(data, position)
@@ -216,7 +185,7 @@ class McapStream:
                     self._note(offset, f"a record is broken: {error}")
             position += length
         for block in _find_messages(data, None)[0]:
-            counts[block.key] = counts.get(block.key, 0) + len(block)
+            self._counts[block.key] = self._counts.get(block.key, 0) + len(block)
 
     def _learn(self, opcode: int, record: Any) -> None:  # noqa: ANN401
         known: dict[int, Any] = self._channels if opcode == _CHANNEL else self._schemas
@@ -289,18 +258,9 @@ def _run(data: bytes, position: int, length: int) -> Block:
     return Block(int(heads["channel"][0]), heads["log_time"][:run].astype(np.int64), data, start, size)
 
 
-def read(path: Path, options: ReadOptions) -> Recording:
-    """Read the joint states of an MCAP file."""
-    stream = McapStream(path)
-    recording = read_messages(path, stream, options)
-    return replace(recording, serial=serial_in(stream.notes))
+read, topics = partial(read_messages, McapStream), partial(topics_of, McapStream)
 
 
 def recognises(path: Path) -> bool:
     """Return True if the file begins as MCAP does."""
     return starts_with(path, MAGIC)
-
-
-def topics(path: Path) -> tuple[Topic, ...]:
-    """List the topics of an MCAP file."""
-    return topics_of(path, McapStream(path))

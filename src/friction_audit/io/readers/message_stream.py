@@ -1,12 +1,13 @@
 """Messages as containers hand them over: decompressed, in blocks, with their clocks."""
 
-from collections.abc import Callable, Collection, Iterator, Sequence
-from contextlib import contextmanager
+from abc import abstractmethod
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from math import inf
 from pathlib import Path
-from typing import BinaryIO, Protocol
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -163,19 +164,49 @@ class Damage:
     reason: str
 
 
-class MessageStream(Protocol):
-    """What every container offers; ``damage`` is complete once all blocks have been read."""
+class MessageStream(AbstractContextManager["MessageStream"]):
+    """An open container of messages.
 
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Connections in the file."""
+    Attributes:
+        connections: Connections in the file.
+        notes: What the file says of its own by name; complete, as ``damage`` is, once all blocks have been read.
+        stated: Number of messages of each topic that a file next to it states.
+        is_lasting: False if what it reads is deleted when it is closed.
+    """
+
+    connections: tuple[Connection, ...]
+    is_lasting = True
+    stated: Mapping[str, int] = {}
+
+    def __init__(self, path: Path) -> None:
+        """Open the file; InputError if nothing in it can be read."""
+        self._path, self._bytes = path, path.stat().st_size
+        self._damage: dict[int | str, Damage] = {}
+        self.notes: Mapping[str, str] = {}
+
+    def __exit__(self, *_: object) -> None:
+        """Keep nothing: files are open only while they are read."""
+        return None  # noqa: RET501
 
     @property
     def damage(self) -> tuple[Damage, ...]:
         """What was found broken so far."""
+        return tuple(self._damage.values())
 
+    @abstractmethod
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some connections, in the order of the file; the window may be exceeded."""
+
+    def _note(self, byte: int | None, reason: str, whole: int | None = None) -> None:
+        self._damage[reason if byte is None else byte] = Damage(byte, whole or self._bytes, reason)
+
+    def _unpack(self, offset: int, compression: str, packed: bytes, claimed: int, *, cut: bool) -> bytes | None:
+        """Return the records of the chunk at an offset, None if they cannot be decompressed."""
+        try:
+            return unpack(compression, packed, claimed, cut=cut)
+        except UnpackError as error:
+            self._note(offset, f"a chunk cannot be decompressed: {error}")
+            return None
 
 
 class BlockCollector:
@@ -238,13 +269,22 @@ _TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header sta
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MessageClock:
-    """The clock chosen: name, t from its smallest value [s], its reading at t = 0, and that if it is Unix time."""
+    """The clock chosen."""
 
     name: str
-    t: Float
-    origin_s: float
-    start_s: float | None
+    t: Float  # time from its smallest value [s]
+    origin_s: float  # its reading at t = 0 [s]
+    start_s: float | None  # that, if it is Unix time [s]
     findings: tuple[Finding, ...]
+    first: Any  # its smallest value, in its own unit
+    per_second: float  # of the robot's own time, as it is written
+
+    def time_of(self, log_time: Int, stamp: Int | None, robot_time: Float | None) -> Float:
+        """Return t of other messages."""
+        if self.name == "robot_time":
+            return np.asarray(np.asarray(robot_time) / self.per_second - self.first)
+        raw = log_time if stamp is None or self.name == "log_time" else stamp
+        return np.asarray((raw - self.first) / _NANOSECONDS)
 
 
 def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> MessageClock:
@@ -256,6 +296,7 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
         robot_time: The robot's own clock, if there is one. [s]
     """
     robot_time, findings = (None, []) if robot_time is None else _in_seconds(robot_time, log_time)
+    per_second = float(findings[0].amount or 1.0) if findings else 1.0
     # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
     offered = {
         "robot_time": None if robot_time is None else robot_time - np.min(robot_time),
@@ -275,7 +316,9 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
     source = stamp if chosen == "header_stamp" and stamp is not None else log_time
     start_s = float(source.min()) / _NANOSECONDS
     unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
-    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings))
+    first = {"robot_time": robot_time, "header_stamp": stamp, "log_time": log_time}[chosen]
+    assert first is not None
+    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first.min(), per_second)
 
 
 def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]:

@@ -4,7 +4,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from math import prod
@@ -17,18 +17,21 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
-from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
+from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.readers.table import ColumnTable, Part, read_table
-from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
+from friction_audit.io.readers.table import Part, part_in_blocks, read_table
+from friction_audit.io.readers.time_column import TimeColumn
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import Finding
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time")
 _ZIP_MAGIC = b"PK"
 _CHUNK_BYTES = 8 << 20
 _NAMES_BYTES = 1 << 20
+_BLOCK_ROWS = 1 << 16
+_NAME_LENGTHS = 26  # where they are in the header of an entry
 # What NumPy and the zip module raise on a damaged archive.
 _DAMAGED = (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, SyntaxError, OSError, EOFError,
             LookupError, OverflowError, ValueError, RuntimeError)  # fmt: skip
@@ -49,6 +52,11 @@ class Entry:
         """Numbers per row."""
         return prod(self.shape[1:])
 
+    @property
+    def is_mapped(self) -> bool:
+        """Whether its columns lie one after the other in the file, as they are."""
+        return self.by_column and self.info.compress_type == zipfile.ZIP_STORED
+
 
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read a NumPy archive."""
@@ -56,63 +64,53 @@ def read(path: Path, options: ReadOptions) -> Recording:
         return read_table(NpzTable(path, archive), options)
 
 
-class NpzTable(ColumnTable):
+class NpzTable(ArrayTable):
     """The arrays of an archive; pickled ones are never unpacked."""
 
     may_be_long = False
 
     def __init__(self, path: Path, archive: zipfile.ZipFile) -> None:
         self._archive = archive
-        entries, self._damage = _entries(archive, path)
-        self._tables = {name: e for name, e in entries.items() if e.dtype.kind in "fiu" and e.width <= MOST_JOINTS}
-        self._cells: list[tuple[str, int | None]] = []
-        for name, entry in self._tables.items():  # panda-py keeps scalars as vectors of length 1
-            self._cells += [(name, None)] if entry.width == 1 else [(name, i) for i in range(entry.width)]
-        super().__init__(path, [name if element is None else f"{name}[{element}]" for name, element in self._cells])
+        entries, damage = _entries(archive, path)
+        self._entries = {name: entry for name, entry in entries.items() if entry.dtype.kind in "fiu"}
+        super().__init__(path, self._entries, damage)
         named = entries.get("joint_names")
         if named is not None and named.dtype.kind == "U" and named.info.file_size <= _NAMES_BYTES:
             self.joint_names = [str(name) for name in _array(archive, named).ravel()]
-        wide = {name for name, entry in self._tables.items() if entry.width == len(self.joint_names) > 1}
-        places = enumerate(self._cells)
-        self.labels = {cell: self.joint_names[e] for cell, (name, e) in places if e is not None and name in wide}
-        self.clock = _PANDA_PY_CLOCK if self._tables.keys() >= _PANDA_PY else None
+        joints = len(self.joint_names)
+        wide = {name for name, entry in self._entries.items() if entry.width == joints > 1}
+        self.labels = {cell: self.joint_names[j] for cell, (name, j) in enumerate(self._cells) if name in wide}
+        self.clock = _PANDA_PY_CLOCK if self._entries.keys() >= _PANDA_PY else None
 
-    def findings(self) -> tuple[Finding, ...]:
-        """Return the arrays that are damaged."""
-        return self._damage
+    def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+        """Return an array as (n, k), in the rows of a mask or in all."""
+        return _array(self._archive, self._entries[name], rows)
 
-    def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of samples, and the bytes that these arrays take in the file."""
-        time = self._cells[columns.time.cells[0]][0]
-        samples = self._tables[time].shape[0]
-        wanted = {self._cells[cell][0] for cells in columns.channels.values() for cell in cells}
-        for name in sorted(wanted):
-            if (shape := self._tables[name].shape)[0] != samples:
-                raise InputError(
-                    f"{self.path}: {name} has shape {shape}, time has {samples} samples; expected one row per sample; "
-                    "save it transposed or cut to the same length"
-                )
-        return samples, sum(self._tables[name].info.compress_size for name in {time, *wanted})
+    def packed_bytes(self, name: str) -> int:
+        """Return the bytes that an array takes in the file."""
+        return self._entries[name].info.compress_size
 
-    def read_clock(self, time: TimeColumn) -> Clock:
-        """Read all stamps."""
-        name, element = self._cells[time.cells[0]]
-        stamps = _array(self._archive, self._tables[name])[:, element or 0]
-        raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
-        return to_clock(raw, time.unit, path=str(self.path))
+    def in_blocks(self, columns: ColumnMap) -> Part | None:
+        """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""
+        cells = [*columns.time.cells, *(cell for own in columns.channels.values() for cell in own)]
+        wanted = {self._cells[cell][0]: self._entries[self._cells[cell][0]] for cell in cells}
+        for entry in wanted.values():
+            if entry.is_mapped:
+                with self._archive.open(entry.info) as stream:  # a map says nothing of a wrong checksum
+                    while stream.read(_CHUNK_BYTES):
+                        pass
+            elif entry.by_column:
+                return None
 
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
-        """Read the channels, in the rows of a mask or in all; one array at a time is in memory as a whole."""
-        channels: dict[str, Float] = {}
-        for channel, cells in columns.channels.items():
-            channels[channel] = np.empty((len(clock.t), len(cells)), order="F")
-            arrays: dict[str, NDArray[Any]] = {}
-            for joint, cell in enumerate(cells):
-                name, element = self._cells[cell]
-                if name not in arrays:
-                    arrays = {name: _array(self._archive, self._tables[name], rows)}
-                channels[channel][:, joint] = arrays[name][:, element or 0]
-        return Part(clock=clock, channels=channels)
+        def pieces(cells: Sequence[int]) -> Iterator[dict[int, NDArray[Any]]]:
+            names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
+            with _opened(self.path) as archive:
+                for chunks in zip(*(_chunks(archive, self._entries[name]) for name in names), strict=True):
+                    arrays = dict(zip(names, chunks, strict=True))
+                    yield {cell: arrays[self._cells[cell][0]][:, self._cells[cell][1]] for cell in cells}
+
+        rows = self._entries[self._cells[columns.time.cells[0]][0]].shape[0]
+        return part_in_blocks(columns, columns.time.unit, rows, pieces, str(self.path))
 
 
 @contextmanager
@@ -189,6 +187,25 @@ def _array(archive: zipfile.ZipFile, entry: Entry, rows: NDArray[np.bool_] | Non
         while stream.read(_CHUNK_BYTES):
             pass
     return numbers
+
+
+def _chunks(archive: zipfile.ZipFile, entry: Entry) -> Iterator[NDArray[Any]]:
+    """Yield the rows of an array, (m, k), in pieces that are alike for all arrays of one length."""
+    samples, width = entry.shape[0], entry.width
+    starts = range(0, samples, _BLOCK_ROWS)
+    if entry.is_mapped:
+        with Path(str(archive.filename)).open("rb") as file:
+            file.seek(entry.info.header_offset + _NAME_LENGTHS)  # of the name and of the extra field that follow
+            place = file.tell() + 4 + sum(struct.unpack("<HH", file.read(4))) + entry.offset
+        numbers = np.memmap(str(archive.filename), entry.dtype, "r", place, (samples, width), order="F")
+        yield from (numbers[start : start + _BLOCK_ROWS] for start in starts)
+        return
+    with archive.open(entry.info) as stream:
+        _read_exactly(stream, entry.offset)
+        for start in starts:
+            rows = min(_BLOCK_ROWS, samples - start)
+            content = _read_exactly(stream, rows * width * entry.dtype.itemsize)
+            yield np.frombuffer(content, entry.dtype).reshape(rows, width)
 
 
 def _read_exactly(stream: IO[bytes], size: int) -> bytes:

@@ -16,16 +16,12 @@ from friction_audit.io.readers.message_stream import (
     Block,
     BlockCollector,
     Connection,
-    Damage,
-    UnpackError,
+    MessageStream,
     Window,
     bound_of,
     open_log,
-    unpack,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import ReadOptions, Topic
-from friction_audit.io.recording import Recording
 
 _MAGIC = b"#ROSBAG V2.0\n"
 _MESSAGE, _BAG_HEADER, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
@@ -54,7 +50,7 @@ class Chunk:
     unfinished: bool = False
 
 
-class Rosbag1Stream:
+class Rosbag1Stream(MessageStream):
     """The messages in a ROS 1 bag of version 2.0.
 
     The records are walked from the start of the file instead of through the index at its end: that reads bags that
@@ -63,30 +59,23 @@ class Rosbag1Stream:
 
     def __init__(self, path: Path) -> None:
         """Find chunks and connections; InputError if this is no such bag, or nothing in it is whole."""
-        self._path = path
-        self._damage: dict[int, Damage] = {}
+        super().__init__(path)
         self._connections: dict[int, dict[str, bytes]] = {}
         self._counts: dict[int, int] = {}
         self._chunks: list[Chunk] = []
         self._times: dict[int, tuple[int, int]] = {}
         self._uncounted: list[Chunk] = []
         with open_log(path) as file:
-            self._bytes = file.seek(0, 2)
-            file.seek(0)
             _check_magic(path, file.readline(64), self._bytes)
             self._survey(file)
         if self._damage or self._uncounted or not self._connections:
             self._search_chunks()
         if self._damage and not self._connections:
             raise InputError(
-                f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole message; "
-                "nothing can be saved; copy it again or record again"
+                f"{path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first whole "
+                "message; nothing can be saved; copy it again or record again"
             )
-
-    @property
-    def connections(self) -> tuple[Connection, ...]:
-        """Connections of the bag."""
-        return tuple(
+        self.connections = tuple(
             Connection(
                 key=key,
                 topic=header["topic"].decode(errors="replace"),
@@ -98,11 +87,6 @@ class Rosbag1Stream:
             )
             for key, header in self._connections.items()
         )
-
-    @property
-    def damage(self) -> tuple[Damage, ...]:
-        """What was found broken so far."""
-        return tuple(self._damage.values())
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some connections, chunk by chunk; chunks outside the window are passed over."""
@@ -178,14 +162,7 @@ class Rosbag1Stream:
         """Return the records of a chunk, or None if it is damaged."""
         file.seek(chunk.offset)
         packed = file.read(chunk.size)
-        try:
-            return unpack(chunk.compression, packed, chunk.claimed, cut=chunk.unfinished)
-        except UnpackError as error:
-            self._note(chunk.offset, f"a chunk cannot be decompressed: {error}")
-            return None
-
-    def _note(self, offset: int, reason: str) -> None:
-        self._damage[offset] = Damage(offset, self._bytes, reason)
+        return self._unpack(chunk.offset, chunk.compression, packed, chunk.claimed, cut=chunk.unfinished)
 
 
 def _check_magic(path: Path, first_line: bytes, size: int) -> None:
@@ -348,11 +325,4 @@ def recognises(path: Path) -> bool:
     return starts_with(path, b"#ROSBAG V")
 
 
-def read(path: Path, options: ReadOptions) -> Recording:
-    """Read the joint states of a ROS 1 bag."""
-    return read_messages(path, Rosbag1Stream(path), options)
-
-
-def topics(path: Path) -> tuple[Topic, ...]:
-    """List the topics of a ROS 1 bag."""
-    return topics_of(path, Rosbag1Stream(path))
+read, topics = partial(read_messages, Rosbag1Stream), partial(topics_of, Rosbag1Stream)

@@ -2,20 +2,18 @@
 
 import re
 from collections.abc import Collection, Iterator, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import METADATA, STORAGES, starts_with
-from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.readers.mcap import MAGIC, McapStream
 from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream, copy_of_cut
-from friction_audit.io.recording import Recording
 
 _COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _NUMBER = re.compile(r"_\d+$")
@@ -27,28 +25,25 @@ _COPIED_BYTES = 1 << 20
 _LARGEST_METADATA = 16 << 20  # recorders write some hundred bytes for each topic [byte]
 
 
-class SeveralFiles:
+class Rosbag2Stream(MessageStream):
     """The storage files of one bag, one after the other; connections are numbered through."""
 
-    def __init__(self, streams: Sequence[MessageStream]) -> None:
-        """Number the connections through and give each type the definition that any of the files has for it."""
-        self._streams = streams
+    def __init__(self, path: Path, streams: Sequence[MessageStream], metadata: Sequence[str]) -> None:
+        """Give each type the definition that any of the files has for it."""
+        super().__init__(path)
+        self._streams, self.stated, self.notes = streams, _stated_counts(metadata), _custom_data(metadata)
         known = {c.type: c for stream in streams for c in stream.connections if c.definition}
-        self._place: list[tuple[int, int]] = []
-        connections = []
-        for index, stream in enumerate(streams):
-            for connection in stream.connections:
-                source = known.get(connection.type, connection)
-                connections.append(
-                    replace(
-                        connection,
-                        key=len(self._place),
-                        definition=source.definition,
-                        definition_format=source.definition_format,
-                    )
-                )
-                self._place.append((index, connection.key))
-        self.connections = tuple(connections)
+        self._places = [(stream, connection.key) for stream in streams for connection in stream.connections]
+        connections = (connection for stream in streams for connection in stream.connections)
+        self.connections = tuple(
+            replace(
+                connection,
+                key=key,
+                definition=known.get(connection.type, connection).definition,
+                definition_format=known.get(connection.type, connection).definition_format,
+            )
+            for key, connection in enumerate(connections)
+        )
 
     @property
     def damage(self) -> tuple[Damage, ...]:
@@ -57,10 +52,30 @@ class SeveralFiles:
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some connections, file by file."""
-        for index, stream in enumerate(self._streams):
-            numbers = {own: key for key, (file, own) in enumerate(self._place) if file == index and key in keys}
+        for stream in self._streams:
+            numbers = {own: key for key, (place, own) in enumerate(self._places) if place is stream and key in keys}
             for block in stream.blocks(list(numbers), window) if numbers else ():
-                yield Block(numbers[block.key], block.log_time, block.buffer, block.start, block.size)
+                yield replace(block, key=numbers[block.key])
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[MessageStream]:
+    """Open all storage files of a bag; what had to be decompressed is kept as long."""
+    with ExitStack() as stack:
+        metadata, files = _metadata(path), _storage_files(path)
+        compressed = [file for file in files if file.suffix in _COMPRESSED_SUFFIXES]
+        folder = Path(stack.enter_context(TemporaryDirectory())) if compressed else None
+        streams, is_lasting = list[MessageStream](), True
+        for packed in files:  # by what it holds; by its name if it holds neither
+            file = _decompress_file(packed, folder) if folder and packed in compressed else packed
+            is_sqlite = starts_with(file, SQLITE_MAGIC)
+            is_mcap = starts_with(file, MAGIC) or (file.suffix == ".mcap" and not is_sqlite)
+            copy = None if is_mcap else copy_of_cut(file, stack)
+            streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file, copy))
+            is_lasting &= file is packed and copy is None
+        stream = Rosbag2Stream(path, streams, metadata)
+        stream.is_lasting = is_lasting
+        yield stream
 
 
 def _storage_files(path: Path) -> list[Path]:
@@ -111,20 +126,6 @@ def _by_number(name: str) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
 
 
-def _open(path: Path, stack: ExitStack) -> MessageStream:
-    """Open all storage files of a bag; what had to be decompressed is kept until the stack is closed."""
-    files = _storage_files(path)
-    compressed = [file for file in files if file.suffix in _COMPRESSED_SUFFIXES]
-    folder = Path(stack.enter_context(TemporaryDirectory())) if compressed else None
-    whole = (_decompress_file(file, folder) if folder and file in compressed else file for file in files)
-    streams: list[MessageStream] = []
-    for file in whole:  # by what it holds; by its name if it holds neither
-        is_sqlite = starts_with(file, SQLITE_MAGIC)
-        is_mcap = starts_with(file, MAGIC) or (file.suffix == ".mcap" and not is_sqlite)
-        streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file, copy_of_cut(file, stack)))
-    return streams[0] if len(streams) == 1 else SeveralFiles(streams)
-
-
 def _decompress_file(path: Path, folder: Path) -> Path:
     import zstandard
 
@@ -161,12 +162,7 @@ def recognises(path: Path) -> bool:
         return False
 
 
-def read(path: Path, options: ReadOptions) -> Recording:
-    """Read the joint states of a ROS 2 bag."""
-    lines = _metadata(path)
-    with ExitStack() as stack:
-        recording = read_messages(path, _open(path, stack), options, _stated_counts(lines))
-    return replace(recording, serial=serial_in(_custom_data(lines)))
+read, topics = partial(read_messages, _opened), partial(topics_of, _opened)
 
 
 def _metadata(folder: Path) -> list[str]:
@@ -207,9 +203,3 @@ def _custom_data(lines: Sequence[str]) -> dict[str, str]:
     begin = next((number for number, line in enumerate(lines, 1) if "custom_data:" in line), len(lines))
     notes = (line.partition(":") for line in lines[begin:] if line[:1] in (" ", "\t"))
     return {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in notes}
-
-
-def topics(path: Path) -> tuple[Topic, ...]:
-    """List the topics of a ROS 2 bag."""
-    with ExitStack() as stack:
-        return topics_of(path, _open(path, stack))

@@ -22,7 +22,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
     Block,
     Connection,
-    Damage,
+    MessageStream,
     UnpackError,
     Window,
     block_of_payloads,
@@ -141,7 +141,7 @@ _LAST_ID = 2**63 - 1
 Row = tuple[int, int, bytes]  # id, time stamp and content of a message
 
 
-class Sqlite3Stream:
+class Sqlite3Stream(MessageStream):
     """The messages in one sqlite3 storage file."""
 
     def __init__(self, path: Path, database: Path | None = None) -> None:
@@ -149,9 +149,8 @@ class Sqlite3Stream:
 
         InputError if this is no sqlite3 storage of a ROS 2 bag, or too little of it is left.
         """
-        self._path = path
+        super().__init__(path)
         self._database = database or path
-        self._damage: dict[str, Damage] = {}
         self._last_sound = _LAST_ID
         with open_log(path) as file:
             header = file.read(HEADER_BYTES)
@@ -160,9 +159,8 @@ class Sqlite3Stream:
                 f"{path}: {'does not begin as an SQLite file' if header else 'is empty'}; expected the sqlite3 storage "
                 "of a ROS 2 bag; check the file's type and that it was copied whole"
             )
-        self._bytes = path.stat().st_size
         if database is not None:
-            self._note("the file is cut off there", self._bytes, stated_bytes(header))
+            self._note(self._bytes, "the file is cut off there", stated_bytes(header))
         try:
             if database is not None:
                 query = "SELECT CAST(rootpage AS INTEGER) FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
@@ -172,11 +170,6 @@ class Sqlite3Stream:
                 self.connections = self._read_connections(opened)
         except _DATABASE_ERRORS as error:
             raise self._broken(error) from error
-
-    @property
-    def damage(self) -> tuple[Damage, ...]:
-        """What was found broken so far."""
-        return tuple(self._damage.values())
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some topics, one topic after the other."""
@@ -222,7 +215,7 @@ class Sqlite3Stream:
             except _DATABASE_ERRORS as error:
                 at, broken = at + 1, broken + 1
                 if self._database == self._path:
-                    self._note(f"{error}; the messages on whole pages were read")
+                    self._note(None, f"{error}; the messages on whole pages were read")
             else:
                 return
         self._last_sound = at - broken - 1
@@ -236,7 +229,7 @@ class Sqlite3Stream:
             pass  # the rows are looked at one by one
         sound = [(time, own) for _, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None]
         if len(sound) < len(rows):
-            self._note("messages without time stamp or bytes, or with broken compression, were left out")
+            self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
         return block_of_payloads(key, *zip(*sound, strict=True)) if sound else None
 
     def _connect(self) -> sqlite3.Connection:
@@ -248,9 +241,6 @@ class Sqlite3Stream:
         # No message is larger than its file, unless an expression in the table's definition makes it.
         database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(max(self._bytes, LARGEST_PAGE), _LARGEST_MESSAGE))
         return database
-
-    def _note(self, reason: str, byte: int | None = None, whole: int | None = None) -> None:
-        self._damage[reason] = Damage(byte, whole or self._bytes, reason)
 
     def _broken(self, error: Exception | str) -> InputError:
         return InputError(

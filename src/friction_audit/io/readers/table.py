@@ -2,7 +2,7 @@
 
 import re
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
@@ -19,14 +19,14 @@ from friction_audit.io.readers.columns import (
     ColumnMap,
     doubt_torque,
     map_columns,
-    map_long_columns,
 )
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
-from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part
+from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part, to_clock
 from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float
 
+_NANOSECONDS = 1_000_000_000
 _RADIANS_PER_DEGREE = np.pi / 180.0
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
 
@@ -85,8 +85,7 @@ class ColumnTable(Table):
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
-        plain = options.as_recorded and not columns.degrees and columns.joint is None
-        if options.in_blocks and plain and rows * row_bytes > IN_BLOCKS_BYTES:
+        if may_be_in_blocks(columns, options, rows * row_bytes):
             refuse_bomb(self.path, rows * row_bytes, packed)
             part = self.in_blocks(columns)
             if part is not None:
@@ -124,6 +123,42 @@ class ColumnTable(Table):
         return self.read_rows(columns, self.read_clock(columns.time), None)
 
 
+def may_be_in_blocks(columns: ColumnMap, options: ReadOptions, size: int) -> bool:
+    """Return True if a table whose numbers take so many bytes is to be read in blocks, and its numbers are plain."""
+    plain = options.as_recorded and not columns.degrees and columns.joint is None
+    return options.in_blocks and plain and size > IN_BLOCKS_BYTES
+
+
+Pieces = Callable[[Sequence[int]], Iterator[dict[int, NDArray[Any]]]]
+"""Yields some columns of a table, by position, in one piece after the other; the first stamps come first."""
+
+
+def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Pieces, path: str) -> Part:
+    """Read the first stamps, which say what the clock is, and return how blocks are read."""
+    time = columns.time
+    first = _stamps(next(pieces(time.cells)), time)
+    origin = first[:1].tolist()[0]
+    clock = to_clock(first.copy(), unit, path=path)
+
+    def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+        wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
+        for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
+            t = to_clock(_stamps(piece, time), clock.unit, path=path, origin=origin).t
+            arrays = {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
+            yield t, arrays
+
+    nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
+    blocks = Blocks(rows=rows, read=read)
+    return Part(clock=replace(clock, t=np.empty(0)), channels=nothing, blocks=blocks)
+
+
+def _stamps(piece: Mapping[int, NDArray[Any]], time: TimeColumn) -> NDArray[Any]:
+    own = [piece[cell] for cell in time.cells]
+    kind = np.int64 if len(own) > 1 or own[0].dtype.kind in "iu" else np.float64
+    stamps: NDArray[Any] = own[0].astype(kind)
+    return stamps if len(own) == 1 else stamps * _NANOSECONDS + own[1].astype(kind)
+
+
 def read_table(table: Table, options: ReadOptions) -> Recording:
     """Read the recording in a table.
 
@@ -138,17 +173,20 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
     mapping = options.mapping
     if options.partial:  # what another file of the log has is looked for there
         mapping = {channel: name for channel, name in mapping.items() if not absent({channel: name}, table.names)}
-    needed = () if options.partial else REQUIRED
-    columns = map_long_columns(table.names, path=path, mapping=mapping, needed=needed) if table.may_be_long else None
-    if columns is None:
-        labels, constant = table.labels, table.constant
-        try:
-            columns = map_columns(
-                table.names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed
-            )
-        except InputError as error:
-            damage = (finding.message for finding in table.findings())
-            raise InputError("; ".join((str(error), *damage))) from error
+    try:
+        columns = map_columns(
+            table.names,
+            path=path,
+            mapping=mapping,
+            labels=table.labels,
+            constant=table.constant,
+            arm=arm,
+            needed=() if options.partial else REQUIRED,
+            may_be_long=table.may_be_long,
+        )
+    except InputError as error:
+        damage = (finding.message for finding in table.findings())
+        raise InputError("; ".join((str(error), *damage))) from error
     if table.clock is not None and table.clock.name == columns.time.name:
         columns = replace(columns, time=replace(table.clock, cells=columns.time.cells))
     part = table.read(columns, options)
@@ -191,9 +229,10 @@ def _with_stated(recording: Recording, table: Table) -> Recording:
 
 def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: str) -> tuple[ColumnMap, Part]:
     """Bring a long table to one row per time; rows of times that some joint lacks are left out."""
-    import pandas as pd
+    import pyarrow as pa
 
-    codes, labels = pd.factorize(joint, sort=False)
+    coded = pa.array(joint, from_pandas=True).dictionary_encode()
+    codes, labels = coded.indices.fill_null(-1).to_numpy(), coded.dictionary.to_pylist()
     if len(labels) > MOST_JOINTS:
         raise InputError(
             f"{path}: the column of joints holds {len(labels)} names; expected at most {MOST_JOINTS} joints; "

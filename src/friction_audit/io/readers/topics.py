@@ -41,17 +41,10 @@ class Candidate:
         return tuple(name for name in self.kind.fields if any(name in row.channels for row in self.rows))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Choice:
-    """The topic chosen, the joints of the arm chosen, and what to say about it."""
-
-    candidate: Candidate
-    joints: tuple[str, ...]
-    findings: tuple[Finding, ...] = ()
-
-
-def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str | None) -> Choice:
-    """Choose the topic to read.
+def choose_topic(
+    path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str | None
+) -> tuple[Candidate, tuple[str, ...], tuple[Finding, ...]]:
+    """Return the topic to read, the joints of the arm to read, and what to say about the choice.
 
     Raises:
         InputError: If there is nothing to read, or the topic wanted is not there.
@@ -60,7 +53,7 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
     if wanted is not None:
         name, _, arm = wanted.partition("#")
         candidate = _named(path, candidates, topics, name)
-        return Choice(candidate, _arm_joints(path, candidate, arm))
+        return candidate, _arm_joints(path, candidate, arm), ()
     measured = [c for c in candidates if c.arms and not _NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
     if not measured:
         raise InputError(_nothing_to_read(path, candidates, topics))
@@ -70,7 +63,7 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
         message = f"{path}: several arms in one log; choose one with {_choices(measured)}"
         raise SeveralLogsError(message, _best_of_each_arm(measured))
     best = min(measured, key=_preference)
-    return Choice(best, _arm_joints(path, best, ""), _others_finding(best, [c for c in measured if c is not best]))
+    return best, _arm_joints(path, best, ""), _others_finding(best, [c for c in measured if c is not best])
 
 
 def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:

@@ -45,7 +45,9 @@ def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
 
 def _write_npz(log: JointLog, path: Path) -> None:
     """Write one array of shape (n, j) per channel; ``time`` is in milliseconds and has shape (n, 1)."""
-    arrays: dict[str, Any] = {"time": np.round(log.t * 1000.0, 6)[:, np.newaxis], **log.channels()}
+    # Row by row, so that a reader gets all joints of a part at once.
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(array) for name, array in log.channels().items()}
+    arrays["time"] = np.round(log.t * 1000.0, 6)[:, np.newaxis]
     with path.open("wb") as stream:
         np.savez_compressed(stream, joint_names=np.array(log.joint_names), **arrays)
 

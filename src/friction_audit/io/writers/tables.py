@@ -1,9 +1,9 @@
 """What a writer is, and the columns of a log as tables have them."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +15,6 @@ from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
-    from pyarrow.csv import CSVWriter
-    from pyarrow.parquet import ParquetWriter
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -90,56 +88,50 @@ def tidy_columns(log: JointLog) -> dict[str, ColumnOf]:
 # Columns that every table of joints begins with.
 HEAD: dict[str, type] = {"joint": int, "name": str}
 
+Lot = Mapping[str, Column]  # columns by name, all of one length
+
 
 def write_table(table: TidyTable, path: Path, kind: str) -> None:
     """Write a table of joints as CSV or Parquet (a row group per joint)."""
-    types = HEAD | dict(table.types)
-    _write(_batches(table, csv_text if kind == "csv" else encodable), types, path, kind)
+    write_rows(HEAD | dict(table.types), _lots(table), path, kind)
 
 
-def write_rows(types: Mapping[str, type], lots: Iterable[Mapping[str, Sequence[Any]]], path: Path, kind: str) -> None:
+def write_rows(types: Mapping[str, type], lots: Iterable[Lot], path: Path, kind: str) -> None:
     """Write columns of numbers, words and flags, None where there is nothing, as CSV or Parquet.
 
     Args:
         types: What is in each column: ``str``, ``int``, ``float`` or ``bool``.
-        lots: Columns by name, all of one length; of the rows that follow, the same columns.
+        lots: The rows, lot by lot.
         path: Where to.
         kind: ``"csv"``: numbers in the shortest form that reads back to the bit, an empty cell for none; ``"parquet"``.
     """
-    import pyarrow as pa
+    from pyarrow.csv import CSVWriter
+    from pyarrow.parquet import ParquetWriter
 
-    text, schema = csv_text if kind == "csv" else encodable, _schema(types)
-    batches = (
-        pa.record_batch([_array(lot[name], schema.field(name).type, text) for name in types], schema=schema)
-        for lot in lots
-    )
-    _write(batches, types, path, kind)
+    schema = _schema(types)
+    with path.open("wb") as file:  # opened here: Arrow takes no name of a file that is not UTF-8
+        if kind == "csv":
+            writer = CSVWriter(file, schema)
+        else:
+            writer = ParquetWriter(file, schema, compression="zstd", write_page_checksum=True)
+        with writer:
+            for batch in _batches(schema, lots, csv_text if kind == "csv" else encodable):
+                writer.write_batch(batch)
 
 
 def to_frame(table: TidyTable) -> "pd.DataFrame":
     """Return a table as a pandas frame; NaN or None where there is nothing."""
     import pyarrow as pa
 
-    types = HEAD | dict(table.types)
-    frame: pd.DataFrame = pa.Table.from_batches(_batches(table, encodable), _schema(types)).to_pandas()
+    schema = _schema(HEAD | dict(table.types))
+    frame: pd.DataFrame = pa.Table.from_batches(_batches(schema, _lots(table), encodable), schema).to_pandas()
     return frame
 
 
-def _write(batches: "Iterable[pa.RecordBatch]", types: Mapping[str, type], path: Path, kind: str) -> None:
-    schema = _schema(types)
-    # Opened here: Arrow takes no name of a file that is not UTF-8.
-    with path.open("wb") as file, _writer(file, schema, kind) as writer:
-        for batch in batches:
-            writer.write_batch(batch)
-
-
-def _writer(file: BinaryIO, schema: "pa.Schema", kind: str) -> "CSVWriter | ParquetWriter":
-    from pyarrow.csv import CSVWriter
-    from pyarrow.parquet import ParquetWriter
-
-    if kind == "csv":
-        return CSVWriter(file, schema)
-    return ParquetWriter(file, schema, compression="zstd", write_page_checksum=True)
+def _lots(table: TidyTable) -> Iterator[Lot]:
+    for rows in table.rows:
+        if n := len(rows):
+            yield {"joint": np.full(n, rows.joint), "name": [rows.name] * n, **rows.columns}
 
 
 def _schema(types: Mapping[str, type]) -> "pa.Schema":
@@ -149,20 +141,15 @@ def _schema(types: Mapping[str, type]) -> "pa.Schema":
     return pa.schema([(name, kinds[kind]) for name, kind in types.items()])
 
 
-def _batches(table: TidyTable, write_text: Callable[[str], str]) -> "Iterator[pa.RecordBatch]":
+def _batches(schema: "pa.Schema", lots: Iterable[Lot], write_text: Callable[[str], str]) -> "Iterator[pa.RecordBatch]":
     import pyarrow as pa
 
-    schema = _schema(HEAD | dict(table.types))
-    for rows in table.rows:
-        if len(rows):
-            number = pa.repeat(pa.scalar(rows.joint, pa.int64()), len(rows))
-            columns = [_array(rows.columns[name], schema.field(name).type, write_text) for name in table.types]
-            yield pa.record_batch([number, pa.repeat(write_text(rows.name), len(rows)), *columns], schema=schema)
-
-
-def _array(column: Column, kind: "pa.DataType", write_text: Callable[[str], str]) -> "pa.Array":
-    import pyarrow as pa
-
-    if pa.types.is_string(kind):
-        return pa.array([None if text is None else write_text(text) for text in column], type=kind)
-    return pa.array(column, type=kind, from_pandas=True)
+    for lot in lots:
+        columns = []
+        for field in schema:
+            column, is_text = lot[field.name], pa.types.is_string(field.type)
+            if is_text:
+                written = {text: None if text is None else write_text(text) for text in set(column)}
+                column = [written[text] for text in column]
+            columns.append(pa.array(column, type=field.type, from_pandas=None if is_text else True))
+        yield pa.record_batch(columns, schema=schema)

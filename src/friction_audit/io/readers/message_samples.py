@@ -1,0 +1,177 @@
+"""The values of some joints in messages, block by block, and as arrays."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.io.readers.columns import MOST_JOINTS
+from friction_audit.io.readers.joint_names import numbered_joints
+from friction_audit.io.readers.message_decoder import MessageDecoder
+from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, row_of
+from friction_audit.io.readers.message_layout import BlockDecoder, Layout, Records
+from friction_audit.io.readers.message_stream import Block, Int
+from friction_audit.joint_log import Float
+
+_NANOSECONDS = 10**9
+_CLOCKS = ("stamp", "robot_time")  # of the source, where it has them
+_SMALLEST_CAPACITY = 1024
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Piece:
+    """Values of some joints in n messages that follow each other."""
+
+    log_time: Int  # time at which each message was recorded [ns]
+    stamp: Int | None  # time stamp of the source, None if not every message has one [ns]
+    robot_time: Float | None  # the robot's own clock, None if not every message has it [s]
+    channels: Mapping[str, Sequence[NDArray[Any]]]  # channel -> a column per joint
+
+
+class JointSamples:
+    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order.
+
+    Attributes:
+        rows: Number of samples so far.
+        count: Number of those that are kept.
+    """
+
+    def __init__(self, joints: int, channels: Iterable[str], expected: int, *, every: int = 1) -> None:
+        """Make room for the number of samples expected, which grows with the pieces; keep one of so many."""
+        room = max(expected // every, _SMALLEST_CAPACITY)
+        self.rows = self.count = 0
+        self.channels = {name: np.empty((room, joints), order="F") for name in channels}
+        self._times: dict[str, NDArray[Any]] = {name: np.empty(room, np.int64) for name in ("log_time", "stamp")}
+        self._times["robot_time"] = np.empty(room)
+        self._absent: set[str] = set()
+        self._every = every
+
+    def add(self, piece: Piece) -> None:
+        """Append a piece."""
+        kept = slice(-self.rows % self._every, None, self._every)
+        rows = slice(self.count, self.count + len(piece.log_time[kept]))
+        if rows.stop > len(self._times["log_time"]):
+            self.resize(max(rows.stop, 2 * rows.start))
+        self.rows, self.count = self.rows + len(piece.log_time), rows.stop
+        for name, array in self.channels.items():
+            for joint, column in enumerate(piece.channels[name]):
+                array[rows, joint] = column[kept]
+        for name, times in self._times.items():
+            if (own := getattr(piece, name)) is None:
+                self._absent.add(name)
+            else:
+                times[rows] = own[kept]
+
+    def resize(self, rows: int) -> None:
+        """Move everything, one array at a time; memory that was never written to costs nothing."""
+        for arrays in (self.channels, self._times):
+            for name, old in arrays.items():
+                new = np.empty((rows, *old.shape[1:]), old.dtype, order="F")
+                new[: self.count] = old[: self.count]
+                arrays[name] = new
+
+    @property
+    def times(self) -> tuple[Int, Int | None, Float | None]:
+        """Time of recording, time stamp of the source, the robot's own clock; None if a piece has none."""
+        log_time, *others = (array[: self.count] for array in self._times.values())
+        stamp, robot_time = (None if name in self._absent else one for name, one in zip(_CLOCKS, others, strict=True))
+        return log_time, stamp, robot_time
+
+
+class JointDecoder:
+    """Decodes blocks of one topic to the values of some joints.
+
+    Attributes:
+        joints: Their names.
+        undecodable: Messages that do not fit their definition.
+        incomplete: Messages that lack some of the joints.
+    """
+
+    def __init__(
+        self,
+        joints: tuple[str, ...],
+        channels: Sequence[str],
+        kind: MessageKind,
+        decoders: Mapping[int, MessageDecoder],
+    ) -> None:
+        self.undecodable = self.incomplete = 0
+        self.joints, self._channels, self._kind, self._decoders = joints, channels, kind, decoders
+        self._paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths]
+        self._paths += [kind.robot_time] if kind.robot_time else []
+        self._fast: dict[int, BlockDecoder] = {}
+        self._columns: dict[tuple[str, ...], NDArray[np.intp]] = {}
+
+    def decode(self, block: Block) -> Piece:
+        """Decode by the layout in use, or by that of the block's own first message; else message by message."""
+        known = self._fast.get(block.key)
+        records = known.decode(block) if known else None
+        if records is None and (known := self._block_decoder(block)) is not None:
+            records = known.decode(block)
+        if known is None or records is None:
+            return self.of_messages(block)
+        self._fast[block.key] = known
+        return self._of_records(records, known.layout, block) or self.of_messages(block)
+
+    def _block_decoder(self, block: Block) -> BlockDecoder | None:
+        layout = self._decoders[block.key].layout(block.payload(0))
+        if layout is None or any(path not in layout.numbers for path in self._paths):
+            return None
+        return BlockDecoder(layout, block.payload(0), tuple(dict.fromkeys(self._paths)))
+
+    def _columns_of(self, names: tuple[str, ...]) -> NDArray[np.intp]:
+        """Return, for each joint, its index in a message with these names, or -1 where it lacks the joint."""
+        columns = self._columns.get(names)
+        if columns is None:
+            place = {name: index for index, name in reversed(list(enumerate(names)))}
+            columns = self._columns[names] = np.array([place.get(joint, -1) for joint in self.joints], np.intp)
+        return columns
+
+    def _of_records(self, records: Records, layout: Layout, block: Block) -> Piece | None:
+        """View records of constant layout; None if their arrays do not fit their names."""
+        kind = self._kind
+        names = layout.strings.get(kind.names, ()) if kind.names else ()
+        if not any(names):
+            counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
+            names = numbered_joints(max(counts))
+        columns, fields = self._columns_of(names), {name: records[kind.fields[name]] for name in self._channels}
+        if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):
+            return None
+        stamp = None
+        if kind.stamps:
+            seconds, nanoseconds = kind.stamp_paths
+            stamp = records[seconds][:, 0].astype(np.int64) * _NANOSECONDS + records[nanoseconds][:, 0]
+        robot_time = records[kind.robot_time][:, 0] if kind.robot_time else None
+        channels = {name: [field[:, column] for column in columns] for name, field in fields.items()}
+        return Piece(block.log_time, stamp, robot_time, channels)
+
+    def of_messages(self, block: Block) -> Piece:
+        """Decode message by message, with the library's decoder; one that holds none of the joints is passed over."""
+        decoder, found = self._decoders[block.key], list[tuple[int, Row, NDArray[np.intp]]]()
+        for index, log_time in enumerate(block.log_time.tolist()):
+            try:
+                row = row_of(decoder.decode(block.payload(index)), self._kind)
+            except UndecodableError:
+                self.undecodable += 1
+                continue
+            columns = self._columns_of(row.names) if len(row.names) <= MOST_JOINTS else None
+            if columns is None:
+                self.undecodable += 1
+                continue
+            self.incomplete += bool((columns < 0).any() and (columns >= 0).any())
+            if (columns >= 0).any():
+                found.append((log_time, row, columns))
+        arrays = {name: np.full((len(self.joints), len(found)), np.nan) for name in self._channels}
+        for at, (_, row, columns) in enumerate(found):
+            for name, array in arrays.items():
+                values = row.channels.get(name, np.empty(0))
+                there = (columns >= 0) & (columns < len(values))
+                array[there, at] = values[columns[there]]
+        stamps, times = [row.stamp for _, row, _ in found], [row.robot_time for _, row, _ in found]
+        return Piece(
+            np.array([log_time for log_time, *_ in found], np.int64),
+            None if None in stamps else np.array(stamps, np.int64),
+            None if None in times else np.array(times, np.float64),
+            {name: list(array) for name, array in arrays.items()},
+        )

@@ -1,0 +1,117 @@
+"""A log of every format whose reader has blocks gives in blocks what it gives in memory, whatever the blocks."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers import ReadOptions, read_log
+from friction_audit.io.readers.reader import InBlocks
+from friction_audit.io.writers.write_log import write_log
+from friction_audit.joint_log import JointLog, Source
+from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting.estimate import estimate_document
+from tests.io.synthetic_recordings import motion
+from tests.io.test_in_blocks import assert_same
+
+FORMS = {
+    "csv": "run.csv",
+    "csv-rostopic": "run.csv",
+    "npz": "run.npz",
+    "mcap": "run.mcap",
+    "mcap-json": "run.mcap",
+    "mcap-franka-robot-state": "run.mcap",
+    "rosbag1-joint-state": "run.bag",
+    "rosbag2-sqlite3": "run",
+}
+
+
+@pytest.fixture(scope="module")
+def log() -> JointLog:
+    """Return a log of seven joints with a gap of 0.3 s."""
+    arrays = {name: np.delete(array, slice(3000, 3300), axis=0) for name, array in motion(6000, 7).items()}
+    arrays["tau_J"] += 0.02 * np.random.default_rng(0).standard_normal(arrays["q"].shape)
+    names = tuple(f"panda_joint{j}" for j in range(1, 8))
+    source = Source(path="made", sha256="0" * 64, format="made", robot="panda", start_s=1.7e9)
+    return JointLog(**arrays, joint_names=names, source=source)
+
+
+def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
+    """Read logs of any size in blocks of about so many rows."""
+    for module in ("table", "messages"):
+        patch.setattr(f"friction_audit.io.readers.{module}.IN_BLOCKS_BYTES", 0)
+    for module in ("npz", "messages"):
+        patch.setattr(f"friction_audit.io.readers.{module}._BLOCK_ROWS", rows)
+    patch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 400 * rows)
+
+
+def assert_in_blocks(path: Path, blocks: int) -> None:
+    usual, log = read_log(path), read_log(path, InBlocks())
+    assert isinstance(log, LogInBlocks)
+    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
+    assert replace(log.source, clock_windows=0) == replace(usual.source, clock_windows=0)
+    parts = list(log.blocks())
+    assert len(parts) >= blocks
+    np.testing.assert_allclose(np.concatenate([part.t for part in parts]), usual.t, rtol=0, atol=1e-9)
+    for channel, array in usual.channels().items():
+        np.testing.assert_array_equal(np.concatenate([part.channels()[channel] for part in parts]), array)
+    settings = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
+    found, expected = (estimate_document(estimate_log(one, settings)) for one in (log, usual))
+    assert_same(found, expected)
+
+
+@pytest.mark.parametrize(("dialect", "rows"), [*((dialect, 333) for dialect in FORMS), ("mcap", 3001), ("csv", 3001)])
+def test_blocks_are_the_whole(
+    log: JointLog, tmp_path: Path, dialect: str, rows: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cut_into(rows, monkeypatch)
+    write_log(log, tmp_path / FORMS[dialect], dialect=dialect)
+    assert_in_blocks(tmp_path / FORMS[dialect], blocks=2)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_an_archive_that_is_not_compressed(
+    log: JointLog, tmp_path: Path, order: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cut_into(1000, monkeypatch)
+    arrays = {name: np.asarray(array, order=order) for name, array in log.channels().items()}
+    np.savez(tmp_path / "run.npz", time=log.t, joint_names=np.array(log.joint_names), **arrays)  # type: ignore[arg-type]
+    assert_in_blocks(tmp_path / "run.npz", blocks=5)
+
+
+@pytest.mark.parametrize("fault", ["word", "missing", "blank line", "cut"])
+def test_a_text_table_with_a_fault_is_read_at_once(
+    log: JointLog, tmp_path: Path, fault: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cut_into(1000, monkeypatch)
+    path = tmp_path / "run.csv"
+    write_log(log, path)
+    lines = path.read_text().splitlines()
+    line = lines[4000].split(",")
+    faults = {"word": [*line[:3], "oops", *line[4:]], "missing": [*line[:3], "", *line[4:]], "blank line": []}
+    lines[4000] = ",".join(faults.get(fault, line))
+    lines[-1] = ",".join(lines[-1].split(",")[:5]) if fault == "cut" else lines[-1]
+    path.write_text("\n".join(lines) + "\n")
+    usual, found = read_log(path), read_log(path, InBlocks())
+    assert not isinstance(found, LogInBlocks)
+    assert found.source == usual.source
+    np.testing.assert_array_equal(found.dq, usual.dq)
+
+
+def test_the_numbers_of_a_damaged_archive_are_refused(
+    log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cut_into(1000, monkeypatch)
+    path = tmp_path / "run.npz"
+    np.savez(path, time=log.t, **log.channels())  # type: ignore[arg-type]
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0xFF
+    path.write_bytes(content)
+    for options in (ReadOptions(), InBlocks()):
+        with pytest.raises(InputError, match="damaged NumPy archive"):
+            read_log(path, options)
