@@ -7,7 +7,6 @@ import numpy as np
 
 from friction_audit.diagnosis import residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.procedure import State, accepted, nominal, sizes
 from friction_audit.diagnosis.result import ResidualCheck, Verdict
 from friction_audit.diagnosis.validation import Gain, gains
@@ -116,7 +115,7 @@ def _stable(state: State) -> None:
         unsteady = [
             b
             for b in state.active
-            if state.folds[b.name] < selection.LEAST_FOLDS * FOLDS
+            if state.folds[b.name] < selection.LEAST_FOLDS * state.problem.folds
             or residual_checks.competing_structure(state.gram, state.active, b)
         ]
         if not unsteady:

@@ -10,7 +10,6 @@ from friction_audit.diagnosis.conclusion import Conclusion, Named, conclude
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.forward_gap import gap_in_motion
 from friction_audit.diagnosis.gram import Training
-from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.procedure import State, nominal, select
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, Traces, Verdict
@@ -29,6 +28,7 @@ FEWEST_CYCLES = 6
 ALPHA = 0.05  # family-wise error of the detection limit
 POWER_Z = 1.28  # normal quantile of 90 % power
 COMPETING_SHOWN = 6
+SIMULATED = 5  # one of so many folds is simulated forward
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -88,7 +88,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
         found = _result(subject, state, conclude(state, settings.min_effect_nm), settings)
     except (AnalysisError, np.linalg.LinAlgError) as error:
         return _unanswered(subject, "not_testable", str(error))
-    test = np.unique(state.problem.samples.cycle[state.problem.fold == 0])
+    test = np.unique(state.problem.samples.cycle[SIMULATED * state.problem.fold < state.problem.folds])
     known = subject.known_inertia_kg_m2
     found = replace(
         found, simulation=gap_in_motion(found, subject.model, subject.data, test, known_inertia_kg_m2=known)
@@ -188,7 +188,7 @@ def _effect(
         friction_share=one.friction_share,
         residual_share=min(one.size_nm**2 * len(torque) / max(power, 1e-300), 1.0),
         grade=one.grade,
-        folds=FOLDS,
+        folds=problem.folds,
         chosen_in=one.folds,
         not_identifiable=numbers[1],
     )

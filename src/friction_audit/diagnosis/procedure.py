@@ -19,11 +19,11 @@ from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
-LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
+CYCLES_BESIDE_CHANGE = 4
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
 
@@ -65,7 +65,8 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]
     state = _state(problem, dictionary, nuisances, noise, numbers)
     for _ in range(2):
-        state.gram.add(dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active)))
+        orders = dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active))
+        state.gram.add([*orders, *_change_point(state)])
         state.active = state.search.run(state.active)
         if not state.active:
             return state
@@ -78,6 +79,34 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     state.active = _identifiable(state)
     _settle_links(state)
     return state
+
+
+def _change_point(state: State) -> list[Block]:
+    """A step of friction at the best of all moments (R. E. Quandt, J. Am. Stat. Assoc. 55 (1960) 324).
+
+    The likelihood falls within a few samples of the change, so that no descent from a grid ends there
+    (effects_friction_step_70004: a ramp, and a contact in its place).
+    """
+    steps = [b for b in state.dictionary.blocks if b.name == "friction_step"]
+    cycles, cycle = np.unique(state.problem.samples.cycle, return_inverse=True)
+    inside = (cycle >= CYCLES_BESIDE_CHANGE) & (cycle < len(cycles) - CYCLES_BESIDE_CHANGE)
+    if not steps or not inside.any():
+        return []
+    data, gram = state.problem.data, state.gram
+    given = selection.Projected(state.search.training, [b for b in state.active if b.name != "friction_step"])
+    white = gram.whiten(state.problem.columns(np.column_stack([data.way, data.dq])))
+    rows = np.vstack([given.left, given.basis, white])[:, np.argsort(gram.order)]
+    # Products of the part of each column from a moment on: rows are innovations in the order of time.
+    later = np.cumsum((rows[-2:, None] * rows)[..., ::-1], axis=-1)[..., ::-1]
+    right, along, own = later[:, 0], later[:, 1:-2], later[:, -2:]
+    free = (own - np.einsum("ibm,jbm->ijm", along, along)).transpose(2, 0, 1)[inside]
+    gain = np.einsum("im,mij,jm->m", right[:, inside], np.linalg.pinv(free, hermitian=True), right[:, inside])
+    moment = float(state.problem.samples.t[inside][np.argmax(gain)])
+    at_once = min(b.shape["step_length_s"] for b in steps)
+    found = state.dictionary.build_blocks(steps[0].effect, [{"step_time_s": moment, "step_length_s": at_once}])
+    for block in found:
+        block.log_prior, block.numbers = -float(np.log(len(cycles))), steps[0].numbers
+    return found
 
 
 def _settle_links(state: State) -> None:
@@ -187,7 +216,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
                 ),
                 default=0.0,
             )
-            stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= max(lacks, LEAST_SHARE * left)
+            stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= max(lacks, selection.LEAST_SHARE * left)
             strengths.append(np.inf if stands else found[k].z)
         if not np.isfinite(min(strengths)):
             break

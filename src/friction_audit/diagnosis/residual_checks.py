@@ -13,7 +13,7 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.result import ResidualCheck
-from friction_audit.diagnosis.selection import INDISTINGUISHABLE, PRIOR, Projected, split
+from friction_audit.diagnosis.selection import INDISTINGUISHABLE, LEAST_SHARE, PRIOR, Projected, split
 from friction_audit.diagnosis.validation import held_out
 from friction_audit.effects.effect import Trait
 from friction_audit.joint_log import Float
@@ -70,15 +70,16 @@ def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:
 def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> str:
     """Quantity a curve over which replaces an effect, or a linear response to past motion; empty without one.
 
-    It has more evidence, its knots paid for, and leaves none for the effect: a formula that stands in for what
-    the catalogue lacks (outside_acceleration_friction_16002). A test of models that are not nested: R. Davidson,
-    J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part of many curves. So is
-    an effect part of a curve over its own quantity, unless it holds torque of the nominal model.
+    It has more evidence, its knots paid for, explains more than would be too small for a name, and leaves no evidence
+    for the effect: a formula that stands in for what the catalogue lacks (outside_acceleration_friction_16002). A test
+    of models that are not nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of
+    the position, is part of many curves. So is an effect part of a curve over its own quantity, unless it holds torque
+    of the nominal model.
     """
     if block.effect.exact or Trait.EVEN in block.effect.traits:
         return ""
     given, own = Projected(Training(gram), [b for b in active if b is not block]), gram.of(block)
-    evidence = given.evidence(own)
+    evidence, effect_rss = given.evidence(own), given.and_also(own).rss
     others = [
         (c.axis.name, [gram.whiten(c.columns)])
         for c in gram.problem.curves
@@ -86,7 +87,9 @@ def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> st
     ]
     for name, white in (*others, ("past motion", [gram.whiten(one) for one in gram.problem.responses])):
         found, best = _integrated(given, white)
-        if found >= evidence + INDISTINGUISHABLE and given.and_also(white[best]).evidence(own) < PRIOR:
+        other = given.and_also(white[best])
+        more = effect_rss - other.rss > LEAST_SHARE**2 * effect_rss
+        if more and found >= evidence + INDISTINGUISHABLE and other.evidence(own) < PRIOR:
             return name
     return ""
 
