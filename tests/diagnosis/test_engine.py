@@ -94,7 +94,7 @@ def test_an_effect_is_named_with_its_numbers_and_the_gap_closes() -> None:
         number = effect.parameters[name]
         assert number.low <= 0.1 <= number.high
         assert number.high - number.low < 0.1
-    assert (effect.chosen_in, effect.folds, effect.grade) == (5, 5, "minor")
+    assert (effect.chosen_in, effect.folds, effect.grade) == (10, 10, "minor")
     torque = rising(moved_joint())
     assert 0.3 * np.sqrt(np.mean(torque**2)) < effect.size_nm < np.sqrt(np.mean(torque**2))
     assert effect.p_value < 0.01

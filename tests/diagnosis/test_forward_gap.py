@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.forward_gap import gap_in_motion, simulate_cycles
+from friction_audit.diagnosis.augmented_model import gap_in_motion, simulate_cycles
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model

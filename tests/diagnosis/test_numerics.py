@@ -19,9 +19,8 @@ from friction_audit.diagnosis.nonlinear import refine
 from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
 from friction_audit.diagnosis.procedure import nominal
 from friction_audit.diagnosis.residual_checks import spectral_line
-from friction_audit.diagnosis.screening import wild_cluster_bootstrap
 from friction_audit.diagnosis.selection import occam
-from friction_audit.diagnosis.validation import held_out, measure_gap
+from friction_audit.diagnosis.validation import held_out, measure_gap, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effect_of
