@@ -19,6 +19,7 @@ from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
+LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
@@ -216,7 +217,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
                 ),
                 default=0.0,
             )
-            stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= max(lacks, selection.LEAST_SHARE * left)
+            stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= max(lacks, LEAST_SHARE * left)
             strengths.append(np.inf if stands else found[k].z)
         if not np.isfinite(min(strengths)):
             break

@@ -26,7 +26,6 @@ REFINED_AT_ONCE = 4
 LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
 SAME = 0.9  # correlation with a constant, from which the constant is a competing name
 MOST_EFFECTS = 8
-LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 TOLERANCE = 1e-6
 
 Refine = Callable[[Block, Sequence[Block]], Block | None]
