@@ -73,10 +73,10 @@ def _integrated(given: Projected, white: Sequence[Float]) -> tuple[float, int]:
 def competing_structure(gram: Gram, active: Sequence[Block], block: Block) -> str:
     """Quantity a curve over which replaces an effect, or a linear response to past motion; empty without one.
 
-    It has more evidence, its knots paid for, explains clearly more, and leaves no evidence for the effect: a formula that stands in for what the catalogue lacks (outside_acceleration_friction_16002). A test
-    of models that are not nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of
-    the position, is part of many curves. So is an effect part of a curve over its own quantity, unless it holds torque
-    of the nominal model.
+    It has more evidence, its knots paid for, explains clearly more, and leaves no evidence for the effect: a formula
+    that stands in for what the catalogue lacks (outside_acceleration_friction_16002). A test of models that are not
+    nested: R. Davidson, J. G. MacKinnon, Econometrica 49 (1981) 781. A constant, or a torque of the position, is part
+    of many curves. So is an effect part of a curve over its own quantity, unless it holds torque of the nominal model.
     """
     if block.effect.exact or Trait.EVEN in block.effect.traits:
         return ""
