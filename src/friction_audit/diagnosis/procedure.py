@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis import contact_events, intervals, residual_checks, selection
+from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise_model import NoiseModel
@@ -77,7 +77,6 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
         state.active = accepted(state, state.search.run(state.search.settle(state.active)))
         if [b.name for b in state.active] == names or not state.active:
             break
-    state.active = _identifiable(state)
     _settle_links(state)
     return state
 
@@ -118,22 +117,6 @@ def _settle_links(state: State) -> None:
         if moved is not None:
             state.gram.add([moved])
             state.active[k] = moved
-
-
-def _identifiable(state: State) -> list[Block]:
-    """The active set; an effect of whose nonlinear parameters the log shows none is in its simplest form."""
-    baseline, chosen = nominal(state.problem, state.search.training, state.active), []
-    found = intervals.of(state.gram, state.dictionary, state.active, baseline).not_identifiable
-    for block, unknown in zip(state.active, found, strict=True):
-        simple = [b for b in state.gram.blocks if b.effect is block.effect and len(b.shape) < len(block.shape)]
-        if simple and set(unknown) >= set(state.dictionary.bounds(block)):
-            gained, coefficients = state.search.training.gain([b for b in state.active if b is not block])
-            fits = {id(b): (g, b.possible(c)) for b, g, c in zip(state.gram.blocks, gained, coefficients, strict=True)}
-            able = [b for b in simple if fits[id(b)][1]]
-            chosen.append(max(able, key=lambda b: float(fits[id(b)][0]), default=block))
-        else:
-            chosen.append(block)
-    return chosen
 
 
 def _state(
