@@ -41,19 +41,8 @@ def moved_joint(
     torque = INERTIA_KG_M2 * ddq + COULOMB_NM * mean_sign(t, dq, ddq) + VISCOUS_NMS_PER_RAD * dq
     noise = noise_nm / NOISE_LEFT * np.random.default_rng(seed).standard_normal(len(t))
     data = JointData(
-        joint=0,
-        t=t,
-        q=q,
-        dq=dq,
-        ddq=ddq,
-        torque=torque + noise,
-        temperature=None,
-        others_dq=dq[:, None],
-        others_ddq=ddq[:, None],
-        others_torque=torque[:, None],
-        cycle=strokes.astype(np.int64),
-        moving=np.ones(len(t), bool),
-        valid=~ends,
-        dead_speed_rad_s=1e-4,
-    )
+        joint=0, t=t, q=q, dq=dq, ddq=ddq, torque=torque + noise, temperature=None,
+        others_dq=dq[:, None], others_ddq=ddq[:, None], others_torque=torque[:, None],
+        cycle=strokes.astype(np.int64), moving=np.ones(len(t), bool), valid=~ends, dead_speed_rad_s=1e-4,
+    )  # fmt: skip
     return data if missing is None else replace(data, torque=data.torque + missing(data))

@@ -1,13 +1,12 @@
 """The augmented model holds the nominal terms as fitted together with the effects, and the effects."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
 from friction_audit.diagnosis.augmented_model import augment_models
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
-from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, load_model, save_model
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import BIAS, DATA_FAULT, NAMED, NONE, STRIBECK, coefficient
 
@@ -26,18 +25,11 @@ def nominal_arm(*terms: FittedTerm) -> ArmModel:
     return ArmModel(names=LOG.joint_names, joints=(joint,) * 3)
 
 
-def test_a_missing_effect_is_a_term_and_the_rest_is_as_fitted_with_it() -> None:
+def test_a_missing_effect_is_a_term_the_rest_is_as_fitted_with_it_and_its_origin_is_stated() -> None:
     joint = augmented(NAMED).joints[0]
     assert joint is not None
-    assert joint.inertia_kg_m2 == 0.3
-    assert joint.values("coulomb") == (0.30,)
-    assert joint.values("viscous") == (0.07,)
+    assert (joint.inertia_kg_m2, joint.values("coulomb"), joint.values("viscous")) == (0.3, (0.30,), (0.07,))
     assert joint.values("stribeck") == (0.15, 0.1, 2.0)
-
-
-def test_it_says_where_it_comes_from() -> None:
-    joint = augmented(NAMED).joints[0]
-    assert joint is not None
     assert joint.provenance == Provenance(method="diagnose", log="run 1.csv", sha256="0" * 64, cycles=30)
 
 
@@ -81,9 +73,8 @@ def test_friction_below_zero_is_no_model_and_said() -> None:
 
 
 def test_friction_below_zero_that_may_be_zero_is_zero() -> None:
-    joint = augmented(
-        replace(NAMED, augmented=NAMED.augmented | {"viscous_nms_per_rad": coefficient(-0.01, 0.02)})
-    ).joints[0]
+    maybe = {**NAMED.augmented, "viscous_nms_per_rad": coefficient(-0.01, 0.02)}
+    joint = augmented(replace(NAMED, augmented=maybe)).joints[0]
     assert joint is not None
     assert joint.values("viscous") == (0.0,)
 
@@ -102,18 +93,6 @@ def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:
     assert result.model.joints[0] is not None
     assert result.model.joints[0].values("stribeck") is not None
     assert result.lacking == ((1, "poltergeist is no term of a model, so the augmented one lacks it"),)
-
-
-def test_it_reads_back_from_its_file(tmp_path: Path) -> None:
-    model = augmented(NAMED, NONE)
-    save_model(model, tmp_path / "model.toml")
-    assert load_model(tmp_path / "model.toml") == model
-
-
-@pytest.mark.parametrize("place", [0, 1, 2])
-def test_joints_are_found_by_their_number(place: int) -> None:
-    model = augmented(replace(NAMED, joint=place + 1))
-    assert [joint is not None for joint in model.joints].index(True) == place
 
 
 def test_numbers_that_a_nominal_term_lacks_are_lacking_in_the_augmented_one() -> None:

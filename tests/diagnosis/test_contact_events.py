@@ -68,16 +68,6 @@ def test_an_impulse_of_a_sample_is_separated_from_a_push() -> None:
     )
 
 
-def test_units_of_measurement_change_nothing() -> None:
-    problem = RegressionProblem.build(replace(MOTION, torque=noise(0.02) + box(30.0, 0.2, 0.2)), None)
-    in_nm, in_mnm = (
-        detect(problem, scale * problem.y, NoiseModel.fit(problem, [scale * problem.y], np.zeros(len(problem.y))))
-        for scale in (1.0, 1e3)
-    )
-    assert in_nm
-    assert in_nm == in_mnm
-
-
 def test_several_contacts_are_found_in_the_order_of_time() -> None:
     contacts = found(noise(0.01) + box(31.0, 0.4, -0.3) + box(10.0, 0.2, 0.5) + box(50.0, 0.2, 0.2))
     assert [round(one.start_s) for one in contacts] == [10, 31, 50]

@@ -9,6 +9,8 @@ from scipy.signal import butter, lfilter, sosfiltfilt
 
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.registry import effects
+from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
@@ -158,3 +160,19 @@ def test_only_names_that_were_asked_for_are_given() -> None:
     found = diagnosed(recorded("stribeck", duration_s=40.0), candidates=("torque_bias", "torque_drift"))
     assert {effect.name for effect in found.effects} <= {"torque_bias", "torque_drift"}
     assert found.verdict == "unexplained"
+
+
+def test_every_effect_may_be_asked_for() -> None:
+    names = tuple(candidate.name for candidate in effects())
+    assert DiagnosisSettings(candidates=names).candidates == names
+
+
+def test_an_effect_that_is_not_known_is_refused_with_those_that_are() -> None:
+    with pytest.raises(UsageError, match=r"candidates: friktion: expected some of stribeck, "):
+        DiagnosisSettings(candidates=("stribeck", "friktion"))
+
+
+@pytest.mark.parametrize("torque", [-0.1, float("inf"), float("nan")])
+def test_least_effect_is_a_torque(torque: float) -> None:
+    with pytest.raises(UsageError, match="expected a torque of zero or more"):
+        DiagnosisSettings(min_effect_nm=torque)

@@ -58,20 +58,12 @@ def heavier(factor: float) -> Callable[[Columns], Columns]:
     return lambda log: {**log, "tau_1": factor * log["tau_1"]}
 
 
-def turned(log: Columns) -> Columns:
-    return {name: column if name == "t" else -column for name, column in log.items()}
-
-
-def far_round(log: Columns) -> Columns:
-    return {**log, "q_1": log["q_1"] + 2.0**7}
-
-
-def by_the_wall_clock(log: Columns) -> Columns:
-    return {**log, "t": log["t"] + 1.7e9}
-
-
-def in_another_order(log: Columns) -> Columns:
-    return {name: log[name] for name in ("tau_1", "dq_1", "t", "q_1")}
+CHANGES: dict[str, Callable[[Columns], Columns]] = {
+    "turned": lambda log: {name: column if name == "t" else -column for name, column in log.items()},
+    "far round": lambda log: {**log, "q_1": log["q_1"] + 2.0**7},
+    "by the wall clock": lambda log: {**log, "t": log["t"] + 1.7e9},
+    "in another order": lambda log: {name: log[name] for name in ("tau_1", "dq_1", "t", "q_1")},
+}
 
 
 def numbers(found: JointDiagnosis, factor: float) -> dict[str, float]:
@@ -115,11 +107,11 @@ def test_joints_in_another_order_have_the_answers_of_one_alone(as_written: Joint
     [
         (heavier(2.0**-7), 2.0**-7, 1e-3),
         pytest.param(heavier(2.0**7), 2.0**7, 1e-3, marks=pytest.mark.thorough),
-        (turned, 1.0, 1e-3),
-        (far_round, 1.0, 1e-3),
+        (CHANGES["turned"], 1.0, 1e-3),
+        (CHANGES["far round"], 1.0, 1e-3),
         # Stamps of today are rounded to 0.2 us: a cycle may begin a sample sooner.
-        (by_the_wall_clock, 1.0, 2e-2),
-        (in_another_order, 1.0, 1e-9),
+        (CHANGES["by the wall clock"], 1.0, 2e-2),
+        (CHANGES["in another order"], 1.0, 1e-9),
     ],
 )
 def test_a_joint_written_down_otherwise_has_the_same_diagnosis(

@@ -5,7 +5,7 @@ from copy import copy
 
 import numpy as np
 
-from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -25,7 +25,6 @@ COLUMNS: dict[str, Callable[[JointData, Nonlinear], Float]] = {
     "bump": lambda data, at: np.exp(-(((data.q - at["place_rad"]) / at["width_rad"]) ** 2))[:, None],
     "wave": lambda data, at: np.column_stack([np.sin(at["rate"] * data.t), np.cos(at["rate"] * data.t)]),
     "square": lambda data, _: (data.dq * np.abs(data.dq))[:, None],
-    "step": lambda data, at: (np.sign(data.dq) * (data.t >= at["moment_s"]))[:, None],
     "locked_out": lambda data, _: (data.dq * np.abs(data.dq))[:, None],
 }
 
@@ -34,17 +33,15 @@ def _coefficients(units: Sequence[str]) -> tuple[Parameter, ...]:
     return tuple(Parameter(f"factor_{k}_{unit}", unit, "") for k, unit in enumerate(units, start=1))
 
 
-def altered(effect: Effect, *, units: Sequence[str] = (), traits: Trait = Trait.NONE, **changes: object) -> Effect:
+def altered(effect: Effect, *, units: Sequence[str] = (), **changes: object) -> Effect:
     """Return an effect with other attributes or methods; ``grid`` is given as its points."""
     other = copy(effect)
     if "grid" in changes:
         points = changes["grid"]
         changes["grid"] = lambda _data: points
     if units:
-        changes["coefficients"] = tuple(
-            Parameter(f"factor_{k}_{unit}", unit, "") for k, unit in enumerate(units, start=1)
-        )
-    for name, value in {**changes, "traits": effect.traits | traits}.items():
+        changes["coefficients"] = _coefficients(units)
+    for name, value in changes.items():
         object.__setattr__(other, name, value)
     return other
 
@@ -60,9 +57,5 @@ BUMP = toy(
 )  # fmt: skip
 WAVE = toy(Effect, "wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate": 0.5})
 SQUARE = toy(Effect, "square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
-STEP = toy(
-    Effect, "step", "friction changes at one moment", "time", ["nm"],
-    *({"moment_s": moment} for moment in (10.0, 20.0, 30.0, 40.0, 50.0)),
-)  # fmt: skip
 LOCKED_OUT = toy(Impossible, "locked_out", "what no log shows", "speed", ["nm"])
 TOYS = (BUMP, WAVE, SQUARE, LOCKED_OUT)

@@ -1,23 +1,21 @@
-"""One joint: from what was prepared to the result."""
+"""One joint: from what was prepared to the result, with what stands of the names, their sizes and the verdict."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis import intervals, profiles, screening
-from friction_audit.diagnosis.conclusion import Conclusion, Named, conclude
+from friction_audit.diagnosis import intervals, profiles, residual_checks, selection
+from friction_audit.diagnosis.augmented_model import gap_in_motion
 from friction_audit.diagnosis.data_audit import DataFinding, faults
-from friction_audit.diagnosis.forward_gap import gap_in_motion
-from friction_audit.diagnosis.gram import Training
-from friction_audit.diagnosis.problem import FOLDS
-from friction_audit.diagnosis.procedure import State, nominal, select
+from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.procedure import State, accepted, nominal, select, sizes
 from friction_audit.diagnosis.residual_checks import residual_of
-from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, Traces, Verdict
+from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
-from friction_audit.diagnosis.selection import split
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.diagnosis.validation import gap, held_out
+from friction_audit.diagnosis.validation import Gain, gains, gap, held_out, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, displacement
 from friction_audit.effects.joint_model import JointModel
@@ -29,6 +27,10 @@ FEWEST_CYCLES = 6
 ALPHA = 0.05  # family-wise error of the detection limit
 POWER_Z = 1.28  # normal quantile of 90 % power
 COMPETING_SHOWN = 6
+SIMULATED = 5  # one of so many folds is simulated forward
+NEGLIGIBLE = 0.01  # of the joint's friction torque, rms
+MINOR = 0.1
+ENOUGH = 0.5  # share of the explainable power that names must explain, or nothing holds
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -85,10 +87,11 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
             return _unanswered(
                 subject, "not_testable", "; ".join(dict.fromkeys(state.dictionary.not_testable.values()))
             )
-        found = _result(subject, state, conclude(state, settings.min_effect_nm), settings)
+        keep_stable(state)
+        found = _result(subject, state, settings)
     except (AnalysisError, np.linalg.LinAlgError) as error:
         return _unanswered(subject, "not_testable", str(error))
-    test = np.unique(state.problem.samples.cycle[state.problem.fold == 0])
+    test = np.unique(state.problem.samples.cycle[SIMULATED * state.problem.fold < state.problem.folds])
     known = subject.known_inertia_kg_m2
     found = replace(
         found, simulation=gap_in_motion(found, subject.model, subject.data, test, known_inertia_kg_m2=known)
@@ -107,7 +110,22 @@ def _unanswered(subject: Subject, verdict: Verdict, reason: str) -> JointDiagnos
     )
 
 
-def _result(subject: Subject, state: State, said: Conclusion, settings: DiagnosisSettings) -> JointDiagnosis:
+def keep_stable(state: State) -> None:
+    """Drop effects that too few of the folds choose, or that structure outside the catalogue replaces."""
+    while state.active:
+        state.folds = selection.shares_of_folds(state.gram, state.active, state.search.most_numbers)
+        unsteady = [
+            b
+            for b in state.active
+            if state.folds[b.name] < selection.LEAST_FOLDS * state.problem.folds
+            or residual_checks.competing_structure(state.gram, state.active, b)
+        ]
+        if not unsteady:
+            return
+        state.active = accepted(state, [b for b in state.active if b not in unsteady])
+
+
+def _result(subject: Subject, state: State, settings: DiagnosisSettings) -> JointDiagnosis:
     gram, problem, active = state.gram, state.problem, state.active
     closed, before, after = gap(gram, active)
     baseline = nominal(problem, state.search.training, active)
@@ -117,89 +135,131 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         if not active
         else intervals.of(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
     )
-    tests = screening.wild_cluster_bootstrap(gram, (), settings.seed)
-    last = screening.wild_cluster_bootstrap(gram, active, settings.seed) if active else tests
+    tests = wild_cluster_bootstrap(gram, (), settings.seed)
+    last = wild_cluster_bootstrap(gram, active, settings.seed) if active else tests
     first = profiles.profiles_of(problem, before.residual, tests)
     remaining = profiles.profiles_of(problem, after.residual, last) if active else first
-    numbers = dict(
-        zip([b.name for b in active], zip(estimates.effects, estimates.not_identifiable, strict=True), strict=True)
-    )
-    named, negligible = (
-        tuple(_effect(state, one, numbers[one.block.name], k, group) for k, one in enumerate(group))
-        for group in (said.named, said.negligible)
-    )
-    events = profiles.contact_effects(state, first)
-    limit = _detection_limit(state, after.rms)
-    slow = f"the residual follows the time, and this log cannot test slow effects: {said.lacking}"
+    named, negligible = _effects(state, estimates, settings.min_effect_nm)
+    checks = residual_checks.run(gram, active)
+    verdict, lacking = verdict_of(state, named, checks), _lacking(state, checks)
+    slow = f"the residual follows the time, and this log cannot test slow effects: {lacking}"
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
-        verdict=said.verdict,
-        reason=slow if said.verdict == "not_testable" else "",
-        effects=(*events, *named),
+        verdict=verdict,
+        reason=slow if verdict == "not_testable" else "",
+        effects=(*profiles.contact_effects(state, first), *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
         from_energy=subject.from_energy,
         gap=closed,
-        ladder=_ladder(state, said, closed.before, closed.floor),
+        ladder=(
+            ("nominal model", closed.before),
+            *((f"+ {one.name}", one.gap_after_nm) for one in named),
+            ("noise floor", closed.floor),
+        ),
         omnibus_p=tests.p_value,
         remaining_p=last.p_value,
-        detection_limit_nm=limit,
+        detection_limit_nm=_detection_limit(state, after.rms),
         profiles=first,
         remaining=remaining,
         untestable={k: v for k, v in state.dictionary.not_testable.items() if k not in {b.name for b in active}},
         findings=subject.findings,
         traces=_traces(state, before.residual, after.residual),
         negligible=negligible,
-        checks=said.checks,
-        remainder_share=said.remainder,
+        checks=checks,
+        remainder_share=max((check.share for check in checks), default=0.0),
         share_explained=_without_gravity(state, closed.floor),
     )
 
 
-def _effect(
-    state: State, one: Named, numbers: tuple[dict[str, Coefficient], tuple[str, ...]], k: int, group: Sequence[Named]
-) -> NamedEffect:
-    gram, problem, block = state.gram, state.problem, one.block
-    fit = Training(gram).fit(state.active)
-    torque = dict(zip(map(id, state.active), split(fit, state.active), strict=True))[id(block)] @ block.columns
-    left = residual_of(gram, state.active)
-    upto = [other.block for other in group[:k]]
-    before, after = (held_out(gram, some, replaced=state.active).rms for some in (upto, [*upto, block]))
-    curve = profiles.along_effect(problem, left + torque, block.effect.axis)
-    power = float(np.sum(residual_of(gram, ()) ** 2))
-    competing = (
-        Evidence(name=c.name, two_ln_bayes_factor=c.deficit, correlation=c.correlation)
-        for c in one.competing[:COMPETING_SHOWN]
-    )
-    return NamedEffect(
-        name=block.name,
-        label=block.effect.label,
-        alternatives=one.alternatives,
-        parameters=numbers[0],
-        p_value=one.gain.p_value,
-        evidence=(Evidence(name=block.name, two_ln_bayes_factor=0.0, correlation=1.0), *competing),
-        axis=block.effect.axis,
-        gap_before_nm=before,
-        gap_after_nm=after,
-        torque=torque,
-        curve=curve,
-        size_nm=one.size_nm,
-        friction_share=one.friction_share,
-        residual_share=min(one.size_nm**2 * len(torque) / max(power, 1e-300), 1.0),
-        grade=one.grade,
-        folds=FOLDS,
-        chosen_in=one.folds,
-        not_identifiable=numbers[1],
-    )
+def verdict_of(state: State, named: Sequence[NamedEffect], checks: Sequence[ResidualCheck]) -> Verdict:
+    """The one word."""
+    if not named:
+        if checks:
+            return "not_testable" if _lacking(state, checks) else "unexplained"
+        return "named" if state.contacts else "adequate"
+    # No torque of a named effect holds a spectral line, so that a line says nothing against a name.
+    remainder = max((c.share for c in checks if c.code != "line"), default=0.0)
+    before, after = (float(np.mean(residual_of(state.gram, a) ** 2)) for a in ((), state.active))
+    if before - after < ENOUGH * (before - after + remainder * after):
+        return "unexplained"
+    return "ambiguous" if any(one.alternatives for one in named) else "named"
 
 
-def _ladder(state: State, said: Conclusion, before: float, floor: float) -> tuple[tuple[str, float], ...]:
-    steps, blocks = [("nominal model", before)], []
-    for one in said.named:
-        blocks.append(one.block)
-        steps.append((f"+ {one.block.name}", held_out(state.gram, blocks, replaced=state.active).rms))
-    return (*steps, ("noise floor", floor))
+def _lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
+    """The motion that would test slow effects where the residual follows the time; empty elsewhere."""
+    if not checks or (checks[0].code, checks[0].along) != ("curve", "time"):
+        return ""
+    why = state.dictionary.not_testable
+    return next((why[e.name] for e in state.dictionary.effects if e.name in why and e.axis == "time"), "")
+
+
+class _Standing(NamedTuple):
+    block: Block
+    gain: Gain
+    size_nm: float
+    friction_share: float
+    grade: str
+
+
+def _effects(
+    state: State, estimates: intervals.Estimates, least_nm: float
+) -> tuple[tuple[NamedEffect, ...], tuple[NamedEffect, ...]]:
+    """Effects that count, and those that stand and are too small to count, the largest first."""
+    data, baseline = state.problem.data, nominal(state.problem, state.search.training, state.active)
+    friction = np.abs(baseline.coulomb_nm * data.way + baseline.viscous_nms_per_rad * data.dq)[data.used]
+    friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
+    standing = []
+    sized = zip(state.active, gains(state.gram, state.active), sizes(state.gram, state.active).tolist(), strict=True)
+    for block, gain, size in sorted(sized, key=lambda one: -one[2]):
+        share = size / friction_nm
+        grade = "negligible" if share < NEGLIGIBLE or size < least_nm else ("minor" if share < MINOR else "major")
+        standing.append(_Standing(block, gain, size, share, grade))
+    named, negligible = (
+        _ladder(state, estimates, [one for one in standing if (one.grade == "negligible") is small])
+        for small in (False, True)
+    )
+    return named, negligible
+
+
+def _ladder(state: State, estimates: intervals.Estimates, standing: Sequence[_Standing]) -> tuple[NamedEffect, ...]:
+    """Effects with what is left on held-out cycles before and after each of them is added to those before it."""
+    gram, problem, active = state.gram, state.problem, state.active
+    blocks = [one.block for one in standing]
+    steps = [held_out(gram, blocks[:k], replaced=active).rms for k in range(len(blocks) + 1)] if blocks else []
+    coefficients = selection.split(state.search.training.fit(active), active)
+    torques = {block.name: c @ block.columns for block, c in zip(active, coefficients, strict=True)}
+    numbers = dict(zip(torques, zip(estimates.effects, estimates.not_identifiable, strict=True), strict=True))
+    left, power = residual_of(gram, active), float(np.sum(residual_of(gram, ()) ** 2))
+    found = []
+    for one, before, after in zip(standing, steps, steps[1:], strict=False):
+        name, effect, torque = one.block.name, one.block.effect, torques[one.block.name]
+        competing = selection.competing_effects(state.search, active, one.block)
+        rivals = [(name, 0.0, 1.0), *((c.name, c.deficit, c.correlation) for c in competing[:COMPETING_SHOWN])]
+        found.append(
+            NamedEffect(
+                name=name,
+                label=effect.label,
+                alternatives=selection.indistinguishable(competing, one.block, active),
+                parameters=numbers[name][0],
+                p_value=one.gain.p_value,
+                evidence=tuple(Evidence(name=n, two_ln_bayes_factor=d, correlation=r) for n, d, r in rivals),
+                axis=effect.axis,
+                gap_before_nm=before,
+                gap_after_nm=after,
+                torque=torque,
+                curve=profiles.along_effect(problem, left + torque, effect.axis),
+                size_nm=one.size_nm,
+                friction_share=one.friction_share,
+                residual_share=min(one.size_nm**2 * len(torque) / max(power, 1e-300), 1.0),
+                grade=one.grade,
+                folds=problem.folds,
+                chosen_in=(state.folds or {}).get(name, 0),
+                not_identifiable=numbers[name][1],
+            )
+        )
+    return tuple(found)
 
 
 def _without_gravity(state: State, floor: float) -> float:

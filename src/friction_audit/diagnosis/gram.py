@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.diagnosis.dictionary import Block, fold_order
 from friction_audit.diagnosis.noise_model import NoiseModel
-from friction_audit.diagnosis.problem import FOLDS, Index, Nuisance, RegressionProblem
+from friction_audit.diagnosis.problem import Index, Nuisance, RegressionProblem
 from friction_audit.joint_log import Float
 
 COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
@@ -30,7 +30,7 @@ class Gram:
         """Whiten the nominal model; samples are put in the order of their folds."""
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
         self.order = fold_order(problem)
-        self.ends = np.searchsorted(problem.fold[self.order], np.arange(FOLDS + 1))
+        self.ends = np.searchsorted(problem.fold[self.order], np.arange(problem.folds + 1))
         self.sorted_noise = replace(noise, age=noise.age[self.order], weight=noise.weight[self.order])
         self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])
         self.precision = np.append(np.zeros(len(problem.X)), [1.0 / one.sd**2 for one in nuisances])
@@ -42,7 +42,9 @@ class Gram:
         self.used = 0
         self.own: list[Float] = []
         self._left: dict[object, Float] = {"y": self.transposed(self.y), "base": self.transposed(self.base)}
-        self.cross: dict[object, Float] = {key: np.empty((FOLDS, len(one), 0)) for key, one in self._left.items()}
+        self.cross: dict[object, Float] = {
+            key: np.empty((problem.folds, len(one), 0)) for key, one in self._left.items()
+        }
         self.version = 0
         self.add(blocks)
 
@@ -105,7 +107,7 @@ class Gram:
                 columns += block.p
 
     def _products(self, left: Float, blocks: Sequence[Block]) -> Float:
-        out = np.empty((FOLDS, len(left), sum(b.p for b in blocks)))
+        out = np.empty((self.problem.folds, len(left), sum(b.p for b in blocks)))
         first = 0
         for _, rows in self.chunks(blocks):
             for k, f in enumerate(self.slices):
@@ -163,12 +165,16 @@ class Training:
     """What some of the folds say: scores of all blocks given an active set."""
 
     gram: Gram
-    folds: tuple[int, ...] = tuple(range(FOLDS))
+    folds: tuple[int, ...] = ()
     _sums: dict[object, tuple[int, Float]] = field(default_factory=dict)
     _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
     _own: dict[tuple[str, int], tuple[int, list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]]] = field(
         default_factory=dict
     )
+
+    def __post_init__(self) -> None:
+        """Take all folds if none are given."""
+        self.folds = self.folds or tuple(range(self.gram.problem.folds))
 
     @property
     def samples(self) -> float:

@@ -196,7 +196,13 @@ def _local_maxima(points: Sequence[tuple[float, Block]], block: Block) -> list[t
 def _minimum(
     dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
 ) -> tuple[float, Block] | None:
-    """Cost, with the penalty of Schwarz, and block at the minimum next to a start."""
+    """Cost, with the penalty of Schwarz, and block at the minimum next to a start.
+
+    Where its torque jumps the cost has no slope: that parameter is found by Brent's line search first
+    (effects_unlogged_compensation_70003).
+    """
+    from scipy.optimize import minimize_scalar
+
     scale = Scale(dictionary, block)
     if not scale.names:
         return None
@@ -205,6 +211,9 @@ def _minimum(
     point = first = problem.at(scale, np.zeros(len(scale.names)))
     if not np.isfinite(point.cost):
         return None
+    for unit in np.eye(len(scale.names))[[name in block.effect.jumps for name in scale.names]]:
+        best = minimize_scalar(lambda x, unit=unit: problem.at(scale, x * unit).cost, bounds=(-1, 1), method="bounded")
+        point = min(first, problem.at(scale, float(best.x) * unit), key=lambda one: one.cost)
     for difference in (DIFFERENCE,) if kind is Projection else COARSE_TO_FINE:
         for _ in range(STEPS):
             better = _line_search(problem, scale, point, difference)

@@ -15,7 +15,7 @@ from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
-FOLDS = 5
+FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
 KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
 SIGN_WIDTHS_RAD_S = np.geomspace(
@@ -149,6 +149,11 @@ class RegressionProblem:
         )
 
     @property
+    def folds(self) -> int:
+        """Number of folds."""
+        return int(self.fold.max()) + 1
+
+    @property
     def y(self) -> Float:
         """Response, shape (m,). [N m]"""
         return self.nominal.y
@@ -240,13 +245,14 @@ class RegressionProblem:
 
 
 def folds_of(cycle: Index) -> Index:
-    """Fold of each sample, shape (m,): of every five cycles that follow each other one in each fold, in mixed order.
+    """Fold of each sample, shape (m,): of every ten cycles that follow each other one in each fold, in mixed order.
 
     The order is the same for every run: the answer depends on no draw.
     """
     numbers, place = np.unique(cycle, return_inverse=True)
     rng = np.random.default_rng(0)
-    blocks = [rng.permutation(FOLDS) for _ in range(0, len(numbers), FOLDS)]
+    folds = min(FOLDS, len(numbers))
+    blocks = [rng.permutation(folds) for _ in range(0, len(numbers), folds)]
     return np.concatenate(blocks)[place].astype(np.int64)
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis import contact_events, intervals, residual_checks, selection
+from friction_audit.diagnosis import contact_events, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise_model import NoiseModel
@@ -24,6 +24,7 @@ REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
+CYCLES_BESIDE_CHANGE = 4
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
 
@@ -65,7 +66,8 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]
     state = _state(problem, dictionary, nuisances, noise, numbers)
     for _ in range(2):
-        state.gram.add(dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active)))
+        orders = dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active))
+        state.gram.add([*orders, *_change_point(state)])
         state.active = state.search.run(state.active)
         if not state.active:
             return state
@@ -75,9 +77,36 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
         state.active = accepted(state, state.search.run(state.search.settle(state.active)))
         if [b.name for b in state.active] == names or not state.active:
             break
-    state.active = _identifiable(state)
     _settle_links(state)
     return state
+
+
+def _change_point(state: State) -> list[Block]:
+    """A step of friction at the best of all moments (R. E. Quandt, J. Am. Stat. Assoc. 55 (1960) 324).
+
+    The likelihood falls within a few samples of the change, so that no descent from a grid ends there
+    (effects_friction_step_70004: a ramp, and a contact in its place).
+    """
+    steps = [b for b in state.dictionary.blocks if b.name == "friction_step"]
+    cycles, cycle = np.unique(state.problem.samples.cycle, return_inverse=True)
+    inside = (cycle >= CYCLES_BESIDE_CHANGE) & (cycle < len(cycles) - CYCLES_BESIDE_CHANGE)
+    if not steps or not inside.any():
+        return []
+    data, gram = state.problem.data, state.gram
+    given = selection.Projected(state.search.training, [b for b in state.active if b.name != "friction_step"])
+    white = gram.whiten(state.problem.columns(np.column_stack([data.way, data.dq])))
+    rows = np.vstack([given.left, given.basis, white])[:, np.argsort(gram.order)]
+    # Products of the part of each column from a moment on: rows are innovations in the order of time.
+    later = np.cumsum((rows[-2:, None] * rows)[..., ::-1], axis=-1)[..., ::-1]
+    right, along, own = later[:, 0], later[:, 1:-2], later[:, -2:]
+    free = (own - np.einsum("ibm,jbm->ijm", along, along)).transpose(2, 0, 1)[inside]
+    gain = np.einsum("im,mij,jm->m", right[:, inside], np.linalg.pinv(free, hermitian=True), right[:, inside])
+    moment = float(state.problem.samples.t[inside][np.argmax(gain)])
+    at_once = min(b.shape["step_length_s"] for b in steps)
+    found = state.dictionary.build_blocks(steps[0].effect, [{"step_time_s": moment, "step_length_s": at_once}])
+    for block in found:
+        block.log_prior, block.numbers = -float(np.log(len(cycles))), steps[0].numbers
+    return found
 
 
 def _settle_links(state: State) -> None:
@@ -88,22 +117,6 @@ def _settle_links(state: State) -> None:
         if moved is not None:
             state.gram.add([moved])
             state.active[k] = moved
-
-
-def _identifiable(state: State) -> list[Block]:
-    """The active set; an effect of whose nonlinear parameters the log shows none is in its simplest form."""
-    baseline, chosen = nominal(state.problem, state.search.training, state.active), []
-    found = intervals.of(state.gram, state.dictionary, state.active, baseline).not_identifiable
-    for block, unknown in zip(state.active, found, strict=True):
-        simple = [b for b in state.gram.blocks if b.effect is block.effect and len(b.shape) < len(block.shape)]
-        if simple and set(unknown) >= set(state.dictionary.bounds(block)):
-            gained, coefficients = state.search.training.gain([b for b in state.active if b is not block])
-            fits = {id(b): (g, b.possible(c)) for b, g, c in zip(state.gram.blocks, gained, coefficients, strict=True)}
-            able = [b for b in simple if fits[id(b)][1]]
-            chosen.append(max(able, key=lambda b: float(fits[id(b)][0]), default=block))
-        else:
-            chosen.append(block)
-    return chosen
 
 
 def _state(

@@ -18,7 +18,7 @@ from friction_audit.diagnosis.result import (
     Profile,
     Traces,
 )
-from friction_audit.diagnosis.screening import Screening
+from friction_audit.diagnosis.validation import Screening
 from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float

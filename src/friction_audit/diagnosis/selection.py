@@ -14,11 +14,10 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import Fit, Gram, Training
-from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.joint_log import Float
 
 PRIOR = 13.0  # 2 ln of the prior odds against any one effect
-PRIOR_OF_FOLDS = 0.5 * PRIOR  # a fold less holds a fifth less evidence, and asks again what was found already
+PRIOR_OF_FOLDS = 0.5 * PRIOR  # a fold less holds less evidence, and asks again what was found already
 ROUNDS_OF_FOLDS = 2
 INDISTINGUISHABLE = 6.0  # difference in evidence below which two effects cannot be separated (Kass and Raftery 1995)
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
@@ -276,9 +275,10 @@ def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
 def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
     count = dict.fromkeys((b.name for b in active), 0)
-    for left_out in range(FOLDS):
+    folds = range(gram.problem.folds)
+    for left_out in folds:
         search = Search(
-            Training(gram, tuple(k for k in range(FOLDS) if k != left_out)),
+            Training(gram, tuple(k for k in folds if k != left_out)),
             None,
             numbers,
             PRIOR_OF_FOLDS,

@@ -81,6 +81,7 @@ class Effect:
     # What few effects set, in their class.
     transmits: ClassVar[bool] = False  # it is a link between the measured side and that of inertia and friction
     follows: ClassVar[bool] = False  # it acts on the nominal torque, and its coefficient follows from the other numbers
+    jumps: ClassVar[tuple[str, ...]] = ()  # nonlinear parameters at whose value its torque jumps
     indistinguishable: ClassVar[tuple[str, ...]] = ()  # effects that no motion of this kind separates from it
     part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
 

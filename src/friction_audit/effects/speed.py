@@ -198,6 +198,8 @@ class UnloggedCompensation(Effect):
     Dynamic identification of the Franka Emika Panda robot, RA-L 4 (2019) 4147, is a sigmoid shifted through the origin.
     """
 
+    jumps = ("unlogged_width_rad_s",)
+
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what the joint then takes less, -tanh(dq / w + k) + tanh(k) or -sgn(dq) beyond a dead band."""
         width, skew, form = values

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.result import JointDiagnosis, Profile
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
@@ -167,7 +166,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
         log_line(log),
         f"interaction torque: {found.estimate.interaction.choice.formula}",
         f"nominal model: {diagnosis_words.nominal_model(found.settings.model)}",
-        f"residual RMS on held-out cycles: {span} per joint, each held out once in {FOLDS} folds; intervals are 95 %",
+        f"residual RMS on held-out cycles: {span} per joint, each held out once; intervals are 95 %",
         *table_lines(diagnosis_tables.JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
         *physics,
     ]

@@ -208,7 +208,7 @@ GAP = Record(
         Column("shrink", float, "share explained: of the way from the first to the noise floor"),
         Column("shrink_standard_error", float, "its standard error", "shrink_se"),
         Column("final_over_floor", float, "augmented over noise", "over_floor"),
-        Column("held_out_cycles", int, "number of cycles, each held out once in five folds", "cycles"),
+        Column("held_out_cycles", int, "number of cycles, each held out once", "cycles"),
     )
 )
 SIMULATION = Record(

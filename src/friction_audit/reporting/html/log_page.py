@@ -68,8 +68,7 @@ WORDS = {
     "not testable": "The log lacks the motion that a test needs.",
     "data fault": "The data are inconsistent, or a channel is dead: no conclusion is possible.",
     "failed": "A bug ended the diagnosis of the joint; the other joints are answered.",
-    "residual RMS": "Torque that a model leaves unexplained, as root mean square; each cycle is held out once, in five "
-    "folds.",
+    "residual RMS": "Torque that a model leaves unexplained, as root mean square; each cycle is held out once.",
     "noise floor": "Residual RMS of the noise alone; no model of the motion gets below it.",
     "share explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
     "size": "RMS of the torque of an effect, free of what the nominal model fits of it. Major from 10 % of the joint's "
