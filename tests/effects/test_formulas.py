@@ -11,7 +11,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.breakaway import since_onset
-from friction_audit.effects.delays import lagged
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.load import SEVERAL, TILT
 from friction_audit.effects.neighbours import AFTER, ALL, BEFORE, BOTH, JOINTS, MODEL, TIP
@@ -20,6 +19,7 @@ from friction_audit.effects.registry import term_of, terms
 from friction_audit.effects.speed import bend
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import first_order
 from tests.effects.motion_by_hand import DQ, N, among_three, motion_of, rigid_body
 
 E1, SIGN, TURN = np.exp(-1.0), np.sign(DQ), 2.0 * np.pi / 100.0
@@ -308,9 +308,10 @@ def moving(dq: Float) -> Motion:
 
 
 def test_friction_lags_by_its_speed_and_by_the_excess_over_coulomb_friction() -> None:
-    assert_allclose((2.0 * T - lagged(2.0 * T, 0.0025, 0.1))[-100:], 0.2, rtol=0.02)
+    pole = np.exp(-0.0025 / 0.1)
+    assert_allclose((2.0 * T - first_order(2.0 * T, pole, 0.0))[-100:], 0.2, rtol=0.02)
     dq = 0.5 + 0.4 * np.sin(2.0 * T)
-    seen = lagged(dq, 0.0025, 0.1)
+    seen = first_order(dq, pole, dq[0])
     expected = 0.2 * (seen - dq) + 0.5 * 0.4 * (np.exp(-seen / 0.2) - np.exp(-dq / 0.2))
     assert_allclose(columns("frictional_lag", moving(dq), 0.1, 0.5, 0.2)[:, 0], expected, atol=1e-6)
 

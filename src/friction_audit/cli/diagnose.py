@@ -32,7 +32,6 @@ LOADED = (
     "friction_audit.diagnosis.diagnose",
     "scipy.ndimage",
     "scipy.interpolate",
-    "scipy.signal",
     "friction_audit.reporting.diagnosis",
 )
 
