@@ -116,7 +116,7 @@ def test_the_standstill_takes_the_direction_of_the_motion_and_no_acceleration(di
     noise = DEAD / 5 * np.random.default_rng(0).standard_normal(len(q))
     found = find_breakaways(q, dq + noise, DEAD, STEP_S)
     held, ddq = signed_rest(dq + noise, noise / STEP_S, found, DEAD)
-    before = slice(found.first[0], found.certain[0])
+    before = slice(found.samples[0, 0], found.certain[0])
     assert held[before] == pytest.approx(direction * DEAD)
     assert np.all(ddq[found.samples] == 0.0)
     outside = np.setdiff1d(np.arange(len(q)), np.arange(before.start, before.stop))
