@@ -55,7 +55,7 @@ class DiagnosisOptions:
             "Of a longer log the part is diagnosed in which the friction is determined best [min].",
             metavar="MINUTES",
         ),
-    ] = 5.0
+    ] = 10.0
     joint_model: Annotated[
         Path | None,
         opt.joint_model_option(

@@ -26,7 +26,7 @@ class DiagnosisSettings:
     candidates: tuple[str, ...] | None = None
     min_effect_nm: float = 0.0
     seed: int = 0
-    at_most_s: float = 300.0
+    at_most_s: float = 600.0
     model: ArmModel | None = None
 
     def __post_init__(self) -> None:

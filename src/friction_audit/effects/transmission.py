@@ -170,13 +170,13 @@ class JointElasticity(Link):
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Springs that ring below the corner of the regression, or twist by more than the noise of the position."""
         stiffest = _stiffest_seen(data)
-        return tuple(at for at in all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
+        return tuple(at for at in _all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
 
     def coefficient_of(self, at: Nonlinear) -> float:
         return 1.0 / at["spring_nm_per_rad"]
 
 
-def all_springs(data: JointData) -> tuple[Nonlinear, ...]:
+def _all_springs(data: JointData) -> tuple[Nonlinear, ...]:
     """Linear springs, and of every second stiffness springs that are soft at first; the projection finds those between.
 
     Springs that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those
