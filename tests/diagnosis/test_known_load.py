@@ -8,7 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.known_load import know_load, known_inertias
-from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
 from tests.synthetic_interaction import choice
 
@@ -22,41 +22,38 @@ ROBOT = replace(choice(gravity="model"), source="tau_J", drive="robot", inertia=
 HAND = replace(choice(gravity="logged"), source="tau_J", sign=-1)
 
 
-def log(gravity: Float | None = None) -> JointLog:
-    source = Source(path="log", sha256="0", format="parquet")
-    return JointLog(
-        t=T, q=Q, dq=DQ, tau_J=np.zeros_like(Q), gravity=gravity, joint_names=ARM.joint_names, source=source
-    )
+MOTION = Q, DQ, DDQ
 
 
 def test_gravity_and_inertia_of_a_driven_arm() -> None:
-    known = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ))
-    assert known.gravity == pytest.approx(ARM.gravity(Q), abs=1e-3)
-    load = known.load(ROBOT, known.gravity)
-    assert load == pytest.approx(ARM.inverse_dynamics(Q, DQ, DDQ), abs=1e-3)
+    known = know_load(ROBOT, ARM, T, MOTION, np.ones_like(Q))
+    assert known.load == pytest.approx(ARM.inverse_dynamics(Q, DQ, DDQ), abs=1e-3)
+    assert known.removed is known.load
+    without = know_load(replace(ROBOT, gravity="none"), ARM, T, MOTION, None)
+    assert without.removed == pytest.approx(ARM.inverse_dynamics(Q, DQ, DDQ) - ARM.gravity(Q), abs=1e-3)
 
 
 def test_a_guided_arm_bears_gravity_alone_and_logged_gravity_is_preferred() -> None:
     logged = np.ones_like(Q)
-    known = know_load(log(logged), HAND, ARM, T, (Q, DQ, DDQ))
-    assert known.gravity is None
-    assert known.load(HAND, logged) == pytest.approx(-logged)
-    assert known.rigid is not None
-    assert known.rigid[3].inertial is None
-    assert known.rigid[3].tip is None
+    load, removed, rigid = know_load(HAND, ARM, T, MOTION, logged)
+    assert load == pytest.approx(-logged)
+    assert removed is None
+    assert rigid is not None
+    assert rigid[3].inertial is None
+    assert rigid[3].tip is None
+    assert know_load(HAND, ARM, T, MOTION, None).load == pytest.approx(-ARM.gravity(Q), abs=1e-3)
 
 
-def test_without_a_model_nothing_is_known() -> None:
-    known = know_load(log(), HAND, None, T, (Q, DQ, DDQ))
-    assert (known.gravity, known.inertial, known.rigid) == (None, None, None)
-    assert known.load(HAND, None) is None
+def test_without_a_model_nothing_is_known_but_what_was_logged() -> None:
+    assert know_load(HAND, None, T, MOTION, None) == (None, None, None)
+    assert know_load(HAND, None, T, MOTION, np.ones_like(Q)).load == pytest.approx(-np.ones_like(Q))
 
 
 def test_a_heavier_tip_is_in_the_columns_of_the_last_link() -> None:
     heavier = load_arm(payload=(0.5, 0.02, -0.01, 0.03))
     extra = heavier.inverse_dynamics(Q, DQ, DDQ) - ARM.inverse_dynamics(Q, DQ, DDQ)
     weight = heavier.gravity(Q) - ARM.gravity(Q)
-    known = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ))
+    known = know_load(ROBOT, ARM, T, MOTION, None)
     assert known.rigid is not None
     for joint in (1, 3, 6):
         body = known.rigid[joint].on(T)
@@ -69,7 +66,7 @@ def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inert
     heavier = load_arm(payload=(0.5, 0.0, 0.0, -0.107))
     weight = heavier.gravity(Q) - ARM.gravity(Q)
     extra = heavier.inverse_dynamics(Q, DQ, DDQ) - ARM.inverse_dynamics(Q, DQ, DDQ)
-    guided, driven = (know_load(log(), choice, ARM, T, (Q, DQ, DDQ)).rigid for choice in (HAND, ROBOT))
+    guided, driven = (know_load(choice, ARM, T, MOTION, None).rigid for choice in (HAND, ROBOT))
     assert guided is not None
     assert driven is not None
     for joint in (1, 3):
@@ -79,7 +76,7 @@ def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inert
 
 
 def test_no_weight_pulls_at_an_upright_axis() -> None:
-    rigid = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ)).rigid
+    rigid = know_load(ROBOT, ARM, T, MOTION, None).rigid
     assert rigid is not None
     assert not rigid[0].weight.any()
 

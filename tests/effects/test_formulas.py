@@ -10,8 +10,6 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.breakaway import since_onset
-from friction_audit.effects.delays import lagged
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.load import SEVERAL, TILT
 from friction_audit.effects.neighbours import AFTER, ALL, BEFORE, BOTH, JOINTS, MODEL, TIP
@@ -20,6 +18,7 @@ from friction_audit.effects.registry import term_of, terms
 from friction_audit.effects.speed import bend
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import first_order
 from tests.effects.motion_by_hand import DQ, N, among_three, motion_of, rigid_body
 
 E1, SIGN, TURN = np.exp(-1.0), np.sign(DQ), 2.0 * np.pi / 100.0
@@ -169,12 +168,6 @@ def test_torques_by_hand(name: str, motion: Motion, values: Sequence[float], exp
     assert_allclose(found[moving], np.asarray(expected, dtype=float)[moving], atol=1e-12)
 
 
-def test_a_linear_cable_about_another_centre_is_one_with_a_preload() -> None:
-    motion = motion_of(q=np.linspace(-1.0, 1.0, 11))
-    expected = torque("cable_spring", motion, 0.4, 0.0, 0.0, 0.3, 0.0)
-    assert_allclose(torque("cable_spring", motion, 0.4, 0.0, -0.12, 0.0, 0.0), expected, atol=1e-12)
-
-
 @pytest.mark.parametrize(("source", "accelerations"), [(BEFORE, {0: 1.0}), (AFTER, {2: 3.0}), (BOTH, {0: 1.0, 2: 3.0})])
 def test_coupling_by_accelerations_of_neighbours(source: int, accelerations: dict[int, float]) -> None:
     expected = np.zeros((N, len(term_of("inertial_coupling").coefficients)))
@@ -231,14 +224,6 @@ def test_slow_waves_catch_a_ramp_and_most_of_a_random_walk() -> None:
 # Rests and reversals
 
 
-def test_rest_and_path_by_hand() -> None:
-    way = np.array([0.0, -1, 0, 0, 1, 1, 0, 1, 1])
-    q = np.array([0.0, 0, 0, 0, 1, 3, 3, 2, 0])
-    rest, slid = since_onset(q, way, np.array([0, 0, 0, 0, 1, 1, 0, 1, 1], bool), 0.01)
-    assert_allclose(rest, [0, 0, 0, 0, 0.03, 0.03, 0, 0.03, 0.03])  # a stop of one sample is no rest
-    assert_allclose(slid, [0, 0, 0, 0, 1, 3, 0, 4, 6])
-
-
 def test_stiction_grows_with_the_rest_and_falls_over_the_path() -> None:
     dq = np.concatenate([np.zeros(50), np.full(100, 0.2), np.zeros(190), np.full(10, -1e-4), np.full(100, -0.2)])
     t = np.arange(len(dq), dtype=np.float64) * 0.01
@@ -290,13 +275,6 @@ def test_stops_remember_the_reversal_that_a_small_loop_interrupted() -> None:
     assert bristle(q, 0.5, 0.5)[-1] == pytest.approx(bristle(straight, 0.5, 0.5)[-1], abs=1e-12)
 
 
-def test_damping_of_bristles_is_a_time_times_their_rate() -> None:
-    t = np.arange(600, dtype=np.float64) * 0.01
-    motion = Motion(t=t, q=0.05 * np.sin(2.0 * t), dq=0.1 * np.cos(2.0 * t), ddq=-0.2 * np.sin(2.0 * t))
-    more = columns("presliding", motion, 0.01, 1.0, 0.02) - columns("presliding", motion, 0.01, 1.0, 0.0)
-    assert_allclose(more[:, 0], 0.02 * np.gradient(bristle(motion.q, 0.01, 1.0), t), atol=1e-12)
-
-
 # Effects on the torque of the nominal model
 
 
@@ -308,9 +286,10 @@ def moving(dq: Float) -> Motion:
 
 
 def test_friction_lags_by_its_speed_and_by_the_excess_over_coulomb_friction() -> None:
-    assert_allclose((2.0 * T - lagged(2.0 * T, 0.0025, 0.1))[-100:], 0.2, rtol=0.02)
+    pole = np.exp(-0.0025 / 0.1)
+    assert_allclose((2.0 * T - first_order(2.0 * T, pole, 0.0))[-100:], 0.2, rtol=0.02)
     dq = 0.5 + 0.4 * np.sin(2.0 * T)
-    seen = lagged(dq, 0.0025, 0.1)
+    seen = first_order(dq, pole, dq[0])
     expected = 0.2 * (seen - dq) + 0.5 * 0.4 * (np.exp(-seen / 0.2) - np.exp(-dq / 0.2))
     assert_allclose(columns("frictional_lag", moving(dq), 0.1, 0.5, 0.2)[:, 0], expected, atol=1e-6)
 
@@ -360,13 +339,6 @@ def test_backlash_grows_with_the_gap_and_needs_a_torque_that_changes_its_sign() 
     assert 0.0 < small < large
     steady = Motion(t=T, q=0.2 * T, dq=np.full_like(T, 0.2), ddq=np.zeros_like(T), rest=np.full_like(T, 0.4))
     assert rms(columns("backlash", steady, 1e-3, 40.0, 0.2, 1.0)[1000:]) < 1e-6
-
-
-@pytest.mark.parametrize(("name", "first"), [("joint_elasticity", (4e3, 0.0, 0.3)), ("backlash", (1e-3, 60.0, 0.5))])
-def test_a_part_of_the_inertia_on_the_far_side_adds_less(name: str, first: tuple[float, ...]) -> None:
-    motion = waves(0.05)
-    added = [rms(columns(name, motion, *first, share)[400:]) for share in (0.3, 0.6, 1.0)]
-    assert added == sorted(added)
 
 
 MANY: dict[str, list[tuple[float, ...]]] = {

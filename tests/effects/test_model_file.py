@@ -19,9 +19,8 @@ from friction_audit.effects.joint_model import (
     save_model,
     simple_model,
 )
-from friction_audit.effects.registry import terms
-from friction_audit.errors import AnalysisError, InputError, UsageError
-from tests.effects.recordings import typical_term
+from friction_audit.effects.registry import term_of, terms
+from friction_audit.errors import AnalysisError, InputError
 
 JOINT = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 HEAD = 'schema = "friction-audit/model/1"\n'
@@ -74,12 +73,6 @@ def test_the_file_as_people_see_it(tmp_path: Path) -> None:
     assert lines[-2:] == ["[[joint]]", 'name = "joint2"']
 
 
-def test_what_is_held_stands_beside_the_inertia(tmp_path: Path) -> None:
-    path = tmp_path / "model.toml"
-    save_model(ArmModel(names=("joint1",), joints=(replace(JOINT, held=("coulomb",)),)), path)
-    assert 'held = ["coulomb"]' in path.read_text().splitlines()[6]
-
-
 @pytest.mark.parametrize(
     ("held", "complaint"),
     [
@@ -95,17 +88,7 @@ def test_what_cannot_be_held_is_named(tmp_path: Path, held: str, complaint: str)
         load_model(path)
 
 
-def test_an_existing_file_is_kept_unless_told_otherwise(tmp_path: Path) -> None:
-    path = tmp_path / "model.toml"
-    arm = ArmModel(names=("joint1",), joints=(JOINT,))
-    path.write_text("mine")
-    with pytest.raises(UsageError, match="exists already"):
-        save_model(arm, path)
-    assert path.read_text() == "mine"
-    save_model(arm, path, overwrite=True)
-    assert load_model(path) == arm
-
-
+GRAVITY = term_of("gravity_error")
 JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
 
 
@@ -167,33 +150,7 @@ def test_a_file_that_is_no_text_or_not_there(tmp_path: Path) -> None:
         load_model(tmp_path / "none.toml")
 
 
-OF_ONE_LINK = {
-    "gravity_cos_nm": 0.0,
-    "gravity_sin_nm": 0.0,
-    "link_moment_x_kg_m": 0.02,
-    "link_moment_y_kg_m": 0.01,
-    "link_moment_z_kg_m": 0.0,
-    "link_mass_kg": 0.3,
-    "gravity_across_1_m_s2": 0.0,
-    "gravity_across_2_m_s2": 0.0,
-    "gravity_error_source": 7.0,
-}
 """All numbers of a gravity error that version 0.1.0 wrote."""
-
-
-def test_numbers_that_earlier_versions_did_not_know_may_be_left_out(tmp_path: Path) -> None:
-    path = tmp_path / "model.toml"
-    terms = "".join(f"{name} = {value}\n" for name, value in OF_ONE_LINK.items())
-    path.write_text(HEAD + JOINT_TEXT + "[joint.terms.gravity_error]\n" + terms)
-    arm = load_model(path)
-    assert arm.joints[0] is not None
-    (term,) = arm.joints[0].terms
-    told = {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}
-    assert {name: told.pop(name) for name in OF_ONE_LINK} == OF_ONE_LINK
-    assert set(told.values()) == {0.0}
-    save_model(arm, path, overwrite=True)
-    assert "next_link" not in path.read_text()
-    assert load_model(path) == arm
 
 
 def test_an_arm_has_a_name_per_joint() -> None:
@@ -219,26 +176,6 @@ def as_listed(names: list[str]) -> str:
     return ", ".join(f"`{group[0]}`" if len(group) == 1 else f"`{group[0]}` to `{group[-1]}`" for group in groups)
 
 
-def test_a_model_of_every_term_is_kept(tmp_path: Path) -> None:
-    """What a diagnosis may write: every term at typical numbers and at the bounds, with its origin."""
-    origin = Provenance(method="diagnose", log="monday.parquet", sha256="00", cycles=31)
-    joints = tuple(
-        JointModel(inertia_kg_m2=0.3, terms=tuple(pick(term) for term in terms()[1:]), provenance=origin)
-        for pick in (typical_term, lowest, highest)
-    )
-    arm = ArmModel(names=("a", "b", "c"), joints=joints)
-    save_model(arm, tmp_path / "model.toml")
-    assert load_model(tmp_path / "model.toml") == arm
-
-
-def lowest(term: Effect) -> FittedTerm:
-    return FittedTerm(term.name, tuple(max(parameter.lower, -1e3) for parameter in term.parameters))
-
-
-def highest(term: Effect) -> FittedTerm:
-    return FittedTerm(term.name, tuple(min(parameter.upper, 1e3) for parameter in term.parameters))
-
-
 @pytest.mark.parametrize(
     ("values", "whole"),
     [
@@ -247,6 +184,10 @@ def highest(term: Effect) -> FittedTerm:
             ("joint_elasticity", (1e-3, 900.0, 0.1, 0.05, 1.0)),
         ),
         ({"backlash_share": 1.0, "gap_rad": 1e-3, "contact_hz": 40.0}, ("backlash", (1.0, 1e-3, 40.0, 0.2, 1.0))),
+        (  # of version 0.1.0
+            {p.name: float(k) for k, p in enumerate((*GRAVITY.coefficients[:8], *GRAVITY.nonlinear))},
+            ("gravity_error", (*range(8), *[0] * 8, 8)),
+        ),
     ],
 )
 def test_a_file_without_newer_numbers_means_what_it_meant(

@@ -122,13 +122,6 @@ def test_a_rotor_before_the_transmission_is_not_behind_it(candidate: Effect, lin
     assert 1.0 - several < 0.5 * (1.0 - one)
 
 
-def test_a_late_load_is_a_delay_where_the_load_is_known() -> None:
-    loaded = replace(DATA, load=10.0 * np.sin(DATA.q))
-    borne = baseline(DATA).torque + 10.0 * np.sin(DATA.q)
-    late = np.interp(loaded.t - 0.01, loaded.t, borne) - borne
-    assert share_explained(DELAY, loaded, late) > 0.95
-
-
 def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:
     speed = np.abs(DATA.dq)
     seen = np.zeros_like(speed)

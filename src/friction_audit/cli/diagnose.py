@@ -31,8 +31,7 @@ LOADED = (
     "friction_audit.friction.estimate",
     "friction_audit.diagnosis.diagnose",
     "scipy.ndimage",
-    "scipy.interpolate",
-    "scipy.signal",
+    "scipy.linalg",
     "friction_audit.reporting.diagnosis",
 )
 

@@ -1,12 +1,12 @@
 """The load on every joint by the rigid-body model of the arm, and the torque per unit of that model's errors."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import on_finer_grid
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.robot import Arm
@@ -20,56 +20,44 @@ ROUNDING = 1e-9  # a smaller torque per kg or kg m is none [N m]
 INERTIA_POSES = 50  # of a recording, evenly spread
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class KnownLoad:
-    """The load by a model of the arm, for j joints on a grid of n samples.
+class KnownLoad(NamedTuple):
+    """The load on the gears in addition to the joints' own models, for j joints on a grid of n samples.
 
     Attributes:
-        gravity: Gravity torque, shape (n, j), or None where the log has it or it is not known. [N m]
-        inertial: Inertial torque of the links where it was removed from the sensor's, shape (n, j), or None. [N m]
+        load: Gravity, and the links' inertia where it was removed, with the sign of the torque, (n, j), or None. [N m]
+        removed: Torque to subtract from the sensors' readings where links' inertia is part of it, else None. [N m]
         rigid: Torque of each joint per unit of what may be wrong with the model, or None without a model.
     """
 
-    gravity: Float | None
-    inertial: Float | None
+    load: Float | None
+    removed: Float | None
     rigid: tuple[RigidBody, ...] | None
 
-    def load(self, choice: TorqueChoice, gravity: Float | None) -> Float | None:
-        """Load on the gears in addition to the joints' own models, with the sign of the torque, (n, j). [N m]"""
-        if gravity is None:
-            return None
-        return choice.sign * (gravity if self.inertial is None else gravity + self.inertial)
 
-    def removed(self, choice: TorqueChoice, load: Float | None) -> Float | None:
-        """Torque to subtract from the sensors' readings where links' inertia is part of it, else None. [N m]"""
-        if self.inertial is None:
-            return None
-        return choice.sign * self.inertial if choice.gravity not in ("logged", "model") or load is None else load
-
-
-def know_load(log: JointLog, choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion) -> KnownLoad:
+def know_load(choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion, logged: Float | None) -> KnownLoad:
     """Evaluate the model of an arm along a motion.
 
     Args:
-        log: The log; its gravity is preferred, unless the interaction torque was made with that of the model.
         choice: How the interaction torque was made.
         arm: The model, or None.
         t: Times of the grid, shape (n,). [s]
         motion: Motion of all joints on the grid.
+        logged: Gravity of the log on the grid, shape (n, j), or None. [N m]
     """
     if arm is None:
-        return KnownLoad(gravity=None, inertial=None, rigid=None)
+        return KnownLoad(load=None if logged is None else choice.sign * logged, removed=None, rigid=None)
     every = max(int(1.0 / (RATE_HZ * (t[1] - t[0])) + 0.5), 1)
     times, coarse = t[::every], (motion[0][::every], motion[1][::every], motion[2][::every])
-    logged, driven = log.gravity is not None and choice.gravity != "model", choice.drive == "robot"
-    gravity = np.zeros(0) if logged and not driven else arm.gravity(coarse[0])
-    inertial = arm.inverse_dynamics(*coarse) - gravity if driven else None
-    taken = inertial if choice.inertia == "model" else None
-    return KnownLoad(
-        gravity=None if logged else on_finer_grid(gravity, every, len(t)),
-        inertial=None if taken is None else on_finer_grid(taken, every, len(t)),
-        rigid=_rigid_bodies(arm, choice.sign, times, coarse, inertial),
-    )
+    # Gravity of the log is preferred, unless the interaction torque was made with that of the model.
+    own, driven = logged is None or choice.gravity == "model", choice.drive == "robot"
+    weight = arm.gravity(coarse[0]) if own or driven else np.zeros(0)
+    inertial = arm.inverse_dynamics(*coarse) - weight if driven else None
+    load, removed = choice.sign * (on_finer_grid(weight, every, len(t)) if own or logged is None else logged), None
+    if inertial is not None and choice.inertia == "model":
+        taken = choice.sign * on_finer_grid(inertial, every, len(t))
+        load = load + taken
+        removed = load if choice.gravity in ("logged", "model") else taken
+    return KnownLoad(load=load, removed=removed, rigid=_rigid_bodies(arm, choice.sign, times, coarse, inertial))
 
 
 def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float | None) -> tuple[RigidBody, ...]:

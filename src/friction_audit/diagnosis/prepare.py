@@ -59,12 +59,8 @@ def prepare(
     motion = _filtered_motion(log, low_pass, t, fresh, valid)
     read: Float = getattr(log, CHANNELS[choice.source])
     sensed = choice.sign * low_pass.all_of(t, read[fresh])
-    known = know_load(log, choice, arm, low_pass.t, (motion.q, motion.dq, motion.ddq))
-    gravity = known.gravity
-    if log.gravity is not None and gravity is None:
-        gravity = low_pass.all_of(t, log.gravity[fresh])
-    load = known.load(choice, gravity)
-    removed = known.removed(choice, load)
+    logged = None if log.gravity is None else low_pass.all_of(t, log.gravity[fresh])
+    load, removed, rigid = know_load(choice, arm, low_pass.t, (motion.q, motion.dq, motion.ddq), logged)
 
     def torque(joint: int, column: int) -> Float:
         """Everything that drives the side on which friction acts, shape (n,). [N m]"""
@@ -100,7 +96,7 @@ def prepare(
             derived_from=motion.derived_from[column],
             logged_dq=motion.logged[:, column],
             load=None if load is None else np.ascontiguousarray(load[:, column]),
-            rigid=None if known.rigid is None else known.rigid[column],
+            rigid=None if rigid is None else rigid[column],
             others_joint=column,
             sample_s=median_step(log.t),
             crossover_hz=motion.crossover_hz[column],

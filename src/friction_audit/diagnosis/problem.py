@@ -1,9 +1,11 @@
 """The regression problem of one joint: response, nominal columns, nuisance columns, folds of whole cycles."""
 
+import cmath
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
+from math import exp, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +15,7 @@ from friction_audit.diagnosis.samples import SAMPLE_HZ, Samples, corner_for, mak
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import first_order
 
 Index = NDArray[np.int64]
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
@@ -171,14 +174,11 @@ class RegressionProblem:
     @cached_property
     def responses(self) -> list[Float]:
         """Linear responses of first and second order to the motion, on the samples, shapes (1 or 2, m)."""
-        from scipy.signal import lfilter
-
         data = self.data
-        poles = [np.exp(-data.step_s / lag) for lag in LAGS_S]
-        found = [lfilter([1.0 - pole], [1.0, -pole], data.dq)[:, None] for pole in poles]
-        for hertz, damping in product(RINGING_HZ, DAMPING_RATIOS):
-            pole = np.exp(2.0 * np.pi * hertz * data.step_s * (1j * np.sqrt(1.0 - damping**2) - damping))
-            rung = lfilter([1.0 - pole], [1.0, -pole], data.ddq.astype(complex))
+        found = [first_order(data.dq, exp(-data.step_s / lag), 0.0)[:, None] for lag in LAGS_S]
+        for hertz, damping in product(RINGING_HZ.tolist(), DAMPING_RATIOS):
+            pole = cmath.exp(2.0 * np.pi * hertz * data.step_s * (1j * sqrt(1.0 - damping**2) - damping))
+            rung = first_order(data.ddq.astype(complex), pole, 0j)
             found.append(np.column_stack([rung.real, rung.imag]))
         return [self.columns(one) for one in found]
 

@@ -27,6 +27,7 @@ from friction_audit.dynamics.transmission import HIGHEST_HZ, Transmission, flank
 from friction_audit.dynamics.two_mass import Link, can_follow, follow, link_of, move_two_sides
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.even_grid import first_order
 
 SWEEPS = 12
 SETTLED = 1e-3  # rms change of the velocity in a sweep at which it has settled, as a share of the rms velocity
@@ -205,13 +206,11 @@ def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
     time_s = link.damping_nms_per_rad / link.stiffness_nm_per_rad
     if time_s <= 0.0:
         return twist
-    from scipy.signal import lfilter
-
     # A first-order lag, exact for a twist that is linear between samples.
     keep = np.exp(-step_s / time_s)
     bend = 1.0 - (1.0 - keep) * time_s / step_s
-    following, _ = lfilter([bend, 1.0 - keep - bend], [1.0, -keep], twist, zi=[(1.0 - bend) * twist[0]])
-    return np.asarray(following)
+    driven = (bend * twist + (1.0 - keep - bend) * np.append(twist[0], twist[:-1])) / (1.0 - keep)
+    return np.asarray(first_order(driven, float(keep), twist[0]))
 
 
 def _undelayed(term: Term, motion: Motion, drive: Float) -> Float:

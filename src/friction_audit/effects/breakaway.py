@@ -63,14 +63,14 @@ class Breakaways:
     """Moments at which a joint leaves a standstill, k of them, on the fine grid.
 
     Attributes:
-        first: First sample of the standstill whose torque is followed, shape (k,).
+        samples: Samples of the standstill whose torque is followed, shape (k, w).
         onset: Sample at which the joint starts, shape (k,).
         certain: First sample whose direction is certain, shape (k,).
         direction: -1 or 1, shape (k,).
-        weights: What carries the samples from ``first`` on to the onset, sum 1, shape (w,).
+        weights: What carries them on to the onset, sum 1, shape (w,).
     """
 
-    first: Index
+    samples: Index
     onset: Index
     certain: Index
     direction: Float
@@ -82,13 +82,8 @@ class Breakaways:
 
     def take(self, which: NDArray[np.bool_]) -> "Breakaways":
         """Some of them, by a mask of shape (k,)."""
-        kept = {name: getattr(self, name)[which] for name in ("first", "onset", "certain", "direction")}
+        kept = {name: getattr(self, name)[which] for name in ("samples", "onset", "certain", "direction")}
         return replace(self, **kept)
-
-    @property
-    def samples(self) -> Index:
-        """The standstills, shape (k, w)."""
-        return np.asarray(self.first[:, None] + np.arange(len(self.weights)))
 
 
 def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Breakaways:
@@ -120,7 +115,7 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
     table = np.asarray(found, np.int64).reshape(-1, 3)
     back = np.arange(-still, 1) - float(APART)  # from where a polynomial is read, behind the samples it is fitted to
     return Breakaways(
-        first=table[:, 0],
+        samples=table[:, :1] + np.arange(still + 1),
         onset=table[:, 1],
         certain=table[:, 2],
         direction=np.sign(dq[table[:, 2]]),
@@ -170,7 +165,7 @@ def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float
     """
     dq, ddq = dq.copy(), ddq.copy()
     for first, onset, certain, direction in zip(
-        breakaways.first, breakaways.onset, breakaways.certain, breakaways.direction, strict=True
+        breakaways.samples[:, 0], breakaways.onset, breakaways.certain, breakaways.direction, strict=True
     ):
         dq[first:certain] = direction * dead_speed
         ddq[first:onset] = 0.0

@@ -12,7 +12,7 @@ from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, reversals, several_speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import EvenSpline
+from friction_audit.preprocessing.even_grid import EvenSpline, first_order
 
 LAGS_S = np.geomspace(3e-3, 0.5, 8)
 # Excess at rest over Coulomb friction, and the speed at which it fades as a share of the usual top speed.
@@ -38,7 +38,7 @@ class FrictionalLag(BatchedEffect):
         for place, (lag, _, _) in enumerate(many):
             places.setdefault(lag, []).append(place)
         for lag, alike in places.items():
-            seen = lagged(speed, step, lag)
+            seen = first_order(speed, exp(-step / lag), speed[0])
             viscous = far.viscous_nms_per_rad * (seen - speed)
             for place in alike:
                 _, excess, fading = many[place]
@@ -55,14 +55,6 @@ class FrictionalLag(BatchedEffect):
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         return bool(0.0 < coefficients[0] <= LARGEST_SHARE)
-
-
-def lagged(signal: Float, step_s: float, lag_s: float) -> Float:
-    """Return a signal behind a first-order delay, from its first value on, shape (n,)."""
-    from scipy.signal import lfilter
-
-    keep = exp(-step_s / lag_s)
-    return np.asarray(lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * signal[0]])[0])
 
 
 FRICTIONAL_LAG = FrictionalLag(

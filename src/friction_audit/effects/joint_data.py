@@ -212,56 +212,52 @@ def moves(data: JointData, _nominal: Nominal) -> str | None:
 
 def both_directions(data: JointData, nominal: Nominal) -> str | None:
     """At least a tenth of the moving time in either direction."""
-    share = float(np.mean(data.dq[data.used] > 0)) if data.used.any() else 0.0
-    if not 0.1 <= share <= 0.9:  # noqa: PLR2004 - a tenth either way
-        return moves(data, nominal) or "motion in one direction only: move over the same range both ways"
-    return moves(data, nominal)
+    if lacking := moves(data, nominal):
+        return lacking
+    mixed = 0.1 <= float(np.mean(data.dq[data.used] > 0)) <= 0.9  # noqa: PLR2004 - a tenth either way
+    return None if mixed else "motion in one direction only: move over the same range both ways"
 
 
 def speed_range(data: JointData, nominal: Nominal, ratio: float) -> str | None:
     """95th over 5th percentile of speed at least the ratio."""
-    lacking = moves(data, nominal)
-    if lacking:
+    if lacking := moves(data, nominal):
         return lacking
     slow, fast = np.percentile(np.abs(data.dq[data.used]), [5, 95])
-    if fast < ratio * slow:
-        return f"the speed varies by a factor of {fast / slow:.1f}: vary it by at least {ratio:g}, slow to fast"
-    return None
+    if fast >= ratio * slow:
+        return None
+    return f"the speed varies by a factor of {fast / slow:.1f}: vary it by at least {ratio:g}, slow to fast"
 
 
 def several_speeds(data: JointData, nominal: Nominal) -> str | None:
     """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate delay and inertia from others."""
-    lacking = moves(data, nominal)
-    if lacking:
+    if lacking := moves(data, nominal):
         return lacking
     cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
     peak = np.zeros(int(cycle.max()) + 1)
     np.maximum.at(peak, cycle, speed)
     peak = peak[np.unique(cycle)]
-    if peak.std() < 0.1 * peak.mean():
-        return "all motions are equally fast: repeat them at two or more clearly different speeds"
-    return None
+    if peak.std() >= 0.1 * peak.mean():
+        return None
+    return "all motions are equally fast: repeat them at two or more clearly different speeds"
 
 
 def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
     """Range of positions of the moving joint at least so many radians."""
-    lacking = moves(data, nominal)
-    if lacking:
+    if lacking := moves(data, nominal):
         return lacking
-    reach = float(np.ptp(data.q[data.used]))
-    if reach < least_rad:
-        return f"the joint spans {reach:.2f} rad: move it over at least {least_rad:g} rad"
-    return None
+    low, high = reach(data)
+    return (
+        None
+        if high - low >= least_rad
+        else f"the joint spans {high - low:.2f} rad: move it over at least {least_rad:g} rad"
+    )
 
 
 def reversals(data: JointData, nominal: Nominal) -> str | None:
     """Reversals among the training cycles and among the held-out ones; a direction holds until the other is certain."""
-    direction = np.sign(data.dq[np.abs(data.dq) > data.dead_speed_rad_s])
-    found = np.count_nonzero(np.diff(direction))
-    if found < FEWEST_REVERSALS:
-        turn = f"turn the direction of motion at least {FEWEST_REVERSALS} times"
-        return moves(data, nominal) or f"{found} reversals: {turn}"
-    return moves(data, nominal)
+    found = np.count_nonzero(np.diff(np.sign(data.dq[np.abs(data.dq) > data.dead_speed_rad_s])))
+    few = f"{found} reversals: turn the direction of motion at least {FEWEST_REVERSALS} times"
+    return moves(data, nominal) or (few if found < FEWEST_REVERSALS else None)
 
 
 def neighbours_move(data: JointData, _nominal: Nominal) -> str | None:
@@ -278,10 +274,8 @@ def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:
     neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
     if not neighbours:
         return "the log has one joint: record its neighbours too"
-    lacking = moves(data, nominal)
-    if lacking:
+    if lacking := moves(data, nominal):
         return lacking
-    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
-    if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm):
-        return "the torque of the neighbours hardly changes: load them, also while this joint rests"
-    return None
+    if data.others_torque[data.used][:, neighbours].std(axis=0).max() >= CHANGE_PER_COULOMB * abs(nominal.coulomb_nm):
+        return None
+    return "the torque of the neighbours hardly changes: load them, also while this joint rests"

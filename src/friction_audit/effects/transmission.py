@@ -26,7 +26,7 @@ from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise, mean_sign, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import filtered
+from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
 
 # What rings faster amplifies the noise of the position ten times and more, and what people and motors mean to do is
 # below 4 Hz; unless the measured side rings with the far one, its motion is better taken as smooth.
@@ -118,11 +118,9 @@ def motion_below(data: JointData, below_hz: float) -> Motion:
 
 def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
     """A signal filtered symmetrically, its ends held; half of the amplitude passes at the frequency."""
-    from scipy.signal import firwin
-
     if below_hz >= 0.5 / step_s:  # the log holds nothing above its Nyquist frequency
         return signal
-    kernel = firwin(2 * round(FILTER_S / step_s) + 1, below_hz, fs=1.0 / step_s)
+    kernel = windowed_sinc(2.0 * below_hz * step_s, np.hamming(2 * round(FILTER_S / step_s) + 1))
     # From its first value, so that rest is rest to the last digit.
     return np.asarray(signal[0] + filtered((signal - signal[0])[None], kernel, np.arange(len(signal)))[0])
 
@@ -172,13 +170,13 @@ class JointElasticity(Link):
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Springs that ring below the corner of the regression, or twist by more than the noise of the position."""
         stiffest = _stiffest_seen(data)
-        return tuple(at for at in all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
+        return tuple(at for at in _all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
 
     def coefficient_of(self, at: Nonlinear) -> float:
         return 1.0 / at["spring_nm_per_rad"]
 
 
-def all_springs(data: JointData) -> tuple[Nonlinear, ...]:
+def _all_springs(data: JointData) -> tuple[Nonlinear, ...]:
     """Linear springs, and of every second stiffness springs that are soft at first; the projection finds those between.
 
     Springs that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those
