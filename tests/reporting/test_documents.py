@@ -85,12 +85,12 @@ def test_estimate(seven: Estimate) -> None:
     assert document["settings"]["cycles_per_point"] == 20
     assert document["settings"]["torque_chosen"]["drive"] == "hand"
     assert document["settings"]["cycles"]["initiation_rad_s"] == 0.2
-    assert [warning["code"] for warning in document["warnings"]] == ["gravity_absent", "still"]
+    assert [warning["code"] for warning in document["warnings"]] == ["sign_unproved", "from_regression"]
 
 
 def test_findings_of_the_reader_come_first_among_the_warnings(estimate_of: EstimateFactory) -> None:
     document = checked(estimate_document(estimate_of(1, damaged=True)))
-    assert [warning["code"] for warning in document["warnings"]] == ["truncated", "gravity_absent"]
+    assert [warning["code"] for warning in document["warnings"]] == ["truncated", "sign_unproved"]
 
 
 def test_plot_and_convert(seven: Estimate) -> None:

@@ -333,7 +333,7 @@ def test_claims(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
     notices = diagnose_notices(diagnosis())
-    assert [(n.code, n.joint) for n in notices] == [("gravity_absent", None), ("standstill", 1), ("standstill", 2)]
+    assert [(n.code, n.joint) for n in notices] == [("sign_unproved", None), ("standstill", 1), ("standstill", 2)]
     assert f"joints 1, 2: {LIMIT}" in notice_lines(notices)
     assert notice_lines([Notice("a", None, "late"), Notice("b", 2, "late")]) == ["late"]
     ranged = [Notice("a", k, f"{k / 10} s of 2 s, as q{k}") for k in (1, 2)]

@@ -10,8 +10,10 @@ from typing import Any
 from friction_audit.batch.identity import Recorded
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.preprocessing.interaction import Caution
 
 Row = dict[str, Any]
+CAUTION = ("code", "joint", "numbers")
 
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
 SCHEMA_VERSION = 3  # in user_version; raised with every change below
@@ -101,7 +103,10 @@ def recorded_from(
         duration_s=row["duration_s"],
         conditions=Conditions(**{name: row[name] for name in ("drive", "torque", "gravity", "inertia", "rate_hz")}),
         joints=tuple(_joint_from(joint, coefficients.get(joint["joint"], ())) for joint in joints),
-        warnings=tuple(json.loads(row["warnings"])),
+        warnings=tuple(
+            one if isinstance(one, str) else Caution(**dict(zip(CAUTION, one, strict=True)))
+            for one in json.loads(row["warnings"])
+        ),
         codes=tuple(json.loads(row["codes"])),
         damaged=bool(row["damaged"]),
     )
@@ -143,5 +148,6 @@ def _or_nan(value: float | None) -> float:
     return float("nan") if value is None else value
 
 
-def _json(items: Sequence[str]) -> str:
-    return json.dumps(list(items), ensure_ascii=False)
+def _json(items: Sequence[str | Caution]) -> str:
+    plain = [one if isinstance(one, str) else [getattr(one, name) for name in CAUTION] for one in items]
+    return json.dumps(plain, ensure_ascii=False)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 Numbers = Sequence[float]
 
@@ -115,7 +116,7 @@ class Session:
         temperature_c: From the manifest, or None. [degC]
         note: From the manifest.
         joints: One summary per joint.
-        warnings: What was noticed, one sentence each.
+        warnings: What was noticed: findings of the reader as sentences, and cautions.
         codes: Their codes, and those of what was noticed while the friction was estimated.
         damaged: Whether part of the file was left out.
     """
@@ -130,7 +131,7 @@ class Session:
     joints: tuple[JointSummary, ...]
     temperature_c: float | None = None
     note: str = ""
-    warnings: tuple[str, ...] = ()
+    warnings: tuple[str | Caution, ...] = ()
     codes: tuple[str, ...] = ()
     damaged: bool = False
 

@@ -12,6 +12,7 @@ from friction_audit.io.tidy_table import TidyTable
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS, how_much, percent, total_text
 from friction_audit.reporting.notices import Notice
+from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column, to_json
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
@@ -28,7 +29,7 @@ RECORDING = Record(
         Column("method", str, "friction model and estimator"),
         Column("conditions", dict, "how it was recorded and read", "session.conditions"),
         Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
-        Column("warnings", [str], "what was noticed", "session.warnings"),
+        Column("warnings", [str], "what was noticed", lambda one: session_sentences(one.session.warnings)),
     )
 )
 

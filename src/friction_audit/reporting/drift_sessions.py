@@ -9,6 +9,7 @@ from friction_audit.drift.report import ArmDrift, ControlPoint
 from friction_audit.drift.session import JointSummary, Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
+from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Record
 from friction_audit.reporting.words import iso_start
 
@@ -68,7 +69,7 @@ SESSION = Record(
         Column("temperature", float, "from the manifest", "session.temperature_c", unit="°C"),
         Column("note", str, "from the manifest", "session.note"),
         Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
-        Column("warnings", [str], "what was noticed", "session.warnings"),
+        Column("warnings", [str], "what was noticed", lambda row: session_sentences(row.session.warnings)),
         Column("joints", [SESSION_JOINT], "per joint", "session.joints"),
     )
 )

@@ -5,9 +5,10 @@ from collections import Counter
 from collections.abc import Collection, Iterable
 from typing import NamedTuple, Protocol
 
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
-from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction import Caution, Interaction
+from friction_audit.reporting.sentences import sentence_of
 from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
 
 IN_AMPERE = (
@@ -55,22 +56,6 @@ class Notice(NamedTuple):
         return f"joint {self.joint}: {self.message}"
 
 
-class Found(Protocol):
-    """A caution or a finding of any step."""
-
-    @property
-    def code(self) -> str:
-        """Stable short name."""
-
-    @property
-    def joint(self) -> int | None:
-        """Number of the joint, or None."""
-
-    @property
-    def message(self) -> str:
-        """One sentence."""
-
-
 class Reasoned(Protocol):
     """A joint that may have no result."""
 
@@ -83,9 +68,10 @@ class Reasoned(Protocol):
         """Why it has none; empty if it has one."""
 
 
-def notices(found: Iterable[Found]) -> tuple[Notice, ...]:
+def notices(found: Iterable[Caution | Finding]) -> tuple[Notice, ...]:
     """Return cautions and findings as notices."""
-    return tuple(Notice(one.code, one.joint, one.message) for one in found)
+    messages = ((one, sentence_of(one) if isinstance(one, Caution) else one.message) for one in found)
+    return tuple(Notice(one.code, one.joint, message) for one, message in messages)
 
 
 def log_notices(log: JointLog) -> tuple[Notice, ...]:

@@ -159,7 +159,7 @@ def _without_path(estimate: Estimate) -> Estimate:
     """Return the estimate with the name of the log in place of its path, in commands to paste also."""
     log, seen = estimate.log, estimate.interaction
     path, name = log.source.path, name_of_log(Path(log.source.path))
-    warnings = tuple(replace(one, message=one.message.replace(path, name)) for one in seen.warnings)
+    warnings = tuple(one.renamed(path, name) for one in seen.warnings)
     log = replace(log, source=replace(log.source, path=name))
     return replace(estimate, log=log, interaction=replace(seen, warnings=warnings))
 
