@@ -18,12 +18,12 @@ from friction_audit.pipeline import Estimate
 from friction_audit.reporting.compare import claim_lines, compare_lines, count_line
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message, remainder_words
-from friction_audit.reporting.drift_text import batch_lines
+from friction_audit.reporting.drift import batch_lines
 from friction_audit.reporting.drift_words import change_text, slope_text, span_of, total_text
 from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.info import InfoEntry, TopicSummary, info_lines, summarize_log
 from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines
-from friction_audit.reporting.replay_text import replay_lines
+from friction_audit.reporting.replay import replay_lines
 from friction_audit.reporting.words import (
     enumerate_words,
     format_coefficient,

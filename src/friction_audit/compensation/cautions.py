@@ -57,7 +57,7 @@ def seems_compensated(
     else:
         found = _vanishing(interaction, cycles, friction.joint) or _far_below(friction, robot)
     if found:
-        numbers = {"name": friction.name, "names": negative, **found}
+        numbers = {"name": friction.name, "names": " and ".join(negative), **found}
         yield Caution(code="seems_compensated", joint=friction.joint, numbers=numbers)
 
 

@@ -202,7 +202,7 @@ def _cautions(
         found["no_model"] = {"arm": PRESETS[robot].label}
     if gravity == "in-torque":
         command = _with_gravity_removed(log, coarse, settings) if log.source.torque_unit == "N m" else ""
-        found["gravity_in_torque"] = {"command": command}
+        found["gravity_in_torque"] = {"command": command, "lead": "remove it: "}
     return [Caution(code=code, numbers=numbers) for code, numbers in found.items()]
 
 

@@ -19,47 +19,39 @@ from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start
 
 ADJUSTED = "p value of no change, adjusted over all joints and coefficients (Holm)"
 RECORDING = Record(
-    (
-        Column("path", str, "as given or found", "session.path"),
-        Column("sha256", str, "of the log", "session.sha256"),
-        Column("start", str, "ISO 8601, UTC", lambda one: iso_start(one.session.start_s), null=True),
-        Column("duration", float, "length", "session.duration_s", unit="s"),
-        Column("joints", int, "number of joints of the log"),
-        Column("torque_unit", ("N m", "A", "mA"), "of the torque", "unit"),
-        Column("method", str, "friction model and estimator"),
-        Column("conditions", dict, "how it was recorded and read", "session.conditions"),
-        Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
-        Column("warnings", [str], "what was noticed", lambda one: session_sentences(one.session.warnings)),
-    )
+    Column("path", str, "as given or found", "session.path"),
+    Column("sha256", str, "of the log", "session.sha256"),
+    Column("start", str, "ISO 8601, UTC", lambda one: iso_start(one.session.start_s), null=True),
+    Column("duration", float, "length", "session.duration_s", unit="s"),
+    Column("joints", int, "number of joints of the log"),
+    Column("torque_unit", ("N m", "A", "mA"), "of the torque", "unit"),
+    Column("method", str, "friction model and estimator"),
+    Column("conditions", dict, "how it was recorded and read", "session.conditions"),
+    Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
+    Column("warnings", [str], "what was noticed", lambda one: session_sentences(one.session.warnings)),
 )
 
 
 def _coefficient(unit: str) -> Record:
     return Record(
-        (
-            Column(
-                "before", Coefficient, "random-effects mean where there are several recordings", "before", unit=unit
-            ),
-            Column("after", Coefficient, "likewise", "after", unit=unit),
-            Column("difference", Coefficient, "after less before", "found.change", unit=unit),
-            Column("relative_change", Coefficient, "difference over the value before", "found.total"),
-            Column("degrees_of_freedom", float, "of the difference (Welch-Satterthwaite)", "freedom"),
-            Column("p_value", float, ADJUSTED, "found.p_value"),
-            Column("single_p_value", float, "of this test alone (Welch)"),
-            Column("changed", bool, "whether the adjusted p value is at most 0.05", "found.drift"),
-            Column("smallest_detectable", float, "change found with 90 % power", "found.smallest_change", unit=unit),
-            Column("smallest_detectable_relative", float, "the same over the value before", "found.smallest_drift"),
-        )
+        Column("before", Coefficient, "random-effects mean where there are several recordings", "before", unit=unit),
+        Column("after", Coefficient, "likewise", "after", unit=unit),
+        Column("difference", Coefficient, "after less before", "found.change", unit=unit),
+        Column("relative_change", Coefficient, "difference over the value before", "found.total"),
+        Column("degrees_of_freedom", float, "of the difference (Welch-Satterthwaite)", "freedom"),
+        Column("p_value", float, ADJUSTED, "found.p_value"),
+        Column("single_p_value", float, "of this test alone (Welch)"),
+        Column("changed", bool, "whether the adjusted p value is at most 0.05", "found.drift"),
+        Column("smallest_detectable", float, "change found with 90 % power", "found.smallest_change", unit=unit),
+        Column("smallest_detectable_relative", float, "the same over the value before", "found.smallest_drift"),
     )
 
 
 LAW = Record(
-    (
-        Column("speed", [float], "speed", unit="rad/s"),
-        Column("change", [float], "friction torque after less before", unit="N m"),
-        Column("low", [float], "lower end of its 95 % interval at this speed", unit="N m"),
-        Column("high", [float], "upper end", unit="N m"),
-    )
+    Column("speed", [float], "speed", unit="rad/s"),
+    Column("change", [float], "friction torque after less before", unit="N m"),
+    Column("low", [float], "lower end of its 95 % interval at this speed", unit="N m"),
+    Column("high", [float], "upper end", unit="N m"),
 )
 
 
@@ -78,24 +70,20 @@ def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
 
 
 JOINT_CHANGE = Record(
-    (
-        JOINT,
-        NAME,
-        joint_column(on="t"),
-        Column("coulomb", _coefficient("N m"), "Coulomb friction", "coefficients.0"),
-        Column("viscous", _coefficient("N m s/rad"), "viscous friction", "coefficients.1"),
-        Column("law", LAW, "Coulomb plus viscous friction over the speed", on="j", null=True),
-        Column("reason", str, "why an estimate is missing", null=True, on="j"),
-        *_people(0, "Coulomb", "N m"),
-        *_people(1, "viscous", "N m s/rad"),
-    )
+    JOINT,
+    NAME,
+    joint_column(on="t"),
+    Column("coulomb", _coefficient("N m"), "Coulomb friction", "coefficients.0"),
+    Column("viscous", _coefficient("N m s/rad"), "viscous friction", "coefficients.1"),
+    Column("law", LAW, "Coulomb plus viscous friction over the speed", on="j", null=True),
+    Column("reason", str, "why an estimate is missing", null=True, on="j"),
+    *_people(0, "Coulomb", "N m"),
+    *_people(1, "viscous", "N m s/rad"),
 )
 CHANGES = Record(
-    (
-        Column("coefficient", str, get="found.coefficient", on="f"),
-        Column("unit", str, get=lambda change: UNITS[change.found.coefficient], on="f"),
-        *_coefficient("").columns,
-    ),
+    Column("coefficient", str, get="found.coefficient", on="f"),
+    Column("unit", str, get=lambda change: UNITS[change.found.coefficient], on="f"),
+    *_coefficient("").columns,
     name="changes",
     summary="a friction coefficient of a joint before and after, with 95 % intervals",
 )
@@ -103,18 +91,14 @@ DIFF = Document(
     "diff",
     1,
     "The friction of an arm before and after",
-    Record(
-        (
-            Column("before", [RECORDING], "recordings of the first side"),
-            Column("after", [RECORDING], "recordings of the second side"),
-            SETTINGS,
-            WARNINGS,
-            Column("changed", bool, "whether a coefficient of a joint changed", "sides.report.drift"),
-            Column("exceeded", [str], "limits that are exceeded, a sentence each"),
-            Column("cannot_tell", [str], "limits that the two sides cannot test"),
-            Column("joints", [JOINT_CHANGE], "joints that both sides have", "sides.joints"),
-        )
-    ),
+    Column("before", [RECORDING], "recordings of the first side"),
+    Column("after", [RECORDING], "recordings of the second side"),
+    SETTINGS,
+    WARNINGS,
+    Column("changed", bool, "whether a coefficient of a joint changed", "sides.report.drift"),
+    Column("exceeded", [str], "limits that are exceeded, a sentence each"),
+    Column("cannot_tell", [str], "limits that the two sides cannot test"),
+    Column("joints", [JOINT_CHANGE], "joints that both sides have", "sides.joints"),
 )
 
 

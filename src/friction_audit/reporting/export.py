@@ -14,53 +14,43 @@ ROUNDED = 1e-3  # share of the friction below which an error of the fit is nothi
 INNER_LOOP = ("panda", "fr3")  # arms whose joints have an inner torque loop
 
 JOINT = Record(
-    (
-        Column("joint", int, "number, from 1", "law.joint", on="j"),
-        Column("name", str, "name in the source", "law.name", on="j"),
-        joint_column("law", on="t"),
-        Column("file_name", str, "name in the file", "name", title="name in the file", on="jt"),
-        Column("static", float, "friction at the onset of motion", unit="N m", on="j"),
-        Column("coulomb", float, "Coulomb friction", "fitted.coulomb_nm", unit="N m", title="Coulomb", on="jt"),
-        Column(
-            "viscous", float, "viscous friction", "fitted.viscous_nms_per_rad", unit="N m s/rad", title="viscous",
-            on="jt",
-        ),
-        Column("quadratic_nms2_per_rad2", float, "damping of dq |dq|", "fitted.quadratic_nms2_per_rad2", on="j"),
-        Column("cubic_nms3_per_rad3", float, "damping of dq^3", "fitted.cubic_nms3_per_rad3", on="j"),
-        Column("inertia", float, "armature", "law.inertia_kg_m2", unit="kg m²", title="armature", on="jt", null=True),
-        Column("error", float, "rms of law less file over the speeds", "fitted.error_nm", unit="N m", on="j"),
-        Column("error_share", float, "the same over the rms of the law", "fitted.error_share", on="j"),
-        Column("lowest_speed", float, "of the fit", lambda one: float(one.law.speeds.min()), unit="rad/s", on="j"),
-        Column("highest_speed", float, "of the fit", lambda one: float(one.law.speeds.max()), unit="rad/s", on="j"),
-        Column("left_out", [str], "terms that the file cannot hold", "law.left_out", on="j"),
-    )
+    Column("joint", int, "number, from 1", "law.joint", on="j"),
+    Column("name", str, "name in the source", "law.name", on="j"),
+    joint_column("law", on="t"),
+    Column("file_name", str, "name in the file", "name", title="name in the file", on="jt"),
+    Column("static", float, "friction at the onset of motion", unit="N m", on="j"),
+    Column("coulomb", float, "Coulomb friction", "fitted.coulomb_nm", unit="N m", title="Coulomb", on="jt"),
+    Column(
+        "viscous", float, "viscous friction", "fitted.viscous_nms_per_rad", unit="N m s/rad", title="viscous",
+        on="jt",
+    ),
+    Column("quadratic_nms2_per_rad2", float, "damping of dq |dq|", "fitted.quadratic_nms2_per_rad2", on="j"),
+    Column("cubic_nms3_per_rad3", float, "damping of dq^3", "fitted.cubic_nms3_per_rad3", on="j"),
+    Column("inertia", float, "armature", "law.inertia_kg_m2", unit="kg m²", title="armature", on="jt", null=True),
+    Column("error", float, "rms of law less file over the speeds", "fitted.error_nm", unit="N m", on="j"),
+    Column("error_share", float, "the same over the rms of the law", "fitted.error_share", on="j"),
+    Column("lowest_speed", float, "of the fit", lambda one: float(one.law.speeds.min()), unit="rad/s", on="j"),
+    Column("highest_speed", float, "of the fit", lambda one: float(one.law.speeds.max()), unit="rad/s", on="j"),
+    Column("left_out", [str], "terms that the file cannot hold", "law.left_out", on="j"),
 )  # fmt: skip
 GAP = Record(
-    (
-        Column("joint", int, "number", title="joint", on="jt"),
-        Column(
-            "without", float, "rms position error without friction", unit="rad", title="error without friction", on="jt"
-        ),
-        Column(
-            "with", float, "rms position error with the exported friction", unit="rad", title="with friction", on="jt"
-        ),
-        Column("windows", int, "windows of 0.2 s"),
-    )
+    Column("joint", int, "number", title="joint", on="jt"),
+    Column(
+        "without", float, "rms position error without friction", unit="rad", title="error without friction", on="jt"
+    ),
+    Column("with", float, "rms position error with the exported friction", unit="rad", title="with friction", on="jt"),
+    Column("windows", int, "windows of 0.2 s"),
 )
 EXPORT = Document(
     "export",
     1,
     "Friction in the file of a simulator or a controller",
-    Record(
-        (
-            Column("target", str, "format", "target.name"),
-            Column("path", str, "where it was written"),
-            Column("into", str, "file of the user that it is a copy of", null=True),
-            Column("joints", [JOINT], "as written"),
-            Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
-            WARNINGS,
-        )
-    ),
+    Column("target", str, "format", "target.name"),
+    Column("path", str, "where it was written"),
+    Column("into", str, "file of the user that it is a copy of", null=True),
+    Column("joints", [JOINT], "as written"),
+    Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
+    WARNINGS,
 )
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple, Protocol
 
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
-from friction_audit.preprocessing.interaction import Caution, Interaction
+from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting.sentences import sentence_of
 from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
 
@@ -109,11 +109,6 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     return _on_the_way(found.estimate, own)
 
 
-def interaction_notices(interaction: Interaction) -> tuple[Notice, ...]:
-    """Return what was noticed while the interaction torque was made."""
-    return notices(interaction.warnings)
-
-
 def minor(log: JointLog) -> frozenset[str]:
     """Return the codes of what was corrected, or is too small to change a result: reported in documents and pages."""
     share, step_s = SMALL_SHARE * log.samples, 1.0 / log.rate_hz
@@ -142,7 +137,7 @@ def physics_of(notices: Iterable[Notice], joints: Iterable[Reasoned]) -> tuple[l
 
 def _on_the_way(estimate: Estimate, own: Iterable[Notice]) -> tuple[Notice, ...]:
     unit = estimate.log.source.torque_unit
-    every = (*log_notices(estimate.log), *interaction_notices(estimate.interaction), *own)
+    every = (*log_notices(estimate.log), *notices(estimate.interaction.warnings), *own)
     return tuple(dict.fromkeys(one._replace(message=in_unit(one.message, unit)) for one in every))
 
 
@@ -155,16 +150,14 @@ def left_out_notices(path: str, dialect: str, left_out: Iterable[str]) -> tuple[
 
 def notice_lines(notices: Iterable[Notice]) -> list[str]:
     """Return one line per sentence, led by the joints that it is about; sentences that differ in one number are one."""
-    about: dict[str, list[Notice]] = {}
+    alike: dict[str, dict[str, list[Notice]]] = {}
     for notice in notices:
-        about.setdefault(NUMBER.sub("#", notice.message), []).append(notice)
+        alike.setdefault(NUMBER.sub("#", notice.message), {}).setdefault(notice.message, []).append(notice)
     lines = []
-    for same in about.values():
-        messages: dict[str, list[Notice]] = {}
-        for notice in same:
-            messages.setdefault(notice.message, []).append(notice)
+    for messages in alike.values():
         merged = "" if any(map(OTHER.search, messages)) else _with_range(messages)
-        lines += [_line(merged, same)] if merged else [_line(one, own) for one, own in messages.items()]
+        together = {merged: [one for same in messages.values() for one in same]} if merged else messages
+        lines += [_line(message, same) for message, same in together.items()]
     return lines
 
 
@@ -182,9 +175,9 @@ def _with_range(messages: Collection[str]) -> str:
 
 
 def _line(message: str, same: list[Notice]) -> str:
-    joints = [notice.joint for notice in same]
-    numbers = [joint for joint in joints if joint is not None]
-    return str(same[0]) if len(set(joints)) == 1 or None in joints else f"{joints_label(numbers)}: {message}"
+    joints = [notice.joint for notice in same if notice.joint is not None]
+    several = len(joints) == len(same) and len(set(joints)) > 1
+    return f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message))
 
 
 def reason_lines(joints: Iterable[Reasoned]) -> list[str]:

@@ -31,98 +31,78 @@ def _answer_words(answer: Answer) -> str:
 
 
 STROKE = Record(
-    (
-        Column("way", float, "signed", "way_rad", unit="rad"),
-        Column("speed", float, "highest", "speed_rad_s", unit="rad/s"),
-        Column("ease", float, "time of the rise of the velocity, and of its fall", "ease_s", unit="s"),
-        Column("rest", float, "rest afterwards", "rest_s", unit="s"),
-    )
+    Column("way", float, "signed", "way_rad", unit="rad"),
+    Column("speed", float, "highest", "speed_rad_s", unit="rad/s"),
+    Column("ease", float, "time of the rise of the velocity, and of its fall", "ease_s", unit="s"),
+    Column("rest", float, "rest afterwards", "rest_s", unit="s"),
 )
 RUN = Record(
-    (
-        Column("words", str, "what it is"),
-        Column("low", float, "lowest position relative to the start", "span_rad.0", unit="rad"),
-        Column("high", float, "highest", "span_rad.1", unit="rad"),
-        Column("duration", float, "its length", "duration_s", unit="s"),
-        Column("strokes", [STROKE], "from rest to rest"),
-    )
+    Column("words", str, "what it is"),
+    Column("low", float, "lowest position relative to the start", "span_rad.0", unit="rad"),
+    Column("high", float, "highest", "span_rad.1", unit="rad"),
+    Column("duration", float, "its length", "duration_s", unit="s"),
+    Column("strokes", [STROKE], "from rest to rest"),
 )
 LIMITS = Record(
-    (
-        Column("start", float, "position at the start", "start_rad", unit="rad"),
-        Column("low", float, "lowest position", "low_rad", unit="rad"),
-        Column("high", float, "highest position", "high_rad", unit="rad"),
-        Column("speed", float, "highest speed", "speed_rad_s", unit="rad/s"),
-        Column("acceleration_rad_s2", float, "highest acceleration"),
-        Column("jerk_rad_s3", float, "highest jerk"),
-        Column("source", str, "where the limits come from"),
-    )
+    Column("start", float, "position at the start", "start_rad", unit="rad"),
+    Column("low", float, "lowest position", "low_rad", unit="rad"),
+    Column("high", float, "highest position", "high_rad", unit="rad"),
+    Column("speed", float, "highest speed", "speed_rad_s", unit="rad/s"),
+    Column("acceleration_rad_s2", float, "highest acceleration"),
+    Column("jerk_rad_s3", float, "highest jerk"),
+    Column("source", str, "where the limits come from"),
 )
 SEPARATED = Record(
-    (
-        Column("effect", str, "if this effect is there"),
-        Column("other", str, "against this one"),
-        Column("two_ln_likelihood_ratio", float, "expected of the recording: from 10 on very strong"),
-    )
+    Column("effect", str, "if this effect is there"),
+    Column("other", str, "against this one"),
+    Column("two_ln_likelihood_ratio", float, "expected of the recording: from 10 on very strong"),
 )
 ANSWER = Record(
-    (
-        Column("effect", str, "if this effect is there", title="if the joint has", on="jt"),
-        Column(
-            "numbers",
-            {"*": float},
-            "as simulated; empty where it does nothing in this motion",
-            lambda answer: {key: value for key, value in answer.numbers.items() if not isinstance(value, str)},
-        ),
-        Column("verdict", VERDICTS, "verdict of `diagnose`"),
-        Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
-        Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
-        Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
-        Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
-    )
+    Column("effect", str, "if this effect is there", title="if the joint has", on="jt"),
+    Column(
+        "numbers",
+        {"*": float},
+        "as simulated; empty where it does nothing in this motion",
+        lambda answer: {key: value for key, value in answer.numbers.items() if not isinstance(value, str)},
+    ),
+    Column("verdict", VERDICTS, "verdict of `diagnose`"),
+    Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
+    Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
+    Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
+    Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
 )
 JOINT_PLAN = Record(
-    (
-        Column("joint", int, "number, from 1", "task.joint.number"),
-        Column("name", str, "name in the log", "task.joint.name"),
-        Column("why", str, "what is open", "task.why", null=True),
-        Column("duration", float, "its length", "duration_s", unit="s"),
-        Column("limits", LIMITS, "limits that it keeps"),
-        Column("runs", [RUN], "in order"),
-        Column("rest", float, "after them; then the same runs follow once more; 0: they do not", unit="s"),
-        Column("separated", [SEPARATED], "what the design expects of each pair of effects"),
-        Column("answers", [ANSWER], "what `diagnose` would answer, simulated; empty if it was not"),
-        Column("coefficients", {"*": Coefficient}, "what `estimate` would find, simulated"),
-        Column("left_out", {"*": str}, "competing names that were not planned for, and why", "task.unknown"),
-    )
+    Column("joint", int, "number, from 1", "task.joint.number"),
+    Column("name", str, "name in the log", "task.joint.name"),
+    Column("why", str, "what is open", "task.why", null=True),
+    Column("duration", float, "its length", "duration_s", unit="s"),
+    Column("limits", LIMITS, "limits that it keeps"),
+    Column("runs", [RUN], "in order"),
+    Column("rest", float, "after them; then the same runs follow once more; 0: they do not", unit="s"),
+    Column("separated", [SEPARATED], "what the design expects of each pair of effects"),
+    Column("answers", [ANSWER], "what `diagnose` would answer, simulated; empty if it was not"),
+    Column("coefficients", {"*": Coefficient}, "what `estimate` would find, simulated"),
+    Column("left_out", {"*": str}, "competing names that were not planned for, and why", "task.unknown"),
 )
 RECORDING = Record(
-    (
-        Column("purpose", tuple(PURPOSES), "what it is for"),
-        Column("duration", float, "its length", lambda one: sum(plan.duration_s for plan in one.plans), unit="s"),
-        Column("joints", [JOINT_PLAN], "one after the other", "plans"),
-        Column("files", [str], "where the trajectory was written"),
-    )
+    Column("purpose", tuple(PURPOSES), "what it is for"),
+    Column("duration", float, "its length", lambda one: sum(plan.duration_s for plan in one.plans), unit="s"),
+    Column("joints", [JOINT_PLAN], "one after the other", "plans"),
+    Column("files", [str], "where the trajectory was written"),
 )
 SETTLED = Record(
-    (
-        Column("joint", int, "number, from 1", "joint.number"),
-        Column("name", str, "name in the log", "joint.name"),
-        Column("why", str, "the answer that there is"),
-    )
+    Column("joint", int, "number, from 1", "joint.number"),
+    Column("name", str, "name in the log", "joint.name"),
+    Column("why", str, "the answer that there is"),
 )
 PLAN = Document(
     "plan",
     1,
     "The next recording of an arm",
-    Record(
-        (
-            Column("source", str, "log or result; null without one", null=True),
-            Column("recordings", [RECORDING], "what to record"),
-            Column("settled", [SETTLED], "joints for which nothing is planned"),
-            WARNINGS,
-        )
-    ),
+    Column("source", str, "log or result; null without one", null=True),
+    Column("recordings", [RECORDING], "what to record"),
+    Column("settled", [SETTLED], "joints for which nothing is planned"),
+    WARNINGS,
 )
 
 

@@ -70,25 +70,15 @@ class JointReport:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LogReport:
-    """What a log says.
+    """What a log says."""
 
-    Attributes:
-        estimate: Friction.
-        diagnosis: What the nominal model misses, or None without an answer.
-        replay: What a compensator would have done, or None without an answer.
-        unanswered: Why there is no answer, of the parts that are None.
-        sections: Which sections were asked for, of SECTIONS.
-        reading: How the log was read: options of the reader by name.
-        command: The command that makes the report again; empty if there was none.
-    """
-
-    estimate: Estimate
-    diagnosis: Diagnosis | None = None
-    replay: LogReplay | None = None
-    unanswered: tuple[Unanswered, ...] = ()
-    sections: tuple[str, ...] = SECTIONS
-    reading: Mapping[str, object] = field(default_factory=dict)
-    command: str = ""
+    estimate: Estimate  # friction
+    diagnosis: Diagnosis | None = None  # what the nominal model misses, or None without an answer
+    replay: LogReplay | None = None  # what a compensator would have done, or None without an answer
+    unanswered: tuple[Unanswered, ...] = ()  # why there is no answer, of the parts that are None
+    sections: tuple[str, ...] = SECTIONS  # which sections were asked for, of SECTIONS
+    reading: Mapping[str, object] = field(default_factory=dict)  # how the log was read: options of the reader by name
+    command: str = ""  # the command that makes the report again; empty if there was none
 
     @property
     def file_name(self) -> str:
@@ -280,26 +270,24 @@ def report_settings(report: LogReport) -> dict[str, Any]:
 
 # Keys of the documents of the parts that the whole document has once.
 SHARED = ("source", "settings", "warnings")
-UNANSWERED = Record((Column("part", str, "the command"), Column("message", str, "why it has no answer")))
+UNANSWERED = Record(Column("part", str, "the command"), Column("message", str, "why it has no answer"))
 
 
 VERDICT = Record(
-    (
-        JOINT,
-        NAME,
-        joint_column(),
-        Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
-        Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
-        Column("verdict", str, "the verdict of the page", verdict_word),
-        Column("verdict", str, get=verdict_word, title="verdict", tone=VERDICT_TONES.__getitem__, on="p"),
-        Column(
-            "message",
-            str,
-            "cause, size, what to do; or why there is no answer",
-            lambda one: one.answer or friction_words(one.friction),
-        ),
-        Column("answer", str, title="cause, size, what to do", words=True, on="p"),
-    )
+    JOINT,
+    NAME,
+    joint_column(),
+    Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
+    Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
+    Column("verdict", str, "the verdict of the page", verdict_word),
+    Column("verdict", str, get=verdict_word, title="verdict", tone=VERDICT_TONES.__getitem__, on="p"),
+    Column(
+        "message",
+        str,
+        "cause, size, what to do; or why there is no answer",
+        lambda one: one.answer or friction_words(one.friction),
+    ),
+    Column("answer", str, title="cause, size, what to do", words=True, on="p"),
 )
 
 
@@ -311,21 +299,17 @@ REPORT = Document(
     "report",
     4,
     "All parts of a report, as on its page",
-    Record(
-        (
-            Column("command", str, "the command that makes the report again", null=True),
-            SOURCE,
-            SETTINGS,
-            WARNINGS,
-            Column("message", str, "the lead of the page"),
-            Column("sections", [str], "sections that were asked for"),
-            Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
-            Column("joints", [VERDICT], "per joint"),
-            Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
-            Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", null=True),
-            Column("replay", _part(REPLAY), "document of `replay` likewise", null=True),
-        )
-    ),
+    Column("command", str, "the command that makes the report again", null=True),
+    SOURCE,
+    SETTINGS,
+    WARNINGS,
+    Column("message", str, "the lead of the page"),
+    Column("sections", [str], "sections that were asked for"),
+    Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
+    Column("joints", [VERDICT], "per joint"),
+    Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
+    Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", null=True),
+    Column("replay", _part(REPLAY), "document of `replay` likewise", null=True),
 )
 
 
