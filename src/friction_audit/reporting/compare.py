@@ -32,16 +32,10 @@ def _measured(name: str, meaning: str) -> Column:
     return Column(name, VALUE, meaning, lambda row: row.interval(attrgetter(name)))
 
 
-def _shown(text: Callable[[Row], str], title: str) -> Column:
+def _shown(text: Callable[[Row], str], title: str, unit: str = "") -> Column:
     """Return a column of the terminal; rows that head a method, which are its label, have none of it."""
-    return Column(
-        "shown",
-        float,
-        get=lambda row: row,
-        form=lambda row: " " if isinstance(row, str) else text(row),
-        title=title,
-        on="t",
-    )
+    shown = lambda row: " " if isinstance(row, str) else text(row)  # noqa: E731
+    return Column("shown", float, get=lambda row: row, form=shown, title=title, unit=unit, on="t")
 
 
 def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:
@@ -116,10 +110,9 @@ SWEEP = Record(
     Column("boldest_stable", float, "the boldest stable value"),
     Column("points", [POINT], "the values tried"),
 )
-FIGURE = Record(Column("figure", str, "name"), Column("path", str, "where it was written"))
+FIGURE = Record(Column("figure", str, "name", "0"), Column("path", str, "where it was written", "1"))
 COMPARE = Document(
-    "compare",
-    1,
+    "compare/1",
     "Compensation methods side by side",
     Column("arm", ("joint", "panda"), "what the methods were tried on"),
     Column("duration", float, "length of a trial", unit="s"),
@@ -139,24 +132,14 @@ def compare_document(
 ) -> dict[str, Any]:
     """Return the document on a comparison.
 
-    Args:
-        scene: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``, ``settings`` and ``effects``.
-        methods: What came of every method and tuning.
-        sweeps: The sweeps.
-        figures: Name and path of every figure.
+    ``scene`` has what was simulated: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``,
+    ``settings`` and ``effects``; a figure is a name and a path.
     """
-    drawn = [{"figure": name, "path": path} for name, path in figures]
-    return COMPARE.json({**scene, "methods": methods, "sweeps": sweeps, "figures": drawn})
+    return COMPARE.json({**scene, "methods": methods, "sweeps": sweeps, "figures": figures})
 
 
 def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[str]:
-    """Return a row per method and tuning, and the losses of those that were unstable.
-
-    Args:
-        rows: Every method and tuning.
-        seeds: How many persons.
-        tuning_seeds: How many persons the settings were chosen for.
-    """
+    """Return a row per method and tuning, and the losses of those that were unstable, with so many persons."""
     headed: list[Row | str] = []
     for before, row in zip((None, *rows), rows, strict=False):
         headed += [row] if before is not None and before.method == row.method else [row.label, row]
@@ -168,11 +151,9 @@ def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[st
 def _margins(rows: Sequence[Row]) -> tuple[str, ...]:
     """Return how the margins are to be read, if they were looked for."""
     persons = max((len(row.margins) for row in rows), default=0)
-    if not persons:
-        return ()
     known = any(not isnan(row.margin.low) for row in rows)
     those = f"the median of {persons} persons" if persons > 1 else "one person"
-    return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}")
+    return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}") if persons else ()
 
 
 def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
@@ -191,17 +172,15 @@ CLAIM = Record(
     Column("paper", str, "what the paper states or shows", title="paper", words=True, on="jt"),
     Column("ours", str, "our result, in words", title="ours", words=True, on="jt"),
     Column("value", float, "the number that decides", on="j"),
-    Column(
-        "holds", bool, "whether the claim holds", form=lambda holds: "yes" if holds else "NO", title="holds",
-        on="jt",
-    ),
+    Column("holds", bool, "whether it holds", form=lambda holds: "yes" if holds else "NO", title="holds", on="jt"),
     Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
     Column("note", str, "what to know about it, or empty", on="j"),
 )  # fmt: skip
-DRAWN = Record(FIGURE.columns[0], Column("title", str, "its title"), FIGURE.columns[1])
+DRAWN = Record(
+    Column("figure", str, "name", "0"), Column("title", str, "its title", "1"), Column("path", str, "of its file", "2")
+)
 REPRODUCE = Document(
-    "reproduce",
-    1,
+    "reproduce/1",
     "The paper's figures: its claims and our results",
     Column("seeds", int, "persons simulated"),
     Column("claims", [CLAIM], "per claim"),
@@ -210,15 +189,8 @@ REPRODUCE = Document(
 
 
 def reproduce_document(claims: Sequence[Claim], figures: Iterable[tuple[str, str, str]], seeds: int) -> dict[str, Any]:
-    """Return the document on the paper's figures.
-
-    Args:
-        claims: Per claim ``figure``, ``claim``, ``paper``, ``ours``, ``value``, ``holds`` and ``note``.
-        figures: Number, title and path of every figure.
-        seeds: Persons that were simulated where one moves the joint.
-    """
-    drawn = [{"figure": figure, "title": title, "path": path} for figure, title, path in figures]
-    return REPRODUCE.json({"seeds": seeds, "claims": claims, "figures": drawn})
+    """Return the document on the paper's figures: claims, and number, title and path of every figure."""
+    return REPRODUCE.json({"seeds": seeds, "claims": claims, "figures": figures})
 
 
 def claim_lines(claims: Sequence[Claim]) -> list[str]:

@@ -78,10 +78,9 @@ SIMULATED = Record(
     arrays=True,
 )
 DIAGNOSE = Document(
-    "diagnose",
-    3,
+    "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
-    *CHAIN,
+    CHAIN,
     Column("joints", [JOINT_DIAGNOSIS], "per joint"),
 )
 

@@ -10,8 +10,8 @@ from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSi
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
-from friction_audit.reporting.drift_words import NAMES, UNITS, how_much, percent, total_text
-from friction_audit.reporting.notices import Notice
+from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, total_text
+from friction_audit.reporting.notices import Notice, notice
 from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column, to_json
 from friction_audit.reporting.terminal_table import table_lines
@@ -88,8 +88,7 @@ CHANGES = Record(
     summary="a friction coefficient of a joint before and after, with 95 % intervals",
 )
 DIFF = Document(
-    "diff",
-    1,
+    "diff/1",
     "The friction of an arm before and after",
     Column("before", [RECORDING], "recordings of the first side"),
     Column("after", [RECORDING], "recordings of the second side"),
@@ -122,27 +121,21 @@ def changes_table(sides: TwoSides) -> TidyTable:
 
 def diff_notices(sides: TwoSides) -> Iterator[Notice]:
     """Yield what limits the comparison."""
-    for path in sides.twice:
-        yield Notice(
-            "same_recording", None, f"{path}: the same log is on both sides; a difference is only between parts of it"
-        )
+    yield from (notice("same_recording", path=path) for path in sides.twice)
     alike: dict[tuple[str, str, str], list[Condition]] = {}
     for one in sides.conditions:
         alike.setdefault((one.name, one.before, one.after), []).append(one)
     for (name, before, after), same in alike.items():
         joints = [one.joint for one in same if one.joint is not None]
-        where = f"{joints_label(joints)}: " if joints else ""
-        words = f"{where}{name}: {before or 'none'} before, {after or 'none'} after"
-        if same[0].invalid:
-            yield Notice("not_comparable", None, f"{words}; the comparison is not valid; record and read both alike")
-        else:
-            yield Notice("conditions_differ", same[0].joint, f"{words}; a difference may come from this")
+        words = {"where": f"{joints_label(joints)}: " if joints else "", "name": name}
+        words |= {"before": before or "none", "after": after or "none"}
+        code, joint = ("not_comparable", None) if same[0].invalid else ("conditions_differ", same[0].joint)
+        yield notice(code, joint, **words)
     for number, first in sides.one_sided:
-        side = "before" if first else "after"
-        yield Notice("joint_on_one_side", number, f"joint {number} is only in the recordings {side}; not compared")
+        yield notice("joint_on_one_side", number, side="before" if first else "after")
     for joint in sides.joints:
         if joint.reason:
-            yield Notice("not_compared", joint.joint, in_unit(f"joint {joint.joint}: {joint.reason}", sides.unit))
+            yield notice("not_compared", joint.joint, why=in_unit(joint.reason, sides.unit))
 
 
 def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Iterable[str] = ()) -> list[str]:
@@ -174,8 +167,7 @@ def _sentence(joint: JointChange) -> str:
             went = "rose" if found.change.value >= 0.0 else "fell"
             parts.append(f"{NAMES[name]} friction {went} by {how_much(found.total, found.change, UNITS[name])}")
         elif isfinite(one.single_p_value):
-            relative = isfinite(found.smallest_drift)
-            least = f"{percent(found.smallest_drift)} %" if relative else f"{found.smallest_change:.2g} {UNITS[name]}"
+            least = amount(found.smallest_drift, found.smallest_change, name)
             parts.append(f"no change of {NAMES[name]} friction found, {least} is detectable")
     if joint.law is not None:
         law = joint.law

@@ -95,7 +95,7 @@ OUTPUT = Record(
     Column("samples", int, "number of samples", lambda out: len(out["log"].t)),
 )
 CONVERT = Document(
-    "convert", 1, "A log written in another format", SOURCE, Column("output", OUTPUT, "the new log"), WARNINGS
+    "convert/1", "A log written in another format", SOURCE, Column("output", OUTPUT, "the new log"), WARNINGS
 )
 
 
@@ -107,19 +107,18 @@ def convert_document(log: JointLog, path: str, dialect: str, left_out: Sequence[
 
 
 FIGURE = Record(
-    Column("kind", str, "kind of figure"),
-    Column("joint", int, "number of the joint, null for a sheet of all", null=True),
-    Column("path", str, "where it was written"),
+    Column("kind", str, "kind of figure", "0"),
+    Column("joint", int, "number of the joint, null for a sheet of all", "1", null=True),
+    Column("path", str, "where it was written", "2"),
 )
-PLOT = Document("plot", 1, "Figures of one log", *CHAIN, Column("figures", [FIGURE], "what was drawn"))
+PLOT = Document("plot/1", "Figures of one log", *CHAIN, Column("figures", [FIGURE], "what was drawn"))
 
 
 def plot_document(
     estimate: Estimate, figures: Iterable[tuple[str, int | None, str]], reading: Mapping[str, object] = NO_OPTIONS
 ) -> dict[str, Any]:
     """Return the document on figures, each a kind, the number of its joint (None for a sheet of all) and its path."""
-    drawn = [{"kind": kind, "joint": joint, "path": path} for kind, joint, path in figures]
-    return chain_document(PLOT, estimate, estimate_notices(estimate), reading, figures=drawn)
+    return chain_document(PLOT, estimate, estimate_notices(estimate), reading, figures=figures)
 
 
 class SimulatedLog(NamedTuple):
@@ -143,8 +142,7 @@ SCENARIO = (Column("scenario", str, "its name"), Column("seed", int, "the seed")
 EFFECTS = Column("effects", [HIDDEN], "hidden effects")
 HIDDEN_SETTINGS = Column("settings", dict, "all settings but the hidden effects")
 SIMULATE = Document(
-    "simulate",
-    1,
+    "simulate/1",
     "A simulated log",
     *SCENARIO,
     Column(
@@ -164,8 +162,7 @@ SIMULATE = Document(
     WARNINGS,
 )
 TRUTH = Document(
-    "truth",
-    1,
+    "truth/1",
     "What was simulated in a log",
     *SCENARIO,
     Column("log_sha256", str, "hash of the log", "sha256"),

@@ -189,10 +189,6 @@ def _by_name(row: JointRow) -> dict[str, CoefficientRow]:
     return {one.coefficient: CoefficientRow(*row, one, k) for k, one in enumerate(row.joint.coefficients)}
 
 
-def _joint_message(row: JointRow) -> str:
-    return f"joint {row.joint.joint}: {drift_words.joint_sentence(*row)}"
-
-
 def _change_points(row: JointRow) -> list[int]:
     return sorted({_session(change) for one in row.joint.coefficients for change in one.change_points})
 
@@ -208,7 +204,7 @@ JOINT_DRIFT = Record(
         "the strongest of its coefficients",
         lambda row: drift_words.joint_verdict(row.joint),
     ),
-    Column("message", str, "one sentence", _joint_message),
+    Column("message", str, "one sentence", lambda row: f"joint {row.joint.joint}: {drift_words.joint_sentence(*row)}"),
     Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
     Column("change_points", [int], "first sessions after a step", _change_points),
@@ -221,8 +217,7 @@ FAILED = Record(
     Column("message", str, "what was wrong", title="what was wrong", on="jp"),
 )
 BATCH = Document(
-    "batch",
-    2,
+    "batch/2",
     "How the friction of each arm changes between recordings; sessions count from 1 within their arm",
     Column("command", str, "the command that makes all of it again", null=True),
     Column("settings", dict, "every setting, defaults included"),
@@ -289,10 +284,11 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     yield f"{arm.robot}: {sessions_text(arm)}; {drift_words.arm_sentence(arm)}"
     yield "changes are from the reference to the last sessions; intervals are 95 %"
     yield from table_lines(COEFFICIENT.people(coefficient_rows(arm), "t"))
+    stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
     for joint in arm.joints:
-        if joint.drift or verbose:
+        if verbose or (joint.drift and joint is not stated):
             yield f"joint {joint.joint}: {drift_words.joint_sentence(arm, joint)}"
-            yield from (line for found in joint.coefficients for line in _details(arm, found))
+        yield from (f"joint {joint.joint}, {line}" for found in joint.coefficients for line in _details(arm, found))
     yield from _left_out(arm, verbose=verbose)
     yield from (f"note: {warning}" for warning in arm.warnings)
 
@@ -305,11 +301,11 @@ def sessions_text(arm: ArmDrift) -> str:
 
 def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
     """Yield the steps of a coefficient, or its slope if it drifts without one."""
-    name = drift_words.NAMES[found.coefficient]
-    yield from (f"  {name}: step at {drift_words.change_text(arm, change)}" for change in found.change_points)
+    name, unit = drift_words.NAMES[found.coefficient], drift_words.UNITS[found.coefficient]
+    yield from (f"{name}: step at {drift_words.change_text(arm, change)}" for change in found.change_points)
     if found.drift and not found.change_points:
-        per_session = f"{format_slope(found.trend_per_session)} {drift_words.UNITS[found.coefficient]} per session"
-        yield f"  {name}: {per_session}, {format_slope(found.trend_per_day)} per day"
+        slopes = f"{format_slope(found.trend_per_session)} {unit} per session, {format_slope(found.trend_per_day)}"
+        yield f"{name}: {slopes} {unit} per day"
 
 
 def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
@@ -321,6 +317,5 @@ def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     for session, reason in arm.left_out:
         alike.setdefault(reason, []).append(session + 1)
     for reason, numbers in alike.items():
-        word = "session" if len(numbers) == 1 else "sessions"
-        which = enumerate_words(numbers) if len(numbers) <= MOST_NAMED else f"{len(numbers)} of them"
-        yield f"not compared: {word} {which}: {reason}"
+        which = f"session{'s' if len(numbers) > 1 else ''} {enumerate_words(numbers)}"
+        yield f"not compared: {which if len(numbers) <= MOST_NAMED else count_of(len(numbers), 'session')}: {reason}"

@@ -48,19 +48,25 @@ class SessionRow(NamedTuple):
     session: Session
 
 
-SESSION = Record(
+HEAD = (
     Column("robot", str, "which arm", "session.robot"),
     Column("session", int, "number within the arm, from 1", lambda row: row.place + 1),
-    Column("path", str, "as found", "session.path"),
-    Column("sha256", str, "of the file", "session.sha256"),
-    Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s), null=True),
+    Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s) or "", null=True),
     Column("start", float, "Unix time", "session.start_s", unit="s"),
     Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from"),
+    Column("path", str, "as found", "session.path"),
+    Column("sha256", str, "of the file", "session.sha256"),
     Column("duration", float, "length", "session.duration_s", unit="s"),
-    Column("conditions", dict, "how it was recorded and read", "session.conditions"),
-    Column("temperature", float, "from the manifest", "session.temperature_c", unit="°C"),
+)
+NOTES = (
     Column("note", str, "from the manifest", "session.note"),
     Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
+)
+SESSION = Record(
+    *HEAD,
+    Column("conditions", dict, "how it was recorded and read", "session.conditions"),
+    Column("temperature", float, "from the manifest", "session.temperature_c", unit="°C"),
+    *NOTES,
     Column("warnings", [str], "what was noticed", lambda row: session_sentences(row.session.warnings)),
     Column("joints", [SESSION_JOINT], "per joint", "session.joints"),
 )
@@ -82,20 +88,17 @@ class ValueRow(NamedTuple):
     control: ControlPoint | None  # its place on the control chart, or None
 
 
+def _interval(prefix: str, get: str) -> tuple[Column, ...]:
+    ends = {"value": "value", "ci95_low": "low", "ci95_high": "high"}
+    return tuple(Column(prefix + name, float, get=f"{get}.{field}") for name, field in ends.items())
+
+
 SESSIONS = Record(
-    Column("robot", str, get="session.robot"),
-    Column("session", int, get=lambda row: row.place + 1),
-    Column("start", str, get=lambda row: iso_start(row.session.start_s) or ""),
-    Column("start", float, get="session.start_s", unit="s"),
-    Column("start_from", str, get="session.start_from"),
-    Column("path", str, get="session.path"),
-    Column("sha256", str, get="session.sha256"),
-    Column("duration", float, get="session.duration_s", unit="s"),
+    *HEAD,
     Column("rate", float, get="session.conditions.rate_hz", unit="Hz"),
     *(Column(name, str, get=f"session.conditions.{name}") for name in CONDITIONS),
     Column("session_temperature", float, get="session.temperature_c", unit="°C"),
-    Column("note", str, get="session.note"),
-    Column("damaged", bool, get="session.damaged"),
+    *NOTES,
     Column("compared", bool, get="flags.0"),
     Column("reference", bool, get="flags.1"),
     Column("left_out", str),
@@ -113,13 +116,9 @@ SESSIONS = Record(
     Column("effects", str, get=lambda row: " ".join(row.joint.effects)),
     Column("coefficient", str),
     Column("unit", str, get=lambda row: UNITS[row.coefficient]),
-    Column("value", float, get="own.value"),
-    Column("ci95_low", float, get="own.low"),
-    Column("ci95_high", float, get="own.high"),
+    *_interval("", "own"),
     Column("relative_change_within_session", Coefficient, get="within"),
-    Column("compared_value", float, get="compared.value"),
-    Column("compared_ci95_low", float, get="compared.low"),
-    Column("compared_ci95_high", float, get="compared.high"),
+    *_interval("compared_", "compared"),
     Column("relative_deviation", float, get="control.relative.value"),
     Column("outside", bool, get="control.outside"),
     Column("isolated", bool),

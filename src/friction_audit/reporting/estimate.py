@@ -135,10 +135,9 @@ INTERACTION = Record(
     arrays=True,
 )
 ESTIMATE = Document(
-    "estimate",
-    1,
+    "estimate/1",
     "Friction coefficients of the joints of one log",
-    *CHAIN,
+    CHAIN,
     Column("estimator", str, "method"),
     Column("joints", [FRICTION], "per joint"),
 )

@@ -14,7 +14,7 @@ from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
 from friction_audit.presets import PRESETS, candidates
 from friction_audit.reporting.documents import WARNING, log_columns
 from friction_audit.reporting.estimate import sign_text
-from friction_audit.reporting.notices import Notice, log_notices, notices
+from friction_audit.reporting.notices import Notice, log_notices, notice, notices
 from friction_audit.reporting.table import ALL, JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NEWTON_METRES, count_of
@@ -84,7 +84,7 @@ def summarize_log(
         stale_samples=int(sum(one.amount or 0.0 for one in log.source.findings if one.code == STALE)),
         torque=interaction.choice if interaction else None,
         joints=tuple(_motions(log, interaction, cycles)),
-        notices=(*found, *([Notice("no_interaction_torque", None, obstacle)] if obstacle else ())),
+        notices=(*found, *([notice("no_interaction_torque", why=obstacle)] if obstacle else ())),
     )
 
 
@@ -164,8 +164,7 @@ LOG = Record(
 )
 FAILED = Record(PATH, TOPICS, Column("message", str, "why it could not be read"))
 INFO = Document(
-    "info",
-    1,
+    "info/1",
     "What is in some logs",
     Column("logs", [LOG], "logs that were read"),
     Column("failed", [FAILED], "files that were not"),
@@ -186,7 +185,7 @@ def info_lines(entry: InfoEntry) -> list[str]:
     if len(entry.topics) > 1 or summary is None:
         lines += [f"  topic {_topic(topic)}" for topic in entry.topics]
     if summary is None:
-        return [*lines, f"  not read: {entry.message}"]
+        return [*lines, "  not read"]
     return [*lines, *(f"  {line}" for line in _lines(summary)), *table_lines(MOTION.people(summary.joints, "t"))]
 
 

@@ -8,10 +8,11 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.planning.plan import Answer, JointPlan
 from friction_audit.planning.task import Task
 from friction_audit.reporting.documents import WARNINGS
-from friction_audit.reporting.notices import Notice
+from friction_audit.reporting.drift_words import NAMES, UNITS
+from friction_audit.reporting.notices import Notice, notice
 from friction_audit.reporting.table import Column, Document, Record
 from friction_audit.reporting.terminal_table import table_lines
-from friction_audit.reporting.words import joint_label
+from friction_audit.reporting.words import joint_label, with_unit
 
 PURPOSES = {"decide": "to decide between", "diagnose": "to diagnose", "estimate": "to estimate friction"}
 
@@ -25,7 +26,7 @@ class Recording(NamedTuple):
 
 
 def _answer_words(answer: Answer) -> str:
-    names = " and ".join(" or ".join(one) for one in answer.sets)
+    names = " and ".join({frozenset(one): " or ".join(one) for one in answer.sets}.values())
     verdict = answer.verdict.replace("_", " ")
     return f"{verdict}: {names}" if names else verdict
 
@@ -96,8 +97,7 @@ SETTLED = Record(
     Column("why", str, "the answer that there is"),
 )
 PLAN = Document(
-    "plan",
-    1,
+    "plan/1",
     "The next recording of an arm",
     Column("source", str, "log or result; null without one", null=True),
     Column("recordings", [RECORDING], "what to record"),
@@ -117,23 +117,15 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
     """Yield what the user must know before running the motion."""
     plans = [plan for one in recordings for plan in one.plans]
     if plans and not known_start:
-        yield Notice("start_unknown", None, "the result holds no pose; the motion starts at --start, here as printed")
+        yield notice("start_unknown")
     for plan in plans:
         number = plan.task.joint.number
-        for name, why in plan.task.unknown.items():
-            yield Notice("name_left_out", number, f"joint {number}: {name} is not planned for: {why}")
-        if plan.task.purpose != "decide":
-            continue
-        if near := " and ".join(one.effect for one in plan.answers if not one.exact):
-            near = f"joint {number}: the check for {near} uses the nearest numbers that the simulator has"
-            yield Notice("near_numbers", number, near)
-        if undecided := " and ".join(one.effect for one in plan.answers if not one.decided):
-            yield Notice(
-                "not_decided",
-                number,
-                f"joint {number}: if it has {undecided}, `diagnose` would not name it alone after this motion; record "
-                "longer (--duration), or allow a wider --range or a higher --speed",
-            )
+        yield from (notice("name_left_out", number, name=name, why=why) for name, why in plan.task.unknown.items())
+        answers = plan.answers if plan.task.purpose == "decide" else ()
+        if near := " and ".join(one.effect for one in answers if not one.exact):
+            yield notice("near_numbers", number, names=near)
+        if undecided := " and ".join(one.effect for one in answers if not one.decided):
+            yield notice("not_decided", number, names=undecided)
 
 
 def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
@@ -171,6 +163,6 @@ def _joint_lines(plan: JointPlan) -> Iterator[str]:
         yield f"  then rest for {plan.rest_s:.0f} s, and all of it once more: a drift shows most between both ends"
     if plan.answers:
         yield from table_lines(ANSWER.people(plan.answers, "t"))
-    if found := [(key, one, 0.5 * (one.high - one.low)) for key, one in plan.coefficients.items()]:
-        numbers = ", ".join(f"{key.partition('_')[0]} {one.value:.3g} ± {half:.2g}" for key, one, half in found)
+    if plan.coefficients:
+        numbers = ", ".join(f"{NAMES[key]} {with_unit(one, UNITS[key])}" for key, one in plan.coefficients.items())
         yield f"estimate would find, with 95 % intervals: {numbers}"

@@ -215,10 +215,9 @@ SIGNALS = Record(
     arrays=True,
 )
 REPLAY = Document(
-    "replay",
-    3,
+    "replay/3",
     "What a friction compensator would have done on one log",
-    *CHAIN,
+    CHAIN,
     Column("assume", str, "the counterfactual"),
     Column("assumes", str, "its assumption, one sentence"),
     Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null"),

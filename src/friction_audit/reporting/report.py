@@ -18,7 +18,7 @@ from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_est
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS
 from friction_audit.reporting.diagnosis_words import joint_message, names_of, plain_names
-from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
+from friction_audit.reporting.documents import CHAIN, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
 from friction_audit.reporting.replay import REPLAY, replay_tables, replay_values
@@ -111,18 +111,9 @@ def report_estimate(
     command: str = "",
     step: Step = lambda _: nullcontext(),
 ) -> LogReport:
-    """Run what follows an estimate; a part without an answer leaves the others as they are.
+    """Run what follows an estimate, for the sections asked for; a part without an answer leaves the others as they are.
 
     Of the log the report has the name, not the path: a page is sent to others.
-
-    Args:
-        estimate: The estimate.
-        replay_settings: Of the replay.
-        diagnosis_settings: Of the diagnosis.
-        sections: Which are asked for; replay and diagnosis run only for theirs.
-        reading: How the log was read: options of the reader by name.
-        command: The command that makes the report again.
-        step: Called with the part that is under way.
     """
     unanswered: list[Unanswered] = []
     estimate = _without_path(estimate)
@@ -225,13 +216,15 @@ def lead_sentence(report: LogReport) -> str:
     known = [one for one in joints if not one.friction.reason]
     if not known:
         return "Friction is estimated on no joint."
-    of_all = "" if len(known) == len(joints) else f" of {len(joints)}"
+    alone, of_all = len(joints) == 1, "" if len(known) == len(joints) else f" of {len(joints)}"
     estimated = f"Friction is estimated on {_joints(known, len(joints))}{of_all}."
+    if alone:
+        estimated = f"Friction is estimated: {friction_words(known[0].friction)}."
     groups: dict[str, list[JointReport]] = {}
     for one in known:
         if one.discrepancy is not None:
             groups.setdefault(_missing(one.discrepancy), []).append(one)
-    parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
+    parts = "; ".join(words if alone else f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
         words = [verdict_word(one) for one in known]
         counts = "; ".join(f"{word}: {count_of(words.count(word), 'joint')}" for word in dict.fromkeys(words))
@@ -256,9 +249,8 @@ def _joints(joints: Sequence[JointReport], every: int) -> str:
     """Return which joints are meant."""
     if MOST_LISTED < len(joints) < every:
         return count_of(len(joints), "joint")
-    if len(joints) == every:
-        return "the joint" if every == 1 else f"all {every} joints"
-    return f"{'joint' if len(joints) == 1 else 'joints'} {enumerate_words(one.joint for one in joints)}"
+    numbers = enumerate_words(one.joint for one in joints)
+    return f"all {every} joints" if len(joints) == every else f"joint{'s' if len(joints) > 1 else ''} {numbers}"
 
 
 def report_settings(report: LogReport) -> dict[str, Any]:
@@ -268,8 +260,6 @@ def report_settings(report: LogReport) -> dict[str, Any]:
     return settings_document(report.estimate, report.reading) | own
 
 
-# Keys of the documents of the parts that the whole document has once.
-SHARED = ("source", "settings", "warnings")
 UNANSWERED = Record(Column("part", str, "the command"), Column("message", str, "why it has no answer"))
 
 
@@ -279,30 +269,28 @@ VERDICT = Record(
     joint_column(),
     Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
     Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
-    Column("verdict", str, "the verdict of the page", verdict_word),
-    Column("verdict", str, get=verdict_word, title="verdict", tone=VERDICT_TONES.__getitem__, on="p"),
     Column(
-        "message",
-        str,
-        "cause, size, what to do; or why there is no answer",
+        "verdict", str, "the verdict of the page", verdict_word,
+        title="verdict", tone=VERDICT_TONES.__getitem__, on="jfp",
+    ),
+    Column(
+        "message", str, "cause, size, what to do; or why there is no answer",
         lambda one: one.answer or friction_words(one.friction),
     ),
     Column("answer", str, title="cause, size, what to do", words=True, on="p"),
-)
+)  # fmt: skip
 
 
 def _part(document: Document) -> Record:
-    return Record(tuple(column for column in document.record.columns if column.name not in SHARED))
+    """Return the keys of a part, without those that the whole document has once."""
+    return Record(*(column for column in document.record.columns if column not in CHAIN))
 
 
 REPORT = Document(
-    "report",
-    4,
+    "report/4",
     "All parts of a report, as on its page",
     Column("command", str, "the command that makes the report again", null=True),
-    SOURCE,
-    SETTINGS,
-    WARNINGS,
+    CHAIN,
     Column("message", str, "the lead of the page"),
     Column("sections", [str], "sections that were asked for"),
     Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),

@@ -1,4 +1,4 @@
-"""Cautions of every stage of the analysis -> sentences: one table, by code."""
+"""Warnings of every stage -> sentences: one table, by code."""
 
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -7,6 +7,12 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting.words import joints_label
 
 SENTENCES: Mapping[str, str] = {
+    # files
+    "torque_in_ampere": "the torque column is a motor current: results are in {unit}, {unit} s/rad and {unit} rad, "
+    "also in JSON keys ending in _nm; gravity and inertia are not removed; for newton metres, give --torque-constant "
+    "and --gear-ratio",
+    "no_interaction_torque": "{why}",
+    "channels_left_out": "{path}: the dialect {dialect} has no place for {channels}; left out",
     # preprocessing
     "dq_late": "{joints}: dq lags q by {lags} ms (velocity filter); the lag is corrected",
     "dq_other_clock": "{joints}: dq lags q by {lags} ms, more than a filter: another clock; all energies are wrong; "
@@ -60,18 +66,41 @@ SENTENCES: Mapping[str, str] = {
     "arm_moves_itself": "the arm moved by itself: torque and energy are those of its own drive, which is compensated "
     "for",
     "gravity_in_replay": "gravity is still in the torque: a compensator would take what it gives and takes within a "
-    "cycle for friction; remove it (--gravity model with --robot or --urdf, or log it)",
-    "seems_compensated": "joint {joint} ({name}): {what}, as if a friction compensator had been active, and no column "
+    "cycle for friction",
+    "seems_compensated": "{what}, as if a friction compensator had been active, and no column "
     "says so; the replay then means little; map its torque (--map tau_compensation=NAME), or record with it switched "
     "off",
-    "not_replayed": "joint {joint} ({name}): {reason}",
-    "diverged": "joint {joint} ({name}): the compensated loop diverges at {at_s:.4g} s; everything is given up to "
+    "not_replayed": "{reason}",
+    "diverged": "the compensated loop diverges at {at_s:.4g} s; everything is given up to "
     "there; lower its gain, its factor, or its desired inertia's distance from the true one",
-    "over_compensation_hidden": "joint {joint} ({name}): at times over-compensated, and the passivity controller does "
+    "over_compensation_hidden": "at times over-compensated, and the passivity controller does "
     "not notice: the first cycles left {reserve:.3g} J in its ledger, which hides the {hidden:.3g} J that the joint "
     "has given out since the compensator acts",
-    "torque_limited": "joint {joint} ({name}): the compensator is at a limit ({torque:g} N m, {rate:g} N m/s) in "
+    "torque_limited": "the compensator is at a limit ({torque:g} N m, {rate:g} N m/s) in "
     "{percent:.2g} % of the samples; what is beyond is left out",
+    # comparison of two sides
+    "same_recording": "{path}: the same log is on both sides; a difference is only between parts of it",
+    "not_comparable": "{where}{name}: {before} before, {after} after; the comparison is not valid; record and read "
+    "both alike",
+    "conditions_differ": "{where}{name}: {before} before, {after} after; a difference may come from this",
+    "joint_on_one_side": "joint {joint} is only in the recordings {side}; not compared",
+    "not_compared": "joint {joint}: {why}",
+    # planning
+    "start_unknown": "the result holds no pose; the motion starts at --start, here as printed",
+    "name_left_out": "joint {joint}: {name} is not planned for: {why}",
+    "near_numbers": "joint {joint}: the check for {names} uses the nearest numbers that the simulator has",
+    "not_decided": "joint {joint}: if it has {names}, `diagnose` would not name it alone after this motion; record "
+    "longer (--duration), or allow a wider --range or a higher --speed",
+    # export
+    "no_friction": "not exported: {why}",
+    "terms_left_out": "joint {joint}: {target} has no place for {terms}; the file is without",
+    "friction_fitted": "joint {joint}: its friction curve was fitted by what {target} holds, {error:.2g} N m rms off "
+    "({percent:.2g} %) from {low:.2g} to {high:.2g} rad/s",
+    "joints_by_order": "joints were matched by their order: {pairs}",
+    "armature_left_out": "the inertia is not written as armature: the source does not show that it is without the "
+    "inertia of the links; use --armature if it is",
+    "inner_torque_loop": "this is the friction at the joint torque sensor; the inner torque loop of a {robot} has "
+    "already reduced that of motor and gear",
 }
 Numbers = Mapping[str, Any]
 TURNED = {

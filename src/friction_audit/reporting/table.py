@@ -283,14 +283,9 @@ class Table:
 class Document:
     """A JSON document: ``schema`` and ``version``, then its columns."""
 
-    def __init__(self, kind: str, number: int, title: str, *columns: Column) -> None:
-        """Take the kind of document, its version, what it is, and its keys."""
-        self.kind, self.number, self.title, self.record = kind, number, title, Record(*columns)
-
-    @property
-    def name(self) -> str:
-        """Kind and version."""
-        return f"friction-audit/{self.kind}/{self.number}"
+    def __init__(self, name: str, title: str, *columns: Column | tuple[Column, ...]) -> None:
+        """Take kind and version (``estimate/1``), what it is, and its keys."""
+        self.name, self.title, self.record = f"friction-audit/{name}", title, Record(*columns)
 
     def json(self, values: Mapping[str, Any], torque_unit: str = NEWTON_METRES) -> dict[str, Any]:
         """Return the document of values by name."""
