@@ -14,17 +14,9 @@ from friction_audit.diagnosis.result import VERDICTS
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.pipeline import Estimate
-from friction_audit.reporting.compare import compare_document, reproduce_document
 from friction_audit.reporting.diagnosis import diagnose_document
 from friction_audit.reporting.diagnosis_words import joint_message
-from friction_audit.reporting.documents import (
-    SimulatedLog,
-    convert_document,
-    plot_document,
-    simulate_document,
-    truth_document,
-    write_document,
-)
+from friction_audit.reporting.documents import SimulatedLog, truth_document, write_document
 from friction_audit.reporting.drift import BatchSummary, write_batch_document
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.reporting.info import InfoEntry, TopicSummary, info_document, summarize_log
@@ -102,36 +94,12 @@ def test_info(seven: Estimate) -> None:
     assert less["warnings"][-1] == {"code": "no_interaction_torque", "joint": None, "message": "gravity is missing"}
 
 
-EFFECT = {"joint": 2, "name": "stribeck", "form": None, "parameters": {"excess_nm": 0.2}}
-SIMULATED = SimulatedLog(
-    scenario="bench",
-    seed=4,
-    settings={"joints": ({"coulomb_nm": 0.3},), "compensator": {"kind": "fixed", "max_torque_nm": math.inf}},
-    effects=[EFFECT],
-    sha256="f" * 64,
-)
-
-
-def test_files_that_a_command_wrote(seven: Estimate) -> None:
-    document = checked(plot_document(seven, [("energy", None, "energy.png"), ("energy", 2, "energy-joint2.png")]))
-    assert [figure["joint"] for figure in document["figures"]] == [None, 2]
-    document = checked(convert_document(seven.log, "out.csv", "csv-long", ("temperature",)))
-    assert document["output"]["dialect"] == "csv-long"
-    assert "no place for temperature" in document["warnings"][0]["message"]
-    truth = checked(truth_document(SIMULATED))
+def test_a_simulated_log_and_its_truth() -> None:
+    settings = {"joints": ({"coulomb_nm": 0.3},), "compensator": {"kind": "fixed", "max_torque_nm": math.inf}}
+    effect = {"joint": 2, "name": "stribeck", "form": None, "parameters": {"excess_nm": 0.2}}
+    truth = checked(truth_document(SimulatedLog("bench", 4, settings, [effect], "f" * 64)))
     assert truth["settings"]["compensator"] == {"kind": "fixed", "max_torque_nm": None}
-    assert (truth["effects"], truth["log_sha256"]) == ([EFFECT], SIMULATED.sha256)
-    document = checked(simulate_document(SIMULATED, seven.log, "run.mcap", "mcap", left_out=("gravity",)))
-    assert (document["output"]["samples"], document["effects"]) == (len(seven.log.t), [EFFECT])
-    assert document["joint_names"] == list(seven.log.joint_names)
-    scene = {"arm": "joint", "duration_s": 10.0, "settings": {}, "effects": [EFFECT]}
-    seeds: dict[str, Any] = {"seeds": [1], "tuning_seeds": [], "margin_seeds": []}
-    document = checked(compare_document({**scene, **seeds}, [], [], [("energy", "energy.png")]))
-    assert document["figures"] == [{"figure": "energy", "path": "energy.png"}]
-    claim = {"figure": "7b", "claim": "c", "paper": "p", "ours": "o", "value": math.nan}
-    claim |= {"holds": True, "note": "", "own": False}
-    document = checked(reproduce_document([claim], [("7", "title", "fig7.png")], 3))
-    assert document["claims"] == [claim | {"value": None}]
+    assert (truth["effects"], truth["log_sha256"]) == ([effect], "f" * 64)
 
 
 def test_every_verdict_keeps_to_the_schema() -> None:

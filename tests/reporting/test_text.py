@@ -15,9 +15,9 @@ from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.interaction import Caution
-from friction_audit.reporting.compare import claim_lines, compare_lines, count_line
+from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.diagnosis import diagnose_lines
-from friction_audit.reporting.diagnosis_words import joint_message, remainder_words
+from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.drift import batch_lines
 from friction_audit.reporting.drift_words import change_text, slope_text, total_text
 from friction_audit.reporting.estimate import estimate_lines
@@ -67,6 +67,10 @@ def row(lines: list[str], start: str) -> str:
     return " ".join(next(line for line in lines if line.startswith(start)).split())
 
 
+def in_ampere(found: Estimate) -> Estimate:
+    return replace(found, log=replace(found.log, source=replace(found.log.source, torque_unit="A")))
+
+
 def _replay() -> list[str]:
     found = log_report_by_hand.report().replay
     assert found is not None
@@ -81,6 +85,7 @@ def _replay() -> list[str]:
             ["1 0.2450 ± 0.0074 0.400 ± 0.012 14 (1)", "3 - - 0 (0)"],
             ["not determined: joint 3: the joint does not move"],
         ),
+        (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A s/rad]"], []),
         (_replay, ["3 - - -"], ["not replayed: joint 3: "]),
         (
             lambda: diagnose_lines(diagnosis()),
@@ -109,7 +114,7 @@ def _replay() -> list[str]:
             ],
         ),
     ],
-    ids=["estimate", "replay", "diagnosis", "longest names", "batch"],
+    ids=["estimate", "current", "replay", "diagnosis", "longest names", "batch"],
 )
 def test_a_table_of_eighty_columns_and_its_sentences(
     lines: Callable[[], list[str]], rows: list[str], sentences: list[str]
@@ -120,14 +125,6 @@ def test_a_table_of_eighty_columns_and_its_sentences(
     assert not any("…" in line for line in found)
     assert [one for one in rows if not row(found, one.split()[0] + " ").startswith(one)] == []
     assert [one for one in sentences if not any(line.startswith(one) for line in found)] == []
-
-
-def test_units_of_a_motor_current(seven: Estimate) -> None:
-    log = replace(seven.log, source=replace(seven.log.source, torque_unit="A"))
-    text = "\n".join(estimate_lines(replace(seven, log=log)))
-    assert "[A]" in text
-    assert "[A s/rad]" in text
-    assert "N m" not in text
 
 
 def test_info(seven: Estimate) -> None:
@@ -185,15 +182,12 @@ def test_the_longest_sentence_has_two_hundred_characters() -> None:
         ([("line", "path", 0.5), ("line", "path", 2.0)], "spectral lines at 0.5 and 2 waves per rad of path"),
         ([("curve", "speed", 0.0)], "a curve below 0.15 rad/s (against the motion)"),
         ([("curve", "displacement", 0.0)], "a curve over displacement since a reversal"),
-        ([("response", "past motion", 0.0)], "a linear response to past motion"),
-        ([("scatter", "stroke", 0.0)], "friction that varies from cycle to cycle"),
         ([("change", "stribeck", 0.0)], "stribeck that changes within the log"),
     ],
 )
 def test_the_remainder_in_words(checks: list[tuple[str, str, float]], text: str) -> None:
     found = [ResidualCheck(code=code, along=along, share=0.2, frequency=f) for code, along, f in checks]
     joint = replace(NAMED, checks=tuple(found), remaining=NAMED.profiles, remainder_share=0.2)
-    assert remainder_words(joint) == text
     assert f"joint 1, 20 % of the residual is unexplained: {text}" in diagnose_lines(diagnosis((joint,)))
 
 
@@ -279,18 +273,6 @@ def test_a_comparison_has_a_row_per_tuning_below_its_method() -> None:
     assert lines[5] == "none"
     for words in ("the median of 3 persons", "unstable in 2 of 10 seeds, first after 3.0 s", "no setting tried is"):
         assert sum(words in line for line in lines) == 1
-
-
-def test_claims(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("COLUMNS", "60")
-    claim = {"figure": "7b", "claim": "it holds", "paper": "yes", "ours": "1 N m", "holds": True, "note": "why"}
-    lines = claim_lines([claim, claim | {"holds": False, "claim": "words and " * 20}])
-    assert lines[0].split() == ["fig", "claim", "paper", "ours", "holds"]
-    assert [line.split()[-1] for line in lines[2:4]] == ["yes", "NO"]
-    assert lines[-1] == "7b: why"
-    assert max(map(len, lines)) <= 60
-    paper, own = claim | {"own": False}, claim | {"own": True, "holds": False}
-    assert count_line([paper, own]).startswith("1 of 1 claims of the paper hold; own experiments")
 
 
 def test_every_caution_has_a_sentence() -> None:
