@@ -106,8 +106,7 @@ def _replay() -> list[str]:
             lambda: batch_lines(batch_by_hand.batch(ARM, batch_by_hand.arm(robot="panda-2", seed=1))),
             ["2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"],
             [
-                "joint 2, Coulomb: step at session 13 (12 to 14), 2026-03-21: +15.0 ± 1.5 %",
-                "joint 5, Coulomb: +0.0027 ± 0.0003 N m per session, +0.00178 ± 0.00019 N m per day",
+                "joint 5: Coulomb friction rises by",
                 "not compared: session 9: payload 0.7 kg, the reference had none",
                 "limit exceeded: panda-1, joint 2",
                 "failed: logs/broken.bag: broken.bag: is truncated",
@@ -235,7 +234,12 @@ def test_parameters_of_an_effect(parameters: dict[str, Coefficient], text: str) 
 def test_drift_in_detail_of_many_and_of_nothing() -> None:
     brief, verbose = (batch_lines(batch_by_hand.batch(ARM), verbose=asked) for asked in (False, True))
     assert any(line.startswith("joint 1: no drift of Coulomb friction: a change") for line in verbose)
-    assert "not compared: logs/panda-1/run_009.mcap: payload 0.7 kg, the reference had none" in verbose
+    for line in (
+        "not compared: logs/panda-1/run_009.mcap: payload 0.7 kg, the reference had none",
+        "joint 2, Coulomb: step at session 13 (12 to 14), 2026-03-21: +15.0 ± 1.5 %",
+        "joint 5, Coulomb: +0.0027 ± 0.0003 N m per session, +0.00178 ± 0.00019 N m per day",
+    ):
+        assert line in verbose
     assert sum("Coulomb friction rose by 15" in line for line in brief) == 1
     many = replace(ARM, robot="[red]arm[/red]", left_out=tuple((k, "no start") for k in range(9)))
     lines = batch_lines(batch_by_hand.batch(many))

@@ -26,7 +26,7 @@ from friction_audit.reporting.diagnosis_tables import (
     untestable_rows,
 )
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
-from friction_audit.reporting.notices import diagnose_notices, physics_of
+from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, physics_of
 from friction_audit.reporting.table import Column, Document, Get, Record, Table, to_json
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import format_share, in_unit, joints_label
@@ -157,7 +157,10 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     details: list[str] = []
     for alike in _alike(joints, together=not verbose):
         numbers = joints_label(joint.joint for joint in alike)
-        lines.append(in_unit(f"{numbers}: {diagnosis_words.joint_message(alike[0])}", unit))
+        message = diagnosis_words.joint_message(alike[0])
+        if alike[0].reason and not verbose:
+            message = SENTENCE_END.split(message)[0]
+        lines.append(in_unit(f"{numbers}: {message}", unit))
         more = [*_details(alike[0], verbose=verbose), *(_competing(alike[0]) if verbose else ())]
         details += [in_unit(f"{numbers}, {line}", unit) for line in more]
     if effects := effect_rows(joints):

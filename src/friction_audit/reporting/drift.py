@@ -267,7 +267,7 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
 def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     """Return how many sessions there were, per arm a table and its verdict in words, and the files that failed.
 
-    With ``verbose`` also the message of joints without drift, and why each session was left out.
+    With ``verbose`` also joints without drift, steps and slopes in numbers, and why each session was left out.
     """
     sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
     done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
@@ -288,7 +288,8 @@ def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     for joint in arm.joints:
         if verbose or (joint.drift and joint is not stated):
             yield f"joint {joint.joint}: {drift_words.joint_sentence(arm, joint)}"
-        yield from (f"joint {joint.joint}, {line}" for found in joint.coefficients for line in _details(arm, found))
+        details = (line for found in joint.coefficients for line in _details(arm, found)) if verbose else ()
+        yield from (f"joint {joint.joint}, {line}" for line in details)
     yield from _left_out(arm, verbose=verbose)
     yield from (f"note: {warning}" for warning in arm.warnings)
 

@@ -80,7 +80,9 @@ FRICTION = Record(
     Column("rejected_cycles", int, "cycles rejected", title="rejected", on="jfp"),
     Column("moving", float, "time above the initiation threshold", unit="s"),
     Column("coulomb", Coefficient, "over the whole log", "coulomb", unit="N m", title="Coulomb", on=ALL),
+    Column("coulomb", Coefficient, get="regression.coulomb", form=_value, unit="N m", title="regr.", on="t"),
     Column("viscous", Coefficient, "over the whole log", "viscous", unit="N m s/rad", title="viscous", on=ALL),
+    Column("viscous", Coefficient, get="regression.viscous", form=_value, unit="N m s/rad", title="regr.", on="t"),
     Column("offset", float, "torque offset", unit="N m"),
     Column("gravity_error", float, "amplitude of the gravity error", unit="N m"),
     Column(
@@ -92,8 +94,6 @@ FRICTION = Record(
         short="cond.\nnumber", on=ALL,
     ),
     Column("correlation", float, "between the two coefficients"),
-    Column("coulomb", Coefficient, get="regression.coulomb", form=_value, title="regr.\nCoulomb", on="t"),
-    Column("viscous", Coefficient, get="regression.viscous", form=_value, title="regr.\nviscous", on="t"),
     Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", title="regression: Coulomb", on="p"),
     Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),
     Column("residual_rms", float, get="regression.residual_rms_nm", unit="N m", on="f"),
