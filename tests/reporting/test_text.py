@@ -82,10 +82,10 @@ def _replay() -> list[str]:
     [
         (
             lambda: estimate_lines(build_estimate(7)),
-            ["1 0.2450 ± 0.0074 0.400 ± 0.012 14 (1)", "3 - - 0 (0)"],
+            ["1 0.2450 ± 0.0074 0.2450 0.400 ± 0.012 0.400 14 (1)", "3 - - - - 0 (0)"],
             ["not determined: joint 3: the joint does not move"],
         ),
-        (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A s/rad]"], []),
+        (lambda: estimate_lines(in_ampere(build_estimate(1))), ["joint [A] [A] [A s/rad] [A s/rad]"], []),
         (_replay, ["3 - - -"], ["not replayed: joint 3: "]),
         (
             lambda: diagnose_lines(diagnosis()),

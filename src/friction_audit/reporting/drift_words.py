@@ -208,11 +208,10 @@ def arm_sentence(arm: ArmDrift) -> str:
         more = f"; joints that changed: {numbers}" if len(drifting) > 1 else ""
         return f"joint {first.joint}: {joint_sentence(arm, first)}{more}"
     parts = []
+    every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]
     for name, word in NAMES.items():
-        sizes = [one.smallest_drift for joint in arm.joints for one in joint.coefficients if one.coefficient == name]
-        known = [size for size in sizes if isfinite(size) and size <= LARGEST_DETECTABLE]
-        if known:
-            ends = dict.fromkeys(percent(size) for size in (min(known), max(known)))
+        if sizes := [one.smallest_drift for one in every if one.coefficient == name]:
+            ends = dict.fromkeys(percent(size) for size in (min(sizes), max(sizes)))
             parts.append(f"{' to '.join(ends)} % of {word} friction")
     least = f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""
     return f"no drift in {compared} sessions{least}"

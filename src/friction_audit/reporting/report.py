@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import ReplaySettings
@@ -41,23 +41,14 @@ class Unanswered:
     traceback: str = ""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class JointReport:
+class JointReport(NamedTuple):
     """What is reported of one joint, None where a part has no answer."""
 
+    joint: int
+    name: str
     friction: JointFriction
     discrepancy: JointDiagnosis | None
     replay: JointReplay | None
-
-    @property
-    def joint(self) -> int:
-        """Number for people."""
-        return self.friction.joint
-
-    @property
-    def name(self) -> str:
-        """Name in the log."""
-        return self.friction.name
 
     @property
     def answer(self) -> str:
@@ -96,7 +87,7 @@ class LogReport:
         missing = {} if self.diagnosis is None else {one.joint: one for one in self.diagnosis.discrepancy.joints}
         replayed = {} if self.replay is None else {one.joint: one for one in self.replay.replay.joints}
         return tuple(
-            JointReport(friction=one, discrepancy=missing.get(one.joint), replay=replayed.get(one.joint))
+            JointReport(one.joint, one.name, one, missing.get(one.joint), replayed.get(one.joint))
             for one in self.estimate.friction.joints
         )
 
@@ -203,10 +194,9 @@ def removal_words(joint: JointReplay) -> str:
         return ""
     if not math.isnan(numbers.diverged_s):
         return f"the compensator would have diverged after {numbers.diverged_s:.3g} s"
-    if numbers.dissipation_removed < 0.0:
-        left = 100 * (1.0 - numbers.dissipation_removed)
-        return f"with a compensator the energy put in would have been {left:.0f} % of that without"
     removed = 100 * numbers.dissipation_removed
+    if removed < 0.0:
+        return f"with a compensator the energy put in would have been {100 - removed:.0f} % of that without"
     return f"a compensator would have removed {removed:.0f} % of the energy put in"
 
 
@@ -234,10 +224,11 @@ def lead_sentence(report: LogReport) -> str:
 
 def _missing(found: JointDiagnosis) -> str:
     names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
+    misses = f"the model misses {names}"
     return {
         "adequate": "the model is adequate",
-        "named": f"the model misses {names}",
-        "ambiguous": f"the model misses {names}",
+        "named": misses,
+        "ambiguous": misses,
         "unexplained": f"an unexplained effect is missing{f' in addition to {names}' if names else ''}",
         "not_testable": "the model cannot be tested",
         "data_fault": "the data are inconsistent",
