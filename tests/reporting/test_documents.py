@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import jsonschema
@@ -13,13 +13,14 @@ from friction_audit import __version__
 from friction_audit.diagnosis.result import VERDICTS
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
+from friction_audit.io.readers.reader import Topic
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.diagnosis import diagnose_document
 from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.documents import SimulatedLog, truth_document, write_document
 from friction_audit.reporting.drift import BatchSummary, write_batch_document
 from friction_audit.reporting.estimate import estimate_document
-from friction_audit.reporting.info import InfoEntry, TopicSummary, info_document, summarize_log
+from friction_audit.reporting.info import InfoEntry, info_document, summarize_log
 from friction_audit.reporting.replay import replay_document
 from friction_audit.reporting.report import LogReport, Unanswered, report_document, report_notices
 from friction_audit.reporting.schemas import KINDS, load_schema
@@ -79,7 +80,7 @@ def test_estimate(seven: Estimate) -> None:
 
 
 def test_info(seven: Estimate) -> None:
-    topic = TopicSummary("/left", "sensor_msgs/JointState", 3, readable=True)
+    topic = Topic(name="/left", type="sensor_msgs/JointState", messages=3, readable=True)
     summary = summarize_log(seven.log, seven.interaction, seven.cycles)
     part = summarize_log(seven.log, None, None, obstacle="gravity is missing")
     failed = InfoEntry(path="b", topics=(topic,), message="two arms")
@@ -88,7 +89,7 @@ def test_info(seven: Estimate) -> None:
     assert (log["channels"], log["joint_count"]) == ({"q": "q_{i}", "dq": "dq_{i}"}, 7)
     assert log["joints"][0]["cycles"] == len(seven.cycles.of_joint(0).joint)
     assert (log["joints"][0]["rejected_cycles"], log["joints"][2]["cycles"], log["gaps"]) == (1, 0, 0)
-    assert document["failed"] == [{"path": "b", "topics": [topic._asdict()], "message": "two arms"}]
+    assert document["failed"] == [{"path": "b", "topics": [asdict(topic)], "message": "two arms"}]
     assert less["torque"] is less["joints"][0]["cycles"] is None
     assert less["joints"][0]["peak_speed_rad_s"] > 0.5
     assert less["warnings"][-1] == {"code": "no_interaction_torque", "joint": None, "message": "gravity is missing"}

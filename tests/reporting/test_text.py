@@ -13,6 +13,7 @@ from friction_audit.compensation.comparison.result import Interval
 from friction_audit.diagnosis.result import ContactTrace, ResidualCheck
 from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.io.readers.reader import Topic
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting.compare import compare_lines
@@ -21,7 +22,7 @@ from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.drift import batch_lines
 from friction_audit.reporting.drift_words import change_text, slope_text, total_text
 from friction_audit.reporting.estimate import estimate_lines
-from friction_audit.reporting.info import InfoEntry, TopicSummary, info_lines, summarize_log
+from friction_audit.reporting.info import InfoEntry, info_lines, summarize_log
 from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines
 from friction_audit.reporting.replay import replay_lines
 from friction_audit.reporting.sentences import SENTENCES, WORDS, sentence_of
@@ -131,10 +132,12 @@ def test_info(seven: Estimate) -> None:
     text = "\n".join(info_lines(InfoEntry(path="run 1.csv", summary=summary)))
     for words in ("channel  dq = dq_{i}", "no gaps", "F_m as logged", "robot panda, 7 joints"):
         assert words in text
-    topics = tuple(TopicSummary(f"/{side}/joint_states", "JointState", 9, side == "left") for side in ("left", "top"))
+    topics = tuple(
+        Topic(name=f"/{side}/state", type="JointState", messages=9, readable=side == "left") for side in ("left", "top")
+    )
     text = "\n".join(info_lines(InfoEntry(path="both.bag", topics=topics, message="choose one with --topic")))
-    assert "/left/joint_states (JointState, 9 messages)" in text
-    assert "/top/joint_states (JointState, 9 messages; no joint log)" in text
+    assert "/left/state (JointState, 9 messages)" in text
+    assert "/top/state (JointState, 9 messages; no joint log)" in text
 
 
 def test_a_diagnosis_has_a_sentence_per_joint_then_its_effects() -> None:

@@ -1,7 +1,7 @@
 """Diagnosis: its document, its tables for files and pages, and its text on the terminal."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -77,7 +77,7 @@ SIMULATED = Record(
     time="time_s",
     arrays=True,
 )
-DIAGNOSE = Document(
+DIAGNOSE: Document = Document(
     "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
     CHAIN,
@@ -137,9 +137,7 @@ def data_tables(found: Diagnosis | None) -> tuple[Table, ...]:
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     """Return a row and a sentence per joint, then the effects in numbers.
 
-    Args:
-        found: The result.
-        verbose: If True, also the competing effects and what the log cannot show.
+    With ``verbose`` also the competing effects and what the log cannot show.
     """
     log, joints = found.estimate.log, found.discrepancy.joints
     unit = log.source.torque_unit
@@ -155,25 +153,19 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
         *physics,
     ]
     details: list[str] = []
-    for alike in _alike(joints, together=not verbose):
-        numbers = joints_label(joint.joint for joint in alike)
-        message = diagnosis_words.joint_message(alike[0])
-        if alike[0].reason and not verbose:
-            message = SENTENCE_END.split(message)[0]
+    groups: dict[object, list[JointDiagnosis]] = {}
+    for joint in joints:
+        answer = SENTENCE_END.split(joint.reason)[0]
+        groups.setdefault(answer if answer and not verbose else joint.joint, []).append(joint)
+    for answer, alike in groups.items():
+        numbers, joint = joints_label(joint.joint for joint in alike), alike[0]
+        message = answer if isinstance(answer, str) else diagnosis_words.joint_message(joint)
         lines.append(in_unit(f"{numbers}: {message}", unit))
-        more = [*_details(alike[0], verbose=verbose), *(_competing(alike[0]) if verbose else ())]
+        more = [*_details(joint, verbose=verbose), *(_competing(joint) if verbose else ())]
         details += [in_unit(f"{numbers}, {line}", unit) for line in more]
     if effects := effect_rows(joints):
         lines += ["", *table_lines(EFFECT.people(effects, "t", unit=unit))]
     return lines + details
-
-
-def _alike(joints: Sequence[JointDiagnosis], *, together: bool) -> list[list[JointDiagnosis]]:
-    """Return the joints, those with the same answer together."""
-    groups: dict[object, list[JointDiagnosis]] = {}
-    for joint in joints:
-        groups.setdefault(joint.reason if joint.reason and together else joint.joint, []).append(joint)
-    return list(groups.values())
 
 
 def _details(joint: JointDiagnosis, *, verbose: bool) -> Iterator[str]:

@@ -98,25 +98,16 @@ def _share(name: str, meaning: str, title: str, short: str) -> Column:
     return Column(name, float, meaning, get, form=_percent, unit="%", title=title, short=short, on=ALL)
 
 
-def _values(row: EffectRow) -> dict[str, float]:
-    return {name: number.value for name, number in row.known.items()}
-
-
-def _bounds(row: EffectRow) -> dict[str, tuple[float, float]]:
-    return {name: (number.low, number.high) for name, number in row.known.items()}
-
-
-def _labelled(row: EffectRow) -> str:
-    return f"{row.names}: {row.effect.label}"
-
-
 EFFECT = Record(
     joint_column("joint"),
     Column("rank", int, on="f"),
     Column("effect", str, get="effect.name", on="f"),
     Column("name", str, "name in the catalogue", "effect.name", on="j"),
     Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
-    Column("effect", str, get=lambda row: plain_names(_labelled(row)), title="effect", words=True, on="p"),
+    Column(
+        "effect", str, get=lambda row: plain_names(f"{row.names}: {row.effect.label}"),
+        title="effect", words=True, on="p",
+    ),
     Column("label", str, "in words", "effect.label"),
     Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
     Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
@@ -131,8 +122,14 @@ EFFECT = Record(
     Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
     Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
     Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
-    Column("parameters", {"*": float}, "values by name with the unit", _values, on="j"),
-    Column("parameters_ci95", {"*": INTERVAL}, "their 95 % intervals", _bounds, on="j"),
+    Column(
+        "parameters", {"*": float}, "values by name with the unit",
+        lambda row: {name: one.value for name, one in row.known.items()}, on="j",
+    ),
+    Column(
+        "parameters_ci95", {"*": INTERVAL}, "their 95 % intervals",
+        lambda row: {name: (one.low, one.high) for name, one in row.known.items()}, on="j",
+    ),
     Column("not_identifiable", [str], "those that the log does not identify", "effect.not_identifiable", on="j"),
     Column("p_value", float, "family-wise, on held-out cycles; null of contacts", "effect.p_value"),
     Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),

@@ -129,8 +129,8 @@ def diff_notices(sides: TwoSides) -> Iterator[Notice]:
         joints = [one.joint for one in same if one.joint is not None]
         words = {"where": f"{joints_label(joints)}: " if joints else "", "name": name}
         words |= {"before": before or "none", "after": after or "none"}
-        code, joint = ("not_comparable", None) if same[0].invalid else ("conditions_differ", same[0].joint)
-        yield notice(code, joint, **words)
+        invalid = same[0].invalid
+        yield notice("not_comparable" if invalid else "conditions_differ", None if invalid else same[0].joint, **words)
     for number, first in sides.one_sided:
         yield notice("joint_on_one_side", number, side="before" if first else "after")
     for joint in sides.joints:

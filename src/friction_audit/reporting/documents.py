@@ -48,7 +48,7 @@ WARNING = Record(
 )
 WARNINGS = Column("warnings", [WARNING], "what the user must know")
 SETTINGS = Column("settings", dict, "every setting, defaults included, and what the log chose")
-CHAIN = (SOURCE, SETTINGS, WARNINGS)
+CHAIN: tuple[Column, ...] = (SOURCE, SETTINGS, WARNINGS)
 """Keys of a result that follows from the estimate of a log."""
 
 

@@ -71,11 +71,6 @@ def _numbers(name: str, meaning: str, get: Get) -> Column:
     return Column(name, [int], meaning, lambda row: [index + 1 for index in Column(name, get=get).value(row)], on="j")
 
 
-def _values(found: CoefficientDrift) -> Iterator[dict[str, Any]]:
-    for index, value in zip(found.sessions, found.values, strict=True):
-        yield {"session": index + 1, "value": value.value, "ci95": (value.low, value.high)}
-
-
 def _session(row: Any) -> int:  # noqa: ANN401 - any row with a session
     return int(row.session) + 1
 
@@ -95,8 +90,12 @@ CONTROL = Record(
     Column("relative_deviation", float, "over the level of the reference", "relative.value"),
     Column("outside", bool, "whether it is outside the limits"),
 )
-PLACE = Column("session", int, "number of the session")
-VALUE = Record(PLACE, Column("value", float, "as compared"), Column("ci95", INTERVAL, "95 % interval"))
+PLACE = Column("session", int, "number of the session", lambda row: row[0] + 1)
+VALUE = Record(
+    PLACE,
+    Column("value", float, "as compared", "1.value"),
+    Column("ci95", INTERVAL, "95 % interval", lambda row: (row[1].low, row[1].high)),
+)
 
 
 def _of_found(*columns: Column) -> tuple[Column, ...]:
@@ -154,7 +153,10 @@ COEFFICIENT = Record(
         Column("control", [CONTROL], "every session against the reference"),
     ),
     _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
-    Column("values", [VALUE], "each session as compared", lambda row: _values(row.found), on="j"),
+    Column(
+        "values", [VALUE], "each session as compared",
+        lambda row: zip(row.found.sessions, row.found.values, strict=True), on="j",
+    ),
 )  # fmt: skip
 ARM = Record(
     Column("robot", str, "which arm"),
@@ -165,8 +167,7 @@ ARM = Record(
     _numbers("compared", "sessions compared", "compared"),
     _numbers("reference", "sessions of the reference", "reference"),
     Column(
-        "left_out", [Record(PLACE, Column("reason", str, "why"))], "sessions not compared, with the reason",
-        lambda arm: [{"session": index + 1, "reason": reason} for index, reason in arm.left_out],
+        "left_out", [Record(PLACE, Column("reason", str, "why", "1"))], "sessions not compared, with the reason",
     ),
     Column("ordered_by", str, "`start` or `name`"),
     Column("autocorrelation", float, "of one session's scatter with the next one's"),
@@ -250,7 +251,7 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
     It is never held as a whole: that of a thousand sessions takes tens of megabytes.
     """
     yield f'{{\n  "schema": "{BATCH.name}",\n  "version": {json.dumps(__version__)}'
-    for column in BATCH.record.columns:
+    for column in BATCH.columns:
         yield f',\n  "{column.key}": '
         if column.key not in ("robots", "joints", "sessions"):
             yield json.dumps(column.json(summary), allow_nan=False)

@@ -3,10 +3,11 @@
 import math
 from collections.abc import Iterator, Sequence
 from itertools import islice
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from friction_audit.drift.report import ArmDrift, ControlPoint
-from friction_audit.drift.session import JointSummary, Session
+from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
 from friction_audit.reporting.sentences import session_sentences
@@ -72,22 +73,6 @@ SESSION = Record(
 )
 
 
-class ValueRow(NamedTuple):
-    """A coefficient of a joint in a session."""
-
-    place: int  # place of the session among those of its arm, from 0
-    session: Session  # the session
-    joint: JointSummary  # the joint in it
-    coefficient: str  # name of the coefficient
-    own: Coefficient  # as the session has it
-    within: Coefficient  # relative change within the session
-    left_out: str  # why the session was not compared; empty if it was
-    flags: tuple[bool, bool]  # whether it was compared, and whether it is part of the reference
-    compared: Coefficient  # as it was compared, at like temperature
-    isolated: bool | None  # whether none of its neighbours comes near it, None if it was not compared
-    control: ControlPoint | None  # its place on the control chart, or None
-
-
 def _interval(prefix: str, get: str) -> tuple[Column, ...]:
     ends = {"value": "value", "ci95_low": "low", "ci95_high": "high"}
     return tuple(Column(prefix + name, float, get=f"{get}.{field}") for name, field in ends.items())
@@ -99,8 +84,8 @@ SESSIONS = Record(
     *(Column(name, str, get=f"session.conditions.{name}") for name in CONDITIONS),
     Column("session_temperature", float, get="session.temperature_c", unit="°C"),
     *NOTES,
-    Column("compared", bool, get="flags.0"),
-    Column("reference", bool, get="flags.1"),
+    Column("compared", bool, get="is_compared"),
+    Column("reference", bool),
     Column("left_out", str),
     Column("joint", int, get="joint.joint"),
     Column("name", str, get="joint.name"),
@@ -142,7 +127,8 @@ def _finite(value: Any) -> Any:  # noqa: ANN401 - any cell
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
+def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
+    """Yield what SESSIONS has columns of: a coefficient of a joint in a session."""
     compared: dict[tuple[int, str, int], tuple[Coefficient, bool]] = {}
     control: dict[tuple[int, str, int], ControlPoint] = {}
     for drift in arm.joints:
@@ -156,7 +142,7 @@ def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
             for name in UNITS:
                 key = joint.joint, name, k
                 value, isolated = compared.get(key) or (UNDETERMINED, None)
-                yield ValueRow(
+                yield SimpleNamespace(
                     place=k,
                     session=session,
                     joint=joint,
@@ -164,7 +150,8 @@ def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
                     own=joint.coefficients.get(name, UNDETERMINED),
                     within=joint.within.get(name, UNDETERMINED),
                     left_out=left_out.get(k, ""),
-                    flags=(k in used, k in reference),
+                    is_compared=k in used,
+                    reference=k in reference,
                     compared=value,
                     isolated=isolated,
                     control=control.get(key),

@@ -134,7 +134,7 @@ INTERACTION = Record(
     time="time_s",
     arrays=True,
 )
-ESTIMATE = Document(
+ESTIMATE: Document = Document(
     "estimate/1",
     "Friction coefficients of the joints of one log",
     CHAIN,
@@ -145,8 +145,8 @@ ESTIMATE = Document(
 
 def estimate_document(estimate: Estimate, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
     """Return the document of an estimate of a log that was read with some options."""
-    found = {"estimator": estimate.friction.estimator, "joints": estimate.friction.joints}
-    return chain_document(ESTIMATE, estimate, estimate_notices(estimate), reading, **found)
+    found, warnings = estimate.friction, estimate_notices(estimate)
+    return chain_document(ESTIMATE, estimate, warnings, reading, estimator=found.estimator, joints=found.joints)
 
 
 TABLES = (FRICTION, HISTORY, CYCLES, INTERACTION)

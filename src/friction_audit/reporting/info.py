@@ -1,6 +1,6 @@
 """What is in a log: its summary, document and text."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.io.checks.clock import DROPPED_STEPS
+from friction_audit.io.readers.reader import Topic
 from friction_audit.joint_log import JointLog
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
@@ -102,20 +103,11 @@ def _motions(log: JointLog, seen: Interaction | None, cycles: EnergyCycles | Non
         yield JointMotion(joint, name, *extent, float(cycles.moving_s[k]), *counts)
 
 
-class TopicSummary(NamedTuple):
-    """A topic (or table) found in a file; ``messages`` is None where counting would mean reading all of it."""
-
-    name: str
-    type: str
-    messages: int | None
-    readable: bool
-
-
 class InfoEntry(NamedTuple):
     """One file asked about: its topics, and its summary or the message of why there is none."""
 
     path: str
-    topics: tuple[TopicSummary, ...] = ()
+    topics: Sequence[Topic] = ()
     summary: LogSummary | None = None
     message: str = ""
 
@@ -189,7 +181,7 @@ def info_lines(entry: InfoEntry) -> list[str]:
     return [*lines, *(f"  {line}" for line in _lines(summary)), *table_lines(MOTION.people(summary.joints, "t"))]
 
 
-def _topic(topic: TopicSummary) -> str:
+def _topic(topic: Topic) -> str:
     messages = "" if topic.messages is None else f", {count_of(topic.messages, 'message')}"
     return f"{topic.name} ({topic.type}{messages}{'' if topic.readable else '; no joint log'})"
 

@@ -214,7 +214,7 @@ SIGNALS = Record(
     time="time_s",
     arrays=True,
 )
-REPLAY = Document(
+REPLAY: Document = Document(
     "replay/3",
     "What a friction compensator would have done on one log",
     CHAIN,

@@ -274,7 +274,7 @@ VERDICT = Record(
 
 def _part(document: Document) -> Record:
     """Return the keys of a part, without those that the whole document has once."""
-    return Record(*(column for column in document.record.columns if column not in CHAIN))
+    return Record(*(column for column in document.columns if column not in CHAIN))
 
 
 REPORT = Document(

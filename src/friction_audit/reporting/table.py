@@ -132,15 +132,9 @@ class JointName(NamedTuple):
 
 def joint_column(get: Get = lambda row: row, on: str = PEOPLE) -> Column:
     """Return the column that heads the rows of joints for people; ``get`` gives what has ``joint`` and ``name``."""
-    return Column(
-        "joint",
-        str,
-        get=get,
-        title="joint",
-        form=lambda one: joint_label(one.joint, one.name),
-        sort=lambda row: _found(row, get).joint,
-        on=on,
-    )
+    sort = lambda row: _found(row, get).joint  # noqa: E731
+    label = lambda one: joint_label(one.joint, one.name)  # noqa: E731
+    return Column("joint", str, get=get, title="joint", form=label, sort=sort, on=on)
 
 
 JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str, "name in the log", on="j")
@@ -180,7 +174,7 @@ class Record:
         if not self.arrays:
             there = (column for column in columns if not column.optional or column.value(row))
             return {column.key: column.json(row, torque_unit) for column in there}
-        cells = zip(*(_plain(column.value(row)) for column in columns), strict=True)
+        cells = zip(*(column.value(row) for column in columns), strict=True)
         keys = [column.key for column in columns]
         return [dict(zip(keys, map(to_json, values), strict=True)) for values in cells]
 
@@ -234,25 +228,16 @@ class Record:
         if self.arrays:
             return column.value(rows)
         values = [column.value(row) for row in rows]
-        return as_column(
-            ["" if value is None else value for value in values] if column.kind is str else values, column.kind
-        )
+        if column.kind is str:
+            return ["" if value is None else value for value in values]
+        return as_column(values, column.kind)
 
-    def people(
-        self,
-        rows: Iterable[Row],
-        form: Form = "p",
-        *,
-        caption: str = "",
-        folded: bool = False,
-        unit: str = NEWTON_METRES,
-    ) -> "Table":
+    def people(self, rows: Iterable[Row], form: Form = "p", **shown: Any) -> "Table":  # noqa: ANN401 - fields of Table
         """Return the table for people: on the terminal or on a page."""
-        return Table(columns=self.on(form), rows=tuple(rows), caption=caption, folded=folded, unit=unit)
+        return Table(columns=self.on(form), rows=tuple(rows), **shown)
 
 
-LONG = 30
-"""Rows of a table above which the page gives it a window of its own."""
+LONG = 30  # rows of a table above which the page gives it a window of its own
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -280,24 +265,23 @@ class Table:
         return replace(self, columns=kept)
 
 
-class Document:
+class Document(Record):
     """A JSON document: ``schema`` and ``version``, then its columns."""
 
     def __init__(self, name: str, title: str, *columns: Column | tuple[Column, ...]) -> None:
         """Take kind and version (``estimate/1``), what it is, and its keys."""
-        self.name, self.title, self.record = f"friction-audit/{name}", title, Record(*columns)
+        super().__init__(*columns, name=f"friction-audit/{name}", summary=title)
 
-    def json(self, values: Mapping[str, Any], torque_unit: str = NEWTON_METRES) -> dict[str, Any]:
+    def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> dict[str, Any]:
         """Return the document of values by name."""
-        return {"schema": self.name, "version": __version__, **self.record.json(values, torque_unit)}
+        return {"schema": self.name, "version": __version__, **super().json(row, torque_unit)}
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of the document."""
-        head = {"schema": {"const": self.name}, "version": {"type": "string"}}
-        body = self.record.schema()
+        head, body = {"schema": {"const": self.name}, "version": {"type": "string"}}, super().schema()
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
-            "title": self.title,
+            "title": self.summary,
             "description": "Numbers carry their unit in the key; null where there is no number.",
             "type": "object",
             "required": [*head, *body["required"]],
@@ -333,10 +317,6 @@ def _found(row: Row, get: Get) -> Any:  # noqa: ANN401
         key = int(name) if name.isdigit() else name
         row = row[key] if isinstance(row, Mapping) or key != name else getattr(row, name)
     return row
-
-
-def _plain(values: Any) -> list[Any]:  # noqa: ANN401
-    return values.tolist() if isinstance(values, np.ndarray) else list(values)
 
 
 def _json(kind: Any, value: Any, torque_unit: str) -> Any:  # noqa: ANN401
