@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
-from friction_audit.drift.covariates import Condition, Recording
+from friction_audit.drift.covariates import Condition
 from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSides
 from friction_audit.friction.history import Coefficient
@@ -140,22 +140,19 @@ def diff_notices(sides: TwoSides) -> Iterator[Notice]:
 
 def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Iterable[str] = ()) -> list[str]:
     """Return what was compared, a row and a sentence per joint, and the limits."""
-    lines = [f"{name}: {_names(side)}" for name, side in (("before", sides.before), ("after", sides.after))]
-    tests = sum(isfinite(one.single_p_value) for joint in sides.joints for one in joint.coefficients)
-    lines += [f"changes with 95 % intervals; p adjusted over {tests} tests (Holm)"]
+    lines = []
+    for name, side in (("before", sides.before), ("after", sides.after)):
+        first, last = side[0].session.path, side[-1].session.path
+        lines.append(f"{name}: {first if len(side) == 1 else f'{len(side)} recordings, {first} to {last}'}")
+    lines += [f"changes with 95 % intervals; p adjusted over {_tests(sides.joints)} tests (Holm)"]
     lines += table_lines(JOINT_CHANGE.people(sides.joints, "t", unit=sides.unit))
-    lines += [in_unit(_sentence(joint), sides.unit) for joint in sides.joints if _known(joint)]
+    lines += [in_unit(_sentence(joint), sides.unit) for joint in sides.joints if _tests([joint])]
     lines += [f"limit exceeded: {sentence}" for sentence in exceeded]
     return lines + [f"cannot test: {sentence}" for sentence in cannot_tell]
 
 
-def _names(side: Sequence[Recording]) -> str:
-    paths = [one.session.path for one in side]
-    return paths[0] if len(paths) == 1 else f"{len(paths)} recordings, {paths[0]} to {paths[-1]}"
-
-
-def _known(joint: JointChange) -> bool:
-    return any(isfinite(one.single_p_value) for one in joint.coefficients)
+def _tests(joints: Iterable[JointChange]) -> int:
+    return sum(isfinite(one.single_p_value) for joint in joints for one in joint.coefficients)
 
 
 def _sentence(joint: JointChange) -> str:

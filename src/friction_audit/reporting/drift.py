@@ -166,9 +166,7 @@ ARM = Record(
     Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
     _numbers("compared", "sessions compared", "compared"),
     _numbers("reference", "sessions of the reference", "reference"),
-    Column(
-        "left_out", [Record(PLACE, Column("reason", str, "why", "1"))], "sessions not compared, with the reason",
-    ),
+    Column("left_out", [Record(PLACE, Column("reason", str, "why", "1"))], "sessions not compared, with the reason"),
     Column("ordered_by", str, "`start` or `name`"),
     Column("autocorrelation", float, "of one session's scatter with the next one's"),
     Column("warnings", [str], "what limits the comparison"),
@@ -186,31 +184,27 @@ def _trend(name: str) -> Callable[[JointRow], Coefficient | None]:
     return lambda row: next((one.trend_per_session for one in row.joint.coefficients if one.coefficient == name), None)
 
 
-def _by_name(row: JointRow) -> dict[str, CoefficientRow]:
-    return {one.coefficient: CoefficientRow(*row, one, k) for k, one in enumerate(row.joint.coefficients)}
-
-
-def _change_points(row: JointRow) -> list[int]:
-    return sorted({_session(change) for one in row.joint.coefficients for change in one.change_points})
-
-
 JOINT_DRIFT = Record(
     Column("robot", str, "which arm", "arm.robot"),
     Column("joint", int, "number, from 1", "joint.joint"),
     Column("name", str, "name in the log", "joint.name"),
     Column("drift", bool, "whether a coefficient drifts", "joint.drift"),
     Column(
-        "verdict",
-        drift_words.VERDICTS,
-        "the strongest of its coefficients",
+        "verdict", drift_words.VERDICTS, "the strongest of its coefficients",
         lambda row: drift_words.joint_verdict(row.joint),
     ),
     Column("message", str, "one sentence", lambda row: f"joint {row.joint.joint}: {drift_words.joint_sentence(*row)}"),
     Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
-    Column("change_points", [int], "first sessions after a step", _change_points),
-    Column("coefficients", {"*": COEFFICIENT}, "by name of the coefficient", _by_name),
-)
+    Column(
+        "change_points", [int], "first sessions after a step",
+        lambda row: sorted({_session(step) for one in row.joint.coefficients for step in one.change_points}),
+    ),
+    Column(
+        "coefficients", {"*": COEFFICIENT}, "by name of the coefficient",
+        lambda row: {one.coefficient: CoefficientRow(*row, one, k) for k, one in enumerate(row.joint.coefficients)},
+    ),
+)  # fmt: skip
 
 
 FAILED = Record(

@@ -217,10 +217,13 @@ class Record:
     def file_columns(self) -> list[Column]:
         """Return the columns of files: a coefficient is a value and the two ends of its interval."""
 
+        def end_of(column: Column, field: str) -> Get:
+            return lambda row: getattr(column.value(row), field, None)
+
         def parts(column: Column) -> list[Column]:
             if column.kind is not Coefficient:
                 return [column]
-            return [replace(column, name=column.name + end, kind=float, get=_end(column, field)) for end, field in ENDS]
+            return [replace(column, name=column.name + end, kind=float, get=end_of(column, one)) for end, one in ENDS]
 
         return [part for column in self.on("f") for part in parts(column)]
 
@@ -351,7 +354,3 @@ def _schema(kind: Any) -> dict[str, Any]:  # noqa: ANN401, PLR0911 - a return pe
     if kind is INTERVAL:
         return interval
     return {"type": ["number", "null"] if kind is float else TYPES[kind]}
-
-
-def _end(column: Column, field: str) -> Get:
-    return lambda row: getattr(column.value(row), field, None)
