@@ -10,11 +10,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import friction_audit
+from friction_audit.reporting.sentences import SENTENCES, TURNED
 
 FOLDER = Path(__file__).parent
 SOURCE = Path(friction_audit.__file__).parent
-MAKERS = ("Finding", "Caution", "Notice", "caution")
-COEFFICIENTS = ("coulomb", "viscous")
+MAKERS = ("Finding", "Notice")
 PUT_IN = "..."
 BEGIN, END = "<!-- codes -->", "<!-- end of codes -->"
 LEAST_WORDS, MOST_WORDS = 3, 7
@@ -25,26 +25,26 @@ Found = tuple[ast.expr, ast.expr | None, bool]
 
 def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     """Return the messages and the mark of damage of every code of a warning in the source."""
-    found: dict[str, tuple[tuple[str, ...], bool]] = {}
+    found: dict[str, tuple[tuple[str, ...], bool]] = {
+        code: ((beginning(_plain(text)),), False) for code, text in (SENTENCES | {"sign_turned": TURNED[False]}).items()
+    }
     for path in sorted(SOURCE.rglob("*.py")):
         module = ast.parse(path.read_text())
         for function in (*(node for node in module.body if isinstance(node, ast.FunctionDef)), module):
-            for code, message, damaged in _made(function, pairs=_pairs_codes(module)):
-                for spelt in _spelt(code):
-                    texts, lost = found.get(spelt, ((), False))
+            for code, message, damaged in _made(function):
+                if isinstance(code, ast.Constant):
+                    texts, lost = found.get(code.value, ((), False))
                     text = beginning(_text(message, function, module))
-                    found[spelt] = texts if text in (*texts, "") else (*texts, text), lost or damaged
+                    found[code.value] = texts if text in (*texts, "") else (*texts, text), lost or damaged
     return dict(sorted(found.items()))
 
 
-def _pairs_codes(module: ast.Module) -> bool:
-    """Return True where codes stand with their message in a pair or a dict, of which cautions are made."""
-    calls = [node for node in ast.walk(module) if isinstance(node, ast.Call)]
-    made = [call for call in calls if isinstance(call.func, ast.Name) and call.func.id == "Caution"]
-    return any(one.arg == "code" and isinstance(one.value, ast.Name) for call in made for one in call.keywords)
+def _plain(text: str) -> str:
+    """Return a template as people read it."""
+    return re.sub(r"\{[^}]*\}|(?<!and )(coulomb|viscous)(?= coefficient)", PUT_IN, text)
 
 
-def _made(scope: ast.AST, *, pairs: bool) -> Iterator[Found]:
+def _made(scope: ast.AST) -> Iterator[Found]:
     for node in ast.walk(scope):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MAKERS:
             given = {one.arg: one.value for one in node.keywords}
@@ -56,32 +56,17 @@ def _made(scope: ast.AST, *, pairs: bool) -> Iterator[Found]:
         elif isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict) and _is_rules(node.targets[0]):
             rules = zip(node.value.keys, node.value.values, strict=True)
             yield from ((key, rule.args[2], False) for key, rule in rules if key and isinstance(rule, ast.Call))
-        elif pairs and isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
-            yield node.targets[0].slice, node.value, False
-        elif pairs and isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple):
-            yield node.value.elts[0], node.value.elts[1], False
-        elif pairs and isinstance(node, ast.List):
-            tuples = (one for one in node.elts if isinstance(one, ast.Tuple))
-            yield from ((one.elts[0], one.elts[-1], False) for one in tuples)
 
 
 def _is_rules(target: ast.expr) -> bool:
     return isinstance(target, ast.Name) and target.id == "RULES"
 
 
-def _spelt(code: ast.expr) -> Iterator[str]:
-    if isinstance(code, ast.Constant) and isinstance(code.value, str):
-        yield code.value
-    elif isinstance(code, ast.JoinedStr):
-        for name in COEFFICIENTS:
-            yield "".join(str(part.value) if isinstance(part, ast.Constant) else name for part in code.values)
-
-
 def _text(node: ast.AST | None, scope: ast.AST, module: ast.Module) -> str:  # noqa: PLR0911 - a kind of node each
     """Return a message as it stands in the source, ``...`` where a value is put in."""
     match node:
         case ast.Constant(value=str(text)):
-            return re.sub(r"\{[^}]*\}", PUT_IN, text)
+            return _plain(text)
         case ast.JoinedStr(values=parts):
             return "".join(_text(part, scope, module) for part in parts)
         case ast.BinOp(left=left, right=right):

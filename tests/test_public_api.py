@@ -41,33 +41,23 @@ def log() -> JointLog:
     return build_estimate(1, count=24, rate=200.0).log
 
 
-def test_names_are_few_and_told_of() -> None:
+def test_names_are_few_documented_and_typed() -> None:
     names = friction_audit.__all__
     assert len(names) <= MOST_NAMES
     assert set(names) <= set(dir(friction_audit))
     page = (DOCS / "python.md").read_text()
     for name in names:
-        value = getattr(friction_audit, name)
-        assert len(inspect.getdoc(value) or "") > 20, name
+        assert len(inspect.getdoc(getattr(friction_audit, name)) or "") > 20, name
         assert f"`{name}" in page, name
-
-
-def test_type_checkers_see_the_same_names() -> None:
-    stub = Path(friction_audit.__file__).with_suffix(".pyi")
-    tree = ast.parse(stub.read_text())
+    tree = ast.parse(Path(friction_audit.__file__).with_suffix(".pyi").read_text())
     imported = {alias.asname for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for alias in node.names}
-    assert imported == set(friction_audit.__all__)
+    assert imported == set(names)
 
 
 def test_an_import_loads_nothing_heavy() -> None:
     code = "import sys, friction_audit; print(sorted({'numpy', 'pandas', 'typer', 'matplotlib'} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
-
-
-def test_a_name_that_is_none_is_refused() -> None:
-    with pytest.raises(AttributeError, match="no attribute 'estimat_log'"):
-        _ = friction_audit.estimat_log  # type: ignore[attr-defined]
 
 
 def test_options_are_the_settings() -> None:
@@ -104,11 +94,25 @@ def test_a_replay_counts_the_cycles_that_the_hand_ended(log: JointLog) -> None:
         ("replay_log", {"asume": "same-motion"}, "did you mean assume"),
         ("diagnose_log", {"sed": 1}, "did you mean seed"),
         ("estimate_log", {"drive": "hnad"}, "--drive hnad: expected one of"),
+        ("to_frames", {}, "to_frames: JointLog: expected the result of estimate_log"),
+        ("plot", {}, "plot: JointLog: expected the result of estimate_log"),
     ],
 )
-def test_a_misspelt_option_suggests_the_near_one(call: str, wrong: dict[str, Any], message: str, log: JointLog) -> None:
+def test_what_is_wrong_is_refused_with_what_is_meant(call: str, wrong: Any, message: str, log: JointLog) -> None:
     with pytest.raises(UsageError, match=message):
         getattr(friction_audit, call)(log, **wrong)
+
+
+def test_a_name_that_is_none_is_refused() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'estimat_log'"):
+        _ = friction_audit.estimat_log  # type: ignore[attr-defined]
+    with pytest.raises(UsageError, match="jont: no such scenario"):
+        friction_audit.simulate_log("jont")
+    with pytest.raises(UsageError, match=r"run.docx: ending .docx: expected one of .html, .pdf, .md, .json"):
+        friction_audit.report_log(None, "run.docx")  # type: ignore[arg-type]
+    for call in ("estimate_log", "replay_log", "diagnose_log", "report_log"):
+        with pytest.raises(UsageError, match=r"str: expected a log, .* with read_log first"):
+            getattr(friction_audit, call)("run.mcap")
 
 
 def names(*results: ModuleType) -> tuple[str, ...]:
@@ -125,6 +129,8 @@ def test_results_become_frames(log: JointLog, tmp_path: Path) -> None:
     report = friction_audit.report_log(result, tmp_path / "run.md")
     assert tuple(friction_audit.to_frames(report)) == names(estimate, replay, diagnosis)
     assert (tmp_path / "run.md").read_text().startswith("# Joint friction")
+    with pytest.raises(UsageError, match=r"run.md: exists already"):
+        friction_audit.report_log(result, tmp_path / "run.md")
 
 
 def test_a_residual_lies_in_the_cycle_that_it_names(log: JointLog) -> None:
@@ -136,27 +142,6 @@ def test_a_residual_lies_in_the_cycle_that_it_names(log: JointLog) -> None:
     assert both["time_s"].between(both["start_s"], both["stop_s"]).all()
 
 
-def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> None:
-    never_looked_at: Any = None
-    with pytest.raises(UsageError, match=r"run.docx: ending .docx: expected one of .html, .pdf, .md, .json"):
-        friction_audit.report_log(never_looked_at, "run.docx")
-    (tmp_path / "run.md").touch()
-    with pytest.raises(UsageError, match=r"run.md: exists already"):
-        friction_audit.report_log(never_looked_at, tmp_path / "run.md")
-
-
-@pytest.mark.parametrize("call", ["estimate_log", "replay_log", "diagnose_log", "report_log"])
-def test_a_path_is_no_log(call: str) -> None:
-    with pytest.raises(UsageError, match=r"str: expected a log, .* with read_log first"):
-        getattr(friction_audit, call)("run.mcap")
-
-
-def test_a_log_has_no_frames(log: JointLog) -> None:
-    no_result: Any = log
-    with pytest.raises(UsageError, match="to_frames: JointLog: expected the result of estimate_log"):
-        friction_audit.to_frames(no_result)
-
-
 def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
     effect = "torque_bias:torque_nm=0.1"
     made = friction_audit.simulate_log("joint", seed=1, duration_s=5.0, effects=[effect])
@@ -166,10 +151,6 @@ def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
     again = friction_audit.read_log(tmp_path / "run.csv")
     assert set(again.q[:, 0]) <= set(made.log.q[:, 0])
     assert again.duration_s == pytest.approx(made.log.duration_s, abs=0.01)
-    with pytest.raises(UsageError, match="jont: no such scenario"):
-        friction_audit.simulate_log("jont")
-    with pytest.raises(UsageError, match="did you mean duration_s"):
-        friction_audit.simulate_log("joint", duraton_s=5.0)
     alone = friction_audit.simulate_log("joint", seed=1, duration_s=5.0, effects=effect)
     assert (alone.truth.motion.friction_nm == made.truth.motion.friction_nm).all()
     assert alone.truth.settings == made.truth.settings
@@ -212,6 +193,3 @@ def test_a_result_is_drawn_into_axes_in_the_style_of_the_user(log: JointLog) -> 
     ):
         with pytest.raises(UsageError, match=message):
             friction_audit.plot(estimate, **wrong)
-    no_result: Any = log
-    with pytest.raises(UsageError, match="plot: JointLog: expected the result of estimate_log"):
-        friction_audit.plot(no_result)

@@ -42,7 +42,7 @@ def test_the_wheel_is_whole_and_works(tmp_path: Path) -> None:
     log = ROOT / "sample_logs" / "bench_rig.csv"
     report = ("report", log, "--sections", "friction", "--quiet", "--output", tmp_path / "out")
     printed = run("friction_audit", *report, PYTHONPATH=str(tmp_path / "site"))
-    assert printed.startswith("Friction is estimated on the joint.")
+    assert printed.startswith("Friction is estimated: Coulomb ")
     assert "0.4020" in (tmp_path / "out" / "bench_rig.report.html").read_text()
     where = tmp_path / "site" / "bin" / "friction-audit"
     assert "friction_audit.__main__" in where.read_text()

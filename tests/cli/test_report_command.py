@@ -43,7 +43,9 @@ def test_a_part_without_an_answer_leaves_the_others(
     monkeypatch.setattr(log_report, "diagnose_estimate", no_answer)
     answer = run("report", logs / "damaged.csv", "--format", "markdown")
     assert answer.code == 6
-    assert answer.out.splitlines() == ["Friction is estimated on the joint.", "damaged.report.md"]
+    lead, written = answer.out.splitlines()
+    assert lead.startswith("Friction is estimated: Coulomb ")
+    assert written == "damaged.report.md"
     assert "warning: " in answer.err
     text = (tmp_path / "damaged.report.md").read_text(encoding="utf-8")
     assert WHY in text

@@ -12,6 +12,7 @@ from friction_audit.compensation.result import JointReplay, ReplayHistory
 from friction_audit.compensation.settings import ReplaySettings, energy_compensator
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
+from friction_audit.reporting.sentences import sentence_of
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
@@ -229,7 +230,7 @@ def test_a_compensator_that_does_its_work_is_suspected(
     bench = replace(BENCH, sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)
     log = log_of(replace(bench, compensator=compensator))
     silent = replace(log, tau_compensation=None, tau_passivity=None)
-    found = [one.message for one in replay(silent, energy_compensator()).replay.warnings]
+    found = [sentence_of(one) for one in replay(silent, energy_compensator()).replay.warnings]
     assert any(message in one and "--map tau_compensation" in one for one in found), found
 
 

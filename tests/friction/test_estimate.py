@@ -15,6 +15,7 @@ from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
+from friction_audit.reporting.sentences import sentence_of
 from tests.synthetic_interaction import interaction, strokes
 
 COULOMB, VISCOUS, INERTIA = 0.3, 0.07, 0.5
@@ -182,7 +183,7 @@ def test_a_change_within_the_log_is_said_and_its_absence_is_not() -> None:
 def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:
     t, v, a = strokes(LENGTHS, DURATIONS)
     history = estimated(interaction(t, v, COULOMB * np.sign(v) + 0.3 * v * np.abs(v) + INERTIA * a))
-    messages = {w.code: w.message for w in history.warnings}
+    messages = {w.code: sentence_of(w) for w in history.warnings}
     assert set(messages) == {"coulomb_disagrees", "viscous_disagrees"}
     assert "friction that is not linear in speed" in messages["viscous_disagrees"]
     regression = history.joints[0].regression

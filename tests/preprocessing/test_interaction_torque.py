@@ -17,6 +17,7 @@ from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.torque_source import known_arm
+from friction_audit.reporting.sentences import sentence_of
 from friction_audit.robot import load_arm
 from tests.synthetic_interaction import choice
 
@@ -130,7 +131,7 @@ def test_a_compensator_of_the_wrong_sign_is_suspected_where_no_row_and_no_sign_r
     wrong = log_of("unknown", tau_interaction=friction() - compensation, tau_compensation=-compensation)
     (caution,) = extract(wrong, drive="hand").warnings
     assert caution.code == "sign_contradicts_drive"
-    assert "tau_compensation has the wrong sign" in caution.message
+    assert "tau_compensation has the wrong sign" in sentence_of(caution)
 
 
 def test_auto_trusts_the_vendor_s_estimate_if_a_payload_is_missing_from_the_model() -> None:
@@ -149,7 +150,7 @@ def test_no_robot_is_assumed_that_neither_log_nor_user_names() -> None:
     assert (found.choice.robot, found.choice.gravity, found.choice.inertia) == ("none", "in-torque", "none")
     assert found.choice.gravity_in_torque
     (caution,) = [one for one in found.warnings if one.code == "gravity_in_torque"]
-    assert re.findall("`(.*?)`", caution.message) == ["friction-audit estimate made.csv --drive robot --robot panda"]
+    assert caution.numbers["command"] == "`friction-audit estimate made.csv --drive robot --robot panda`"
     named = extract(robot_log("unknown"), drive="robot", robot="panda")
     assert (named.choice.robot, named.choice.gravity, named.choice.inertia) == ("panda", "model", "model")
 
@@ -223,9 +224,9 @@ def test_options_that_are_not_used_are_named_and_those_that_are_used_are_not(tmp
     log = log_of("unknown", tau_interaction=friction())
     (caution,) = extract(log, payload=HAND, urdf=urdf, gravity_vector=(9.81, 0.0, 0.0)).warnings
     assert caution.code == "model_not_used"
-    assert caution.message.startswith("--payload, --urdf, --gravity-vector: not used")
+    assert sentence_of(caution).startswith("--payload, --urdf, --gravity-vector: not used")
     (caution,) = extract(log, urdf=urdf, payload=HAND, hand=True).warnings
-    assert caution.message.startswith("--payload: not used")  # the speed of the hand comes from the URDF
+    assert sentence_of(caution).startswith("--payload: not used")  # the speed of the hand comes from the URDF
     assert "model_not_used" not in codes(extract(hand_log(), payload=HAND, gravity_vector=(1.0, 0.0, -9.76)))
     assert "model_not_used" not in codes(extract(hand_log("unknown"), urdf=urdf))
     logged = hand_log(gravity=GRAVITY)
@@ -326,11 +327,11 @@ def test_gravity_that_is_left_is_said_as_rms_where_it_can_be_told(forgotten: boo
     assert 4 in found
     assert 1 not in found  # its axis is vertical
     for joint, caution in found.items():
-        size = float(re.findall(r"(-?\d+\.\d) N m", caution.message)[0])
+        size = float(re.findall(r"(-?\d+\.\d) N m", sentence_of(caution))[0])
         # Where other joints move too, only a part goes with the joint's own posture: a lower bound.
         if caution.code == "gravity_error" or short:
             assert (0.9 if short else 0.3) * truth[joint - 1] < abs(size) < 1.15 * truth[joint - 1]
-        assert ("the model lacks the payload" in caution.message) == (caution.code == "gravity_error")
+        assert ("the model lacks the payload" in sentence_of(caution)) == (caution.code == "gravity_error")
     assert any(one.code == "gravity_error" for one in found.values()) == (said == "payload")
 
 

@@ -15,6 +15,7 @@ from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.preprocessing.velocity import filter_velocity, find_lag, on_time, read_on_time
+from friction_audit.reporting.sentences import sentence_of
 
 STEP_S = 0.001
 T: Float = np.arange(30_000, dtype=np.float64) * STEP_S
@@ -92,7 +93,7 @@ def test_the_interaction_says_that_it_put_a_velocity_on_time() -> None:
     dq = motion()[1]
     late = log_with(np.interp(T - 0.006, T, dq))
     interaction = extract_interaction(late, TorqueSettings())
-    message = next(caution.message for caution in interaction.warnings if caution.code == "dq_late")
+    message = next(sentence_of(caution) for caution in interaction.warnings if caution.code == "dq_late")
     assert message == "joint 1: dq lags q by 6.0 ms (velocity filter); the lag is corrected"
     assert_allclose(interaction.dq[100:-100, 0], dq[100:-100], rtol=0.0, atol=0.02)
 
@@ -109,7 +110,7 @@ def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
     columns["tau_interaction"] = np.repeat(alone.channels()["tau_interaction"], 3, axis=1)
     log = replace(alone, joint_names=("hip", "knee", "ankle"), **columns)
     mended, (caution,) = on_time(log, coarse_log(log))
-    assert caution.message.startswith("joints 1, 3: dq lags q by 2.0 to 6.0 ms")
+    assert sentence_of(caution).startswith("joints 1, 3: dq lags q by 2.0 to 6.0 ms")
     assert (mended.dq[:, 1] == log.dq[:, 1]).all()
     assert np.abs(mended.dq[100:-100] - dq[100:-100, None]).max() < 0.03 * np.abs(dq).max()
 
@@ -120,7 +121,7 @@ def test_a_velocity_of_another_clock_is_said_and_left_as_it_is() -> None:
     found = extract_interaction(late, TorqueSettings())
     (caution,) = [one for one in found.warnings if one.code.startswith("dq_")]
     assert caution.code == "dq_other_clock"
-    assert caution.message.startswith("joint 1: dq lags q by 1")
+    assert sentence_of(caution).startswith("joint 1: dq lags q by 1")
     assert (found.dq == late.dq).all()
 
 

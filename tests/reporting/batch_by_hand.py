@@ -5,14 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.drift.report import (
-    ArmDrift,
-    ChangePoint,
-    CoefficientDrift,
-    ControlPoint,
-    DriftReport,
-    JointDrift,
-)
+from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, ControlPoint, DriftReport, JointDrift
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift import BatchSummary, FailedLog
@@ -170,13 +163,7 @@ def step_of(session: int, level: float, noise: float) -> ChangePoint:
 
 
 def nothing_of(coefficient: str) -> CoefficientDrift:
-    return CoefficientDrift(
-        coefficient=coefficient,
-        sessions=(),
-        values=(),
-        shape="too_few",
-        drift=False,
-    )
+    return CoefficientDrift(coefficient=coefficient, sessions=(), values=(), shape="too_few", drift=False)
 
 
 def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool = True, seed: int = 0) -> ArmDrift:

@@ -207,12 +207,12 @@ def build_estimate(joints: int = 7, *, count: int = 16, rate: float = 200.0, dam
         joint_numbers=tuple(range(1, joints + 1)),
         joint_names=names,
         choice=choice,
-        warnings=(Caution(code="gravity_absent", message="the torque column is taken as it is"),),
+        warnings=(Caution(code="sign_unproved", numbers={"formula": "F_m as logged"}),),
     )
     friction = FrictionHistory(
         estimator="weighted",
         joints=tuple(joint_friction(j, names[j], cycles, rng) for j in range(joints)),
-        warnings=(Caution(code="still", message="stands still", joint=STILL + 1),) if joints > STILL else (),
+        warnings=(Caution(code="from_regression", joint=STILL + 1),) if joints > STILL else (),
     )
     return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=AuditSettings())
 

@@ -204,11 +204,7 @@ NOT_TESTABLE = JointDiagnosis(
     reason="0 energy cycles with motion; at least 10 are needed: move the joint back and forth",
 )
 DATA_FAULT = JointDiagnosis(
-    joint=6,
-    name="panda_joint6",
-    verdict="data_fault",
-    reason=FAULT,
-    findings=(finding("dq_scale", "fault", FAULT),),
+    joint=6, name="panda_joint6", verdict="data_fault", reason=FAULT, findings=(finding("dq_scale", "fault", FAULT),)
 )
 FAILED = JointDiagnosis(
     joint=6,
@@ -224,7 +220,5 @@ def diagnosis(
     joints: tuple[JointDiagnosis, ...] = VERDICTS_BY_HAND, settings: DiagnosisSettings | None = None
 ) -> Diagnosis:
     return Diagnosis(
-        estimate=build_estimate(6),
-        discrepancy=Discrepancy(joints=joints),
-        settings=settings or DiagnosisSettings(),
+        estimate=build_estimate(6), discrepancy=Discrepancy(joints=joints), settings=settings or DiagnosisSettings()
     )

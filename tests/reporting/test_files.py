@@ -61,52 +61,38 @@ def test_columns_are_complete_of_their_kind_and_name_their_units(name: str) -> N
             assert found <= {kind, float, np.float64, type(None)} if kind is int else found <= {kind}, column
 
 
-def test_tables_are_those_of_the_options() -> None:
+def test_columns_are_the_result_s() -> None:
     assert tuple(every()) == TABLES
     alone = LogReport(estimate=report().estimate)
     assert tuple(table.name for table in report_tables(alone)) == tuple(table.name for table in estimate.TABLES)
-
-
-def test_coefficients_and_cycles_are_the_estimate_s() -> None:
     for rows, joint in zip(every()["coefficients"].rows, report().estimate.friction.joints, strict=True):
-        assert (rows.joint, rows.name) == (joint.joint, joint.name)
+        assert (rows.joint, rows.name, rows.columns["reason"][0]) == (joint.joint, joint.name, joint.reason)
         assert rows.columns["coulomb_nm"][0] == pytest.approx(joint.coulomb.value, nan_ok=True)
         assert rows.columns["viscous_high_nms_per_rad"][0] == pytest.approx(joint.viscous.high, nan_ok=True)
-        assert rows.columns["reason"][0] == joint.reason
     for column, rows in enumerate(every()["cycles"].rows):
         own = report().estimate.cycles.of_joint(column)
         assert np.sum(rows.columns["net_energy_j"]) == pytest.approx(own.work_j.sum())
         assert list(rows.columns["cycle"]) == list(range(1, len(own.joint) + 1))
-
-
-def test_the_history_has_a_row_per_cycle_that_counts() -> None:
     history = to_frame(every()["coefficient_history"])
     assert len(history) == sum(len(joint.history.cycle) for joint in report().estimate.friction.joints)
     assert (history["coulomb_low_nm"] <= history["coulomb_nm"]).all()
 
 
-def test_residual_is_measured_less_model() -> None:
+def test_residual_is_measured_less_model_and_effects_are_words() -> None:
     """Half a newton metre, of which the nominal model has 0.4 and the augmented one 0.48."""
     found = report().diagnosis
     assert found is not None
     joint = next(one for one in found.discrepancy.joints if one.traces is not None)
     assert joint.traces is not None
     whole = np.ones_like(joint.traces.measured)
-    other = replace(joint, traces=replace(joint.traces, measured=0.5 * whole, before=0.4 * whole, after=0.48 * whole))
-    made = diagnose_tables(replace(found, discrepancy=replace(found.discrepancy, joints=(other,))))
-    (rows,) = next(table for table in made if table.name == "residual").rows
+    effect = replace(AMBIGUOUS.effects[0], alternatives=("asymmetric_coulomb", "inertia_error"))
+    traces = replace(joint.traces, measured=0.5 * whole, before=0.4 * whole, after=0.48 * whole)
+    joints = (replace(joint, traces=traces, effects=(effect,)),)
+    tables = diagnose_tables(replace(found, discrepancy=replace(found.discrepancy, joints=joints)))
+    made = {table.name: table.rows[0].columns for table in tables if table.rows}
     for name, value in {"nominal": 0.4, "augmented": 0.48, "residual_before": 0.1, "residual_after": 0.02}.items():
-        assert rows.columns[f"{name}_nm"] == pytest.approx(value)
-
-
-def test_indistinguishable_effects_are_words_of_one_column() -> None:
-    found = report().diagnosis
-    assert found is not None
-    other = replace(AMBIGUOUS.effects[0], alternatives=("asymmetric_coulomb", "inertia_error"))
-    joints = (replace(AMBIGUOUS, effects=(other,)),)
-    made = diagnose_tables(replace(found, discrepancy=replace(found.discrepancy, joints=joints)))
-    (rows,) = next(table for table in made if table.name == "effects").rows
-    assert list(rows.columns["alternatives"]) == ["asymmetric_coulomb inertia_error"]
+        assert made["residual"][f"{name}_nm"] == pytest.approx(value)
+    assert list(made["effects"]["alternatives"]) == ["asymmetric_coulomb inertia_error"]
 
 
 def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:
@@ -129,7 +115,11 @@ def test_sessions_have_a_row_per_joint_and_coefficient(
 
 
 def test_a_row_holds_the_session_s_numbers(tmp_path: Path) -> None:
-    frame: Any = sessions_of(batch_by_hand.batch(ARM), tmp_path).set_index(["session", "joint", "coefficient"])
+    """Also of a path that no encoding knows, which is written with its bytes."""
+    sessions = (replace(ARM.sessions[0], path="r\udcff.csv"), *ARM.sessions[1:])
+    written = sessions_of(batch_by_hand.batch(replace(ARM, sessions=sessions)), tmp_path)
+    assert written["path"][0] == "r\\udcff.csv"
+    frame: Any = written.set_index(["session", "joint", "coefficient"])
     row, alone, still = (frame.loc[key] for key in ((13, 2, "coulomb_nm"), (9, 2, "coulomb_nm"), (1, 7, "coulomb_nm")))
     value = ARM.sessions[12].joints[1].coefficients["coulomb_nm"]
     assert (row["value"], row["ci95_low"]) == (value.value, value.low)
@@ -139,9 +129,3 @@ def test_a_row_holds_the_session_s_numbers(tmp_path: Path) -> None:
     assert alone["left_out"].startswith("payload")
     assert np.isnan(still["value"])
     assert (still["unit"], "does not move" in still["reason"]) == ("N m", True)
-
-
-def test_a_name_that_no_encoding_knows_is_written_with_its_bytes(tmp_path: Path) -> None:
-    sessions = (replace(ARM.sessions[0], path="r\udcff.csv"), *ARM.sessions[1:])
-    frame = sessions_of(batch_by_hand.batch(replace(ARM, sessions=sessions)), tmp_path)
-    assert frame["path"][0] == "r\\udcff.csv"

@@ -21,6 +21,7 @@ from friction_audit.batch.manifest import BatchSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError, encodable
 from friction_audit.friction.history import Coefficient
+from friction_audit.preprocessing.interaction import Caution
 
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
 SCHEMA_VERSION = 4  # in user_version; raised with every change below
@@ -307,7 +308,8 @@ def _digest(content: object) -> str:
 def _recorded(held: dict[str, Any]) -> Recorded:
     """Return what was kept, as the log says it."""
     session = held["session"]
-    lists = {name: tuple(session[name]) for name in ("warnings", "codes")}
+    warnings = tuple(one if isinstance(one, str) else Caution(**one) for one in session["warnings"])
+    lists = {"warnings": warnings, "codes": tuple(session["codes"])}
     joints = tuple(_joint(one) for one in session["joints"])
     whole = session | lists | {"joints": joints, "conditions": Conditions(**session["conditions"])}
     return Recorded(**held | {"session": Session(**whole)})

@@ -140,7 +140,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     noticed: tuple[Finding | Caution, ...] = (*source.findings, *interaction.warnings)
     codes = (one.code for one in (*noticed, *estimate.friction.warnings))
     unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
-    warnings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in noticed]
+    findings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in source.findings]
     return Session(
         path=source.path,
         sha256=source.sha256,
@@ -156,7 +156,7 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
             rate_hz=log.rate_hz,
         ),
         joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
-        warnings=tuple(dict.fromkeys(warnings)),
+        warnings=(*dict.fromkeys(findings), *interaction.warnings),
         codes=tuple(dict.fromkeys((*unit, *codes))),
         damaged=any(finding.damaged for finding in source.findings),
     )
@@ -168,10 +168,11 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
     def said(text: str) -> str:
         return encodable(text.replace(here, name))
 
-    recorded = tuple(
-        replace(one, session=replace(one.session, path=name, warnings=tuple(map(said, one.session.warnings))))
-        for one in worked.recorded
-    )
+    def named(session: Session) -> Session:
+        warnings = tuple(said(one) if isinstance(one, str) else one.renamed(here, name) for one in session.warnings)
+        return replace(session, path=name, warnings=warnings)
+
+    recorded = tuple(replace(one, session=named(one.session)) for one in worked.recorded)
     faults = tuple(replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults)
     return replace(worked, recorded=recorded, faults=faults)
 

@@ -16,9 +16,10 @@ from friction_audit.errors import FrictionAuditError
 
 if TYPE_CHECKING:
     from friction_audit.io.readers import ReadOptions
+    from friction_audit.io.readers.reader import Topic
     from friction_audit.joint_log import JointLog
     from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-    from friction_audit.reporting.info import InfoEntry, LogSummary, TopicSummary
+    from friction_audit.reporting.info import InfoEntry, LogSummary
 
 LARGE_BYTES = 64 << 20  # of a larger file the beginning is read; a smaller one takes less than a second
 FIRST_S = 120.0  # of the beginning: the cycles and the clock of so many seconds say what the log is [s]
@@ -69,11 +70,12 @@ def _entry(
     path: Path, options: "ReadOptions", view: _View, voice: Voice, failures: list[FrictionAuditError]
 ) -> "InfoEntry":
     """Look at one file; a file that cannot be read becomes an entry with its message, and one more failure."""
+    from friction_audit.io.readers import list_topics
     from friction_audit.reporting.info import InfoEntry
 
-    topics: tuple[TopicSummary, ...] = ()
+    topics: tuple[Topic, ...] = ()
     try:
-        topics = _topics(path)
+        topics = tuple(list_topics(path)[1])
         log = chain.read(path, options, voice) if view.full else _read(path, options, topics, voice)
         return InfoEntry(path=str(path), topics=topics, summary=_summary(log, view))
     except FrictionAuditError as error:
@@ -81,7 +83,7 @@ def _entry(
         return InfoEntry(path=str(path), topics=topics, message=str(error))
 
 
-def _read(path: Path, options: "ReadOptions", topics: "tuple[TopicSummary, ...]", voice: Voice) -> "JointLog":
+def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice: Voice) -> "JointLog":
     """Read a log, or the part asked for or the beginning of a large one."""
     from friction_audit.io.files import stamp_of
     from friction_audit.io.readers.reader import FirstLook
@@ -98,14 +100,6 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[TopicSummary, ...]"
     message = f"the first {FIRST_S:g} s, {len(part.t)} samples{held}; --full reads the whole log"
     finding = Finding(code="first_part", message=message, amount=FIRST_S)
     return replace(part, source=replace(part.source, findings=(*part.source.findings, finding)))
-
-
-def _topics(path: Path) -> "tuple[TopicSummary, ...]":
-    from friction_audit.io.readers import list_topics
-    from friction_audit.reporting.info import TopicSummary
-
-    _, topics = list_topics(path)
-    return tuple(TopicSummary(name=t.name, type=t.type, messages=t.messages, readable=t.readable) for t in topics)
 
 
 def _summary(log: "JointLog", view: _View) -> "LogSummary":

@@ -147,8 +147,7 @@ def command(
         from friction_audit.pipeline import replay_estimate
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.notices import replay_notices
-        from friction_audit.reporting.replay import history_table, replay_document, replay_tables
-        from friction_audit.reporting.replay_text import replay_lines
+        from friction_audit.reporting.replay import history_table, replay_document, replay_lines, replay_tables
 
         with stages.step("replay"):
             found = replay_estimate(estimated, settings)

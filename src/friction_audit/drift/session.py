@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 Numbers = Sequence[float]
 
@@ -85,7 +86,7 @@ class Session:
     joints: tuple[JointSummary, ...]  # one summary per joint
     temperature_c: float | None = None  # from the manifest, or None [degC]
     note: str = ""  # from the manifest
-    warnings: tuple[str, ...] = ()  # what was noticed, one sentence each
+    warnings: tuple[str | Caution, ...] = ()  # findings of the reader as sentences, and cautions
     codes: tuple[str, ...] = ()  # their codes, and those of what was noticed while the friction was estimated
     damaged: bool = False  # whether part of the file was left out
 

@@ -223,19 +223,11 @@ def _conclude(
         return determined, tuple(cautions_of(determined))
     lost = tuple(_lost(joint, determined))
     if joint.method == "regression":
-        message = (
-            "too few energy cycles, so the coefficients are from torque regression, which assumes a constant inertia "
-            "and no coupling with other joints"
-        )
-        return determined, (Caution(code="from_regression", joint=joint.joint, message=message), *lost)
+        return determined, (Caution(code="from_regression", joint=joint.joint), *lost)
     separate = found is not None and joint.model == "combined" and np.isfinite(joint.coulomb.low)
     alike = bool(separate) and not _speed_condition(kept) < HIGHEST_CONDITION
     if alike:
-        message = (
-            "all cycles have one speed profile: their energies give friction at the mean speed only; the intervals "
-            "include the torque regression; move at several speeds"
-        )
-        lost = (Caution(code="one_speed_profile", joint=joint.joint, message=message), *lost)
+        lost = (Caution(code="one_speed_profile", joint=joint.joint), *lost)
     return _covering(determined, alike=alike), (*cautions_of(determined), *lost)
 
 
@@ -271,11 +263,7 @@ def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFrictio
 def _lost(joint: JointFriction, determined: JointFriction) -> Iterator[Caution]:
     for name in UNITS:
         if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value):
-            message = (
-                f"the {name} coefficient is not determined: its interval exceeds {MOST_UNCERTAIN:g} times the torque "
-                "in motion; move more often and at several speeds"
-            )
-            yield Caution(code=f"{name}_not_determined", joint=joint.joint, message=message)
+            yield Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
 
 
 def _speed_condition(kept: EnergyCycles) -> float:

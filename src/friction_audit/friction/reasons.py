@@ -1,6 +1,7 @@
 """What the user must know about an estimate: negative coefficients, weak separation, two methods that disagree."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -21,57 +22,30 @@ SHORT_S = 5.0  # a shorter log holds no four strokes back and forth at usual spe
 ENOUGH = 1 << 16  # samples of a root mean square: it is right to a percent, enough for a bound
 STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands still
 
-MEANING = {
-    "coulomb": "Stribeck friction, position-dependent friction or a gravity error",
-    "viscous": "friction that is not linear in speed",
-}
-
 
 def cautions_of(joint: JointFriction) -> Iterator[Caution]:
     """Yield the cautions about one joint's estimate."""
-    found = [("not_determined", joint.reason)] if joint.reason else [*_weaknesses(joint), *_disagreements(joint)]
-    for code, message in found:
-        yield Caution(code=code, joint=joint.joint, message=message)
+    found = [("not_determined", {"reason": joint.reason})] if joint.reason else [*_weaknesses(joint)]
+    for code, numbers in found:
+        yield Caution(code=code, joint=joint.joint, numbers=numbers)
 
 
-def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, str]]:
-    for name in UNITS:
-        if getattr(joint, name).value < 0:
-            message = (
-                f"negative {name} coefficient: the torque contains more than friction; check gravity, payload, delay "
-                "and the range of speeds"
-            )
-            yield f"negative_{name}", message
+def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Compare also the two methods, and the first full window of the history with the last, if they share no cycle."""
+    yield from ((f"negative_{name}", {}) for name in UNITS if getattr(joint, name).value < 0)
     if abs(joint.correlation) > HIGHEST_CORRELATION:
-        message = (
-            "Coulomb and viscous coefficients are hardly separable (correlation above "
-            f"{HIGHEST_CORRELATION:g}): only their sum at the recorded speeds is reliable; vary the speed"
-        )
-        yield "hardly_separable", message
+        yield "hardly_separable", {"most": HIGHEST_CORRELATION}
     if joint.cycles < FEW_CYCLES:
-        yield "few_cycles", f"fewer than {FEW_CYCLES} cycles: the intervals are wide and approximate"
-
-
-def _disagreements(joint: JointFriction) -> Iterator[tuple[str, str]]:
-    """Compare the two methods, and the first full window of the history with the last, if they share no cycle."""
+        yield "few_cycles", {"fewest": FEW_CYCLES}
     for name in UNITS if joint.regression is not None else ():
-        energy, torque = getattr(joint, name), getattr(joint.regression, name)
-        if _disagree(energy, torque):
-            message = (
-                f"the {name} coefficients of energy balance and torque regression differ significantly; the interval "
-                f"covers both; probable cause: {MEANING[name]}"
-            )
-            yield f"{name}_disagrees", message
+        if _disagree(getattr(joint, name), getattr(joint.regression, name)):
+            yield f"{name}_disagrees", {}
     first = joint.window - 1 - (joint.cycles - len(joint.history.cycle))
     for name in UNITS if joint.cycles >= 2 * joint.window else ():
         columns = joint.history.of(name)
         early, late = (_at(columns, k) for k in (first, -1))
         if _disagree(early, late):
-            message = (
-                f"the {name} coefficient changes within the log, from {early.value:.3f} (first {joint.window} cycles) "
-                f"to {late.value:.3f} (last); see the history"
-            )
-            yield f"{name}_changes", message
+            yield f"{name}_changes", {"early": early.value, "late": late.value, "cycles": joint.window}
 
 
 def _at(columns: tuple[Float, Float, Float], k: int) -> Coefficient:

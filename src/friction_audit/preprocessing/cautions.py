@@ -37,75 +37,33 @@ def not_used(log: JointLog, balance: Balance, settings: TorqueSettings, *, hand:
     unused = [option for option, idle in given if idle]
     if not unused:
         return ()
-    instead = "" if log.tau_J is None else ", or ask for the model with --torque tau_J --gravity model"
-    message = f"{', '.join(unused)}: not used: {balance.formula} needs no model of the arm; remove the option{instead}"
-    return (Caution(code="model_not_used", message=message),)
+    numbers = {"options": unused, "formula": balance.formula, "has_tau_j": log.tau_J is not None}
+    return (Caution(code="model_not_used", numbers=numbers),)
 
 
 def sign_cautions(log: JointLog, balance: Balance, settings: TorqueSettings, *, turned: bool) -> Iterator[Caution]:
-    """Say what the energy shows about the sign, and that inertia is still in the torque."""
-    evidence = balance.evidence
+    """Yield what the energy shows about the sign, and that inertia is still in the torque."""
+    evidence, plan = balance.evidence, balance.plan
+    known = {"formula": balance.formula, "source": plan.source}
     if turned:
-        yield Caution(code="sign_turned", message=_turned(balance))
+        yield Caution(code="sign_turned", numbers=known)
     if most(evidence, "falls"):
-        yield Caution(code="sign_contradicts_drive", message=_contradicted(log, balance, settings))
+        asked = f"--drive {balance.drive}" if settings.drive != "auto" else "--inertia model (the robot moves the arm)"
+        free = plan.source == "interaction" or len(plan.drives) > 1
+        compensated = log.tau_compensation is not None or log.tau_passivity is not None
+        open_to = {"drive": balance.drive, "asked": "" if free else asked, "compensated": compensated}
+        yield Caution(code="sign_contradicts_drive", numbers=known | open_to)
     elif not balance.proved and voting(evidence):
-        message = (
-            f"the sign of {balance.formula} is undecided: the net energy of most joints neither rises nor falls "
-            "significantly; move back and forth more often, or give --drive"
-        )
-        yield Caution(code="sign_unproved", message=message)
+        yield Caution(code="sign_unproved", numbers=known)
     if balance.inertia_left:
         # Where gravity is left too, its caution has the commands.
-        model = with_a_model(log, replace(settings, inertia="auto"))
-        advice = "" if balance.plan.gravity == "in-torque" else f"; {model}"
-        message = (
-            "inertial and Coriolis torques of the robot's own motion are in F_m: inertial coupling between moving "
-            f"joints biases the energy balance{advice}"
-        )
-        yield Caution(code="inertia_in_torque", message=message)
+        command = "" if plan.gravity == "in-torque" else with_a_model(log, replace(settings, inertia="auto"))
+        yield Caution(code="inertia_in_torque", numbers={"command": command, "lead": ""})
     minority = "falls" if balance.proved else "rises" if most(evidence, "falls") else ""
     for one in voting(evidence):
         if one.verdict == minority:
-            message = (
-                f"its net energy {one.verdict} ({one.against_motion_nm:.2f} ± {one.standard_error_nm:.2f} N m against "
-                "the motion), that of most joints does not: its gravity, payload or inertia is wrong"
-            )
-            yield Caution(code="sign_disagrees", message=message, joint=one.joint)
-
-
-def _contradicted(log: JointLog, balance: Balance, settings: TorqueSettings) -> str:
-    """Say what may be wrong where the energy falls: it depends on what the user left open."""
-    plan, causes = balance.plan, []
-    if plan.source == "interaction":
-        tried = ", nor does it rise with the sign turned"
-    elif len(plan.drives) > 1:
-        tried = ", nor does it rise with the other row of the balance"
-    else:
-        asked = f"--drive {balance.drive}" if settings.drive != "auto" else "--inertia model (the robot moves the arm)"
-        tried = f"; {asked} is kept as asked"
-        causes.append("the other --drive is meant")
-    if log.tau_compensation is not None or log.tau_passivity is not None:
-        causes.append(
-            "tau_compensation has the wrong sign (it is positive towards positive motion): flip it in the log"
-        )
-    if plan.source == "tau_J":
-        causes.append("gravity or the payload is wrong")
-    row = "" if plan.source == "interaction" else f" (drive {balance.drive})"
-    wrong = ", or ".join(causes or ["velocity and torque do not belong together"])
-    return (
-        f"with {balance.formula}{row} the net energy falls on most of the moving joints, "
-        f"which friction cannot do{tried}; perhaps {wrong}"
-    )
-
-
-def _turned(balance: Balance) -> str:
-    if balance.plan.source == "interaction":
-        return "torque sign flipped: with the logged sign the net energy falls"
-    return (
-        f"detected: the robot's motors move the arm (--drive robot), {balance.formula}; with --drive hand the net "
-        "energy does not rise"
-    )
+            numbers = {"verdict": one.verdict, "torque": one.against_motion_nm, "error": one.standard_error_nm}
+            yield Caution(code="sign_disagrees", joint=one.joint, numbers=numbers)
 
 
 def gravity_cautions(
@@ -137,7 +95,14 @@ def gravity_cautions(
             left = _left(coarse, torque[:, column], None if direction is None else direction[:, place], column)
             found += [] if left is None else [(column, *left)]
     several = sum(rms > friction for _, _, rms, _, friction, _ in found) > 1
-    return tuple(_left_caution(column + 1, left, gravity if several else "") for column, *left in found)
+    return tuple(
+        Caution(
+            code="gravity_error" if by_position else "torque_offset",
+            joint=column + 1,
+            numbers={"mean": mean, "rms": rms, "moved": moved, "gravity": gravity if several else ""},
+        )
+        for column, mean, rms, moved, _, by_position in found
+    )
 
 
 def _left(
@@ -186,19 +151,3 @@ def _fit(plain: Float, across: Float, torque: Float) -> tuple[Float, float, floa
         fits.append((coefficients, float(np.sum((right - design @ coefficients) ** 2))))
     (coefficients, square), (_, square_plain) = fits
     return coefficients / scale, square, square_plain
-
-
-def _left_caution(joint: int, left: list[float], gravity: str) -> Caution:
-    mean, rms, moved, _, by_position = left
-    if not by_position:
-        message = (
-            f"constant torque of {mean:.1f} N m that is not friction; over {moved:.2g} rad a sensor offset cannot be "
-            "separated from gravity"
-        )
-        return Caution(code="torque_offset", joint=joint, message=message)
-    cause = {
-        "model": ", of several joints: the model lacks the payload (--payload MASS,X,Y,Z), or the arm is another",
-        "logged": ", of several joints: the payload was probably not set on the robot",
-    }.get(gravity, "; check the gravity that was removed, and its direction")
-    message = f"gravity of at least {rms:.1f} N m rms over {moved:.2g} rad is left in the torque{cause}"
-    return Caution(code="gravity_error", joint=joint, message=message)

@@ -5,7 +5,8 @@ With B the reflected inertia behind the sensor, u the torque of an active compen
     B ddq = F_m + u - tau_f,    tau_f * dq >= 0 is the dissipated power.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -85,17 +86,22 @@ class TorqueChoice:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Caution:
-    """Something the user must know about a result.
+    """Something the user must know about a result; ``reporting.sentences`` has the sentence of each code.
 
     Attributes:
         code: Stable short name.
-        message: One sentence.
         joint: Joint number for people (1..n), or None.
+        numbers: What the sentence needs, by name, as JSON knows it.
     """
 
     code: str
-    message: str
     joint: int | None = None
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+
+    def renamed(self, path: str, name: str) -> "Caution":
+        """Return it with another name of the log, in commands to paste."""
+        texts = {key: one.replace(path, name) for key, one in self.numbers.items() if isinstance(one, str)}
+        return replace(self, numbers={**self.numbers, **texts})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -193,28 +193,17 @@ def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings,
 def _cautions(
     log: JointLog, coarse: CoarseLog, settings: TorqueSettings, source: str, reason: str, gravity: str, robot: str
 ) -> list[Caution]:
-    found = {}
+    found: dict[str, dict[str, object]] = {}
     if source == "tau_ext":
-        found["tau_ext_filtered"] = (
-            "the delay of tau_ext_hat_filtered appears as viscous friction (5 ms: up to half of the coefficient); "
-            "viscous values are only comparable between logs of this channel"
-        )
+        found["tau_ext_filtered"] = {}
     if reason == "payload":
-        found["payload_missing"] = (
-            f"tau_J differs from the Panda's model by more than {VENDOR_DISAGREES_NM:g} N m: a payload is missing; to "
-            "use tau_J, give it: --payload MASS,X,Y,Z (Franka hand: 0.73,-0.01,0,0.03)"
-        )
+        found["payload_missing"] = {"most": VENDOR_DISAGREES_NM}
     if gravity == "in-torque" and robot in PRESETS and robot not in MODELS:
-        found["no_model"] = f"{PRESETS[robot].label}: no built-in rigid-body model; give its --urdf"
+        found["no_model"] = {"arm": PRESETS[robot].label}
     if gravity == "in-torque":
-        remedy = (
-            f"; remove it: {_with_gravity_removed(log, coarse, settings)}" if log.source.torque_unit == "N m" else ""
-        )
-        found["gravity_in_torque"] = (
-            f"gravity is in the torque: only cycles that return to their start count (--gravity removed: there is none)"
-            f"{remedy}"
-        )
-    return [Caution(code=code, message=message) for code, message in found.items()]
+        command = _with_gravity_removed(log, coarse, settings) if log.source.torque_unit == "N m" else ""
+        found["gravity_in_torque"] = {"command": command, "lead": "remove it: "}
+    return [Caution(code=code, numbers=numbers) for code, numbers in found.items()]
 
 
 def _with_gravity_removed(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> str:

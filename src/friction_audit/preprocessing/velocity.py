@@ -170,26 +170,14 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
         lag[joint] *= np.ptp(log.q[:, joint]) > MOVED_RAD
     foreign = lag > max(LATEST_S * (1.0 + TOLERANCE), LATEST_STEPS * step_s)
     late = np.where(foreign, 0.0, lag)
-    cautions = []
-    if late.any():
-        message = f"{_lags(late)} (velocity filter); the lag is corrected"
-        cautions.append(Caution(code="dq_late", message=message))
-    if foreign.any():
-        message = (
-            f"{_lags(np.where(foreign, lag, 0.0))}, more than a filter: another clock; all energies are wrong; log q, "
-            "dq and torque in one message, or shift the dq columns earlier"
-        )
-        cautions.append(Caution(code="dq_other_clock", message=message))
+    cautions = tuple(
+        Caution(code=code, numbers={"joints": (np.flatnonzero(lags) + 1).tolist(), "lags_s": lags[lags > 0.0].tolist()})
+        for code, lags in (("dq_late", late), ("dq_other_clock", np.where(foreign, lag, 0.0)))
+        if lags.any()
+    )
     if not late.any():
-        return log, tuple(cautions)
-    return read_on_time(log.read_whole() if isinstance(log, LogInBlocks) else log, late), tuple(cautions)
-
-
-def _lags(lag: Float) -> str:
-    late = np.flatnonzero(lag)
-    least, most = (f"{1e3 * value:.1f}" for value in (lag[late].min(), lag[late].max()))
-    much = least if least == most else f"{least} to {most}"
-    return f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}: dq lags q by {much} ms"
+        return log, cautions
+    return read_on_time(log.read_whole() if isinstance(log, LogInBlocks) else log, late), cautions
 
 
 def noise_density(signal: Float, step_s: float, order: int) -> float:

@@ -22,10 +22,8 @@ MARGIN = "margin: factor by which the gain may grow before the loop is unstable,
 ENDLESS = ">32"
 
 VALUE = Record(
-    (
-        Column("value", float, "mean, or median"),
-        Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high)),
-    )
+    Column("value", float, "mean, or median"),
+    Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high)),
 )
 
 
@@ -34,16 +32,10 @@ def _measured(name: str, meaning: str) -> Column:
     return Column(name, VALUE, meaning, lambda row: row.interval(attrgetter(name)))
 
 
-def _shown(text: Callable[[Row], str], title: str) -> Column:
+def _shown(text: Callable[[Row], str], title: str, unit: str = "") -> Column:
     """Return a column of the terminal; rows that head a method, which are its label, have none of it."""
-    return Column(
-        "shown",
-        float,
-        get=lambda row: row,
-        form=lambda row: " " if isinstance(row, str) else text(row),
-        title=title,
-        on="t",
-    )
+    shown = lambda row: " " if isinstance(row, str) else text(row)  # noqa: E731
+    return Column("shown", float, get=lambda row: row, form=shown, title=title, unit=unit, on="t")
 
 
 def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:
@@ -64,80 +56,69 @@ def _margin(row: Row) -> str:
 
 
 METHOD = Record(
-    (
-        Column("method", str, "name of the method"),
-        Column("label", str, "in words"),
-        Column("tuning", str, "name of the tuning", "tuning.name"),
-        Column("meaning", str, "what the tuning is", "tuning.meaning"),
-        Column("role", tuple(ROLES), "why the tuning is there"),
-        Column("tuning_losses", int, "persons of the tuning with whom no setting was stable", null=True),
-        _measured("energy_slope_w", "mean power that the person gives"),
-        _measured("peak_torque_nm", "largest torque of the person"),
-        _measured("drawn_peak_nm", "the same low-passed at 10 Hz, of the joint that takes most torque"),
-        _measured("rms_torque_nm", "root mean square of it"),
-        _measured("vibration_nm", "torque above the person's band"),
-        _measured("standstill_rad_s", "speed left when the person holds still"),
-        _measured("chatter_nm", "torque at rest"),
-        _measured("coulomb_left", "share of the Coulomb friction that the person feels"),
-        _measured("viscous_left", "share of the viscous friction"),
-        _measured("inertia_left", "share of the inertia"),
-        Column("stable_share", float, "share of the persons with whom the loop was stable"),
-        Column("lost_s", [float], "when the loop became unstable, per person with whom it did"),
-        Column("stability_margin", VALUE, "median factor by which the gain may grow", "margin"),
-        Column("stability_margins", [float], "the factor per person", "margins"),
-        Column(
-            "row",
-            str,
-            get=lambda row: row if isinstance(row, str) else f"{ROLES[row.role]} {row.tuning.name}",
-            title="method and tuning",
-            on="t",
-        ),
-        _shown(_with_interval("energy_slope_w", 1000.0, 1), "slope [mW]"),
-        _shown(_with_interval("peak_torque_nm", 1.0, 2), "peak [N m]"),
-        _shown(_with_interval("rms_torque_nm", 1.0, 3), "rms [N m]"),
-        _shown(lambda row: f"{row.stable_share:.0%}", "stable"),
-        _shown(_margin, "margin"),
-    )
+    Column("method", str, "name of the method"),
+    Column("label", str, "in words"),
+    Column("tuning", str, "name of the tuning", "tuning.name"),
+    Column("meaning", str, "what the tuning is", "tuning.meaning"),
+    Column("role", tuple(ROLES), "why the tuning is there"),
+    Column("tuning_losses", int, "persons of the tuning with whom no setting was stable", null=True),
+    _measured("energy_slope_w", "mean power that the person gives"),
+    _measured("peak_torque_nm", "largest torque of the person"),
+    _measured("drawn_peak_nm", "the same low-passed at 10 Hz, of the joint that takes most torque"),
+    _measured("rms_torque_nm", "root mean square of it"),
+    _measured("vibration_nm", "torque above the person's band"),
+    _measured("standstill_rad_s", "speed left when the person holds still"),
+    _measured("chatter_nm", "torque at rest"),
+    _measured("coulomb_left", "share of the Coulomb friction that the person feels"),
+    _measured("viscous_left", "share of the viscous friction"),
+    _measured("inertia_left", "share of the inertia"),
+    Column("stable_share", float, "share of the persons with whom the loop was stable"),
+    Column("lost_s", [float], "when the loop became unstable, per person with whom it did"),
+    Column("stability_margin", VALUE, "median factor by which the gain may grow", "margin"),
+    Column("stability_margins", [float], "the factor per person", "margins"),
+    Column(
+        "row",
+        str,
+        get=lambda row: row if isinstance(row, str) else f"{ROLES[row.role]} {row.tuning.name}",
+        title="method and tuning",
+        on="t",
+    ),
+    _shown(_with_interval("energy_slope_w", 1000.0, 1), "slope [mW]"),
+    _shown(_with_interval("peak_torque_nm", 1.0, 2), "peak [N m]"),
+    _shown(_with_interval("rms_torque_nm", 1.0, 3), "rms [N m]"),
+    _shown(lambda row: f"{row.stable_share:.0%}", "stable"),
+    _shown(_margin, "margin"),
 )
 POINT = Record(
-    (
-        Column("value", float, "value of the swept setting"),
-        Column("tuning", str, "its name", "tuning.name"),
-        Column("stable", bool, "whether the loop was stable with every person"),
-        Column("stable_share", float, "share of the persons with whom it was"),
-        _measured("energy_slope_w", "mean power that the person gives"),
-        _measured("rms_torque_nm", "root mean square of the person's torque"),
-    )
+    Column("value", float, "value of the swept setting"),
+    Column("tuning", str, "its name", "tuning.name"),
+    Column("stable", bool, "whether the loop was stable with every person"),
+    Column("stable_share", float, "share of the persons with whom it was"),
+    _measured("energy_slope_w", "mean power that the person gives"),
+    _measured("rms_torque_nm", "root mean square of the person's torque"),
 )
 SWEEP = Record(
-    (
-        Column("method", str, "name of the method"),
-        Column("label", str, "in words"),
-        Column("sweep", str, "name of the sweep", "name"),
-        Column("axis", str, "the swept setting"),
-        Column("boldest_stable", float, "the boldest stable value"),
-        Column("points", [POINT], "the values tried"),
-    )
+    Column("method", str, "name of the method"),
+    Column("label", str, "in words"),
+    Column("sweep", str, "name of the sweep", "name"),
+    Column("axis", str, "the swept setting"),
+    Column("boldest_stable", float, "the boldest stable value"),
+    Column("points", [POINT], "the values tried"),
 )
-FIGURE = Record((Column("figure", str, "name"), Column("path", str, "where it was written")))
+FIGURE = Record(Column("figure", str, "name", "0"), Column("path", str, "where it was written", "1"))
 COMPARE = Document(
-    "compare",
-    1,
+    "compare/1",
     "Compensation methods side by side",
-    Record(
-        (
-            Column("arm", ("joint", "panda"), "what the methods were tried on"),
-            Column("duration", float, "length of a trial", unit="s"),
-            Column("seeds", [int], "persons"),
-            Column("tuning_seeds", [int], "persons that the tunings were chosen for"),
-            Column("margin_seeds", [int], "persons that were asked for the stability margin"),
-            Column("settings", dict, "settings of the simulation but the hidden effects"),
-            Column("effects", [HIDDEN], "hidden effects"),
-            Column("methods", [METHOD], "per method and tuning"),
-            Column("sweeps", [SWEEP], "per sweep"),
-            Column("figures", [FIGURE], "what was drawn"),
-        )
-    ),
+    Column("arm", ("joint", "panda"), "what the methods were tried on"),
+    Column("duration", float, "length of a trial", unit="s"),
+    Column("seeds", [int], "persons"),
+    Column("tuning_seeds", [int], "persons that the tunings were chosen for"),
+    Column("margin_seeds", [int], "persons that were asked for the stability margin"),
+    Column("settings", dict, "settings of the simulation but the hidden effects"),
+    Column("effects", [HIDDEN], "hidden effects"),
+    Column("methods", [METHOD], "per method and tuning"),
+    Column("sweeps", [SWEEP], "per sweep"),
+    Column("figures", [FIGURE], "what was drawn"),
 )
 
 
@@ -146,24 +127,14 @@ def compare_document(
 ) -> dict[str, Any]:
     """Return the document on a comparison.
 
-    Args:
-        scene: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``, ``settings`` and ``effects``.
-        methods: What came of every method and tuning.
-        sweeps: The sweeps.
-        figures: Name and path of every figure.
+    ``scene`` has what was simulated: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``,
+    ``settings`` and ``effects``; a figure is a name and a path.
     """
-    drawn = [{"figure": name, "path": path} for name, path in figures]
-    return COMPARE.json({**scene, "methods": methods, "sweeps": sweeps, "figures": drawn})
+    return COMPARE.json({**scene, "methods": methods, "sweeps": sweeps, "figures": figures})
 
 
 def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[str]:
-    """Return a row per method and tuning, and the losses of those that were unstable.
-
-    Args:
-        rows: Every method and tuning.
-        seeds: How many persons.
-        tuning_seeds: How many persons the settings were chosen for.
-    """
+    """Return a row per method and tuning, and the losses of those that were unstable, with so many persons."""
     headed: list[Row | str] = []
     for before, row in zip((None, *rows), rows, strict=False):
         headed += [row] if before is not None and before.method == row.method else [row.label, row]
@@ -175,11 +146,9 @@ def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[st
 def _margins(rows: Sequence[Row]) -> tuple[str, ...]:
     """Return how the margins are to be read, if they were looked for."""
     persons = max((len(row.margins) for row in rows), default=0)
-    if not persons:
-        return ()
     known = any(not isnan(row.margin.low) for row in rows)
     those = f"the median of {persons} persons" if persons > 1 else "one person"
-    return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}")
+    return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}") if persons else ()
 
 
 def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
@@ -193,45 +162,30 @@ def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
 
 Claim = Mapping[str, Any]
 CLAIM = Record(
-    (
-        Column("figure", str, "figure of the paper", title="fig", on="jt"),
-        Column("claim", str, "the claim", title="claim", words=True, on="jt"),
-        Column("paper", str, "what the paper states or shows", title="paper", words=True, on="jt"),
-        Column("ours", str, "our result, in words", title="ours", words=True, on="jt"),
-        Column("value", float, "the number that decides", on="j"),
-        Column(
-            "holds", bool, "whether the claim holds", form=lambda holds: "yes" if holds else "NO", title="holds",
-            on="jt",
-        ),
-        Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
-        Column("note", str, "what to know about it, or empty", on="j"),
-    )
+    Column("figure", str, "figure of the paper", title="fig", on="jt"),
+    Column("claim", str, "the claim", title="claim", words=True, on="jt"),
+    Column("paper", str, "what the paper states or shows", title="paper", words=True, on="jt"),
+    Column("ours", str, "our result, in words", title="ours", words=True, on="jt"),
+    Column("value", float, "the number that decides", on="j"),
+    Column("holds", bool, "whether it holds", form=lambda holds: "yes" if holds else "NO", title="holds", on="jt"),
+    Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
+    Column("note", str, "what to know about it, or empty", on="j"),
 )  # fmt: skip
-DRAWN = Record((FIGURE.columns[0], Column("title", str, "its title"), FIGURE.columns[1]))
+DRAWN = Record(
+    Column("figure", str, "name", "0"), Column("title", str, "its title", "1"), Column("path", str, "of its file", "2")
+)
 REPRODUCE = Document(
-    "reproduce",
-    1,
+    "reproduce/1",
     "The paper's figures: its claims and our results",
-    Record(
-        (
-            Column("seeds", int, "persons simulated"),
-            Column("claims", [CLAIM], "per claim"),
-            Column("figures", [DRAWN], "what was drawn"),
-        )
-    ),
+    Column("seeds", int, "persons simulated"),
+    Column("claims", [CLAIM], "per claim"),
+    Column("figures", [DRAWN], "what was drawn"),
 )
 
 
 def reproduce_document(claims: Sequence[Claim], figures: Iterable[tuple[str, str, str]], seeds: int) -> dict[str, Any]:
-    """Return the document on the paper's figures.
-
-    Args:
-        claims: Per claim ``figure``, ``claim``, ``paper``, ``ours``, ``value``, ``holds`` and ``note``.
-        figures: Number, title and path of every figure.
-        seeds: Persons that were simulated where one moves the joint.
-    """
-    drawn = [{"figure": figure, "title": title, "path": path} for figure, title, path in figures]
-    return REPRODUCE.json({"seeds": seeds, "claims": claims, "figures": drawn})
+    """Return the document on the paper's figures: claims, and number, title and path of every figure."""
+    return REPRODUCE.json({"seeds": seeds, "claims": claims, "figures": figures})
 
 
 def claim_lines(claims: Sequence[Claim]) -> list[str]:

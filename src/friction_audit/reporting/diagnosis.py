@@ -1,49 +1,59 @@
 """Diagnosis: its document, its tables for files and pages, and its text on the terminal."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis, Profile
+from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
-from friction_audit.reporting import diagnosis_tables, diagnosis_words
-from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
-from friction_audit.reporting.notices import diagnose_notices, physics_of
-from friction_audit.reporting.table import Column, Document, Record, Table, to_json
+from friction_audit.reporting import diagnosis_words
+from friction_audit.reporting.diagnosis_tables import (
+    CHECK,
+    EFFECT,
+    FINDING,
+    JOINT_DIAGNOSIS,
+    NEGLIGIBLE,
+    PARAMETER,
+    STEP,
+    effect_rows,
+    finding_rows,
+    steps_of,
+    untestable_rows,
+)
+from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
+from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, physics_of
+from friction_audit.reporting.table import Column, Document, Get, Record, Table, to_json
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import format_share, in_unit, joints_label
 
 LONGEST = 225  # characters of a line about an effect without its joint; what is longer is for ``-v``
 BIN = Record(
-    (
-        Column("of", str, get="0"),
-        Column("axis", str, get="1.axis"),
-        Column("axis_label", str, get="1.label"),
-        Column("centre", get="2.0"),
-        Column("forwards", get="2.1", unit="N m"),
-        Column("forwards_se", get="2.2", unit="N m"),
-        Column("backwards", get="2.3", unit="N m"),
-        Column("backwards_se", get="2.4", unit="N m"),
-    ),
+    Column("of", str, get="0"),
+    Column("axis", str, get="1.axis"),
+    Column("axis_label", str, get="1.label"),
+    Column("centre", get="2.0"),
+    Column("forwards", get="2.1", unit="N m"),
+    Column("forwards_se", get="2.2", unit="N m"),
+    Column("backwards", get="2.3", unit="N m"),
+    Column("backwards_se", get="2.4", unit="N m"),
     name="residual_profiles",
     summary="mean residual in a bin of one quantity",
 )
 RESIDUAL = Record(
-    (
-        Column("time", get="t", unit="s"),
-        Column("cycle", int, get=lambda traces: traces.cycle + 1),
-        Column("held_out", bool),
-        Column("q", get="q", unit="rad"),
-        Column("dq", get="dq", unit="rad/s"),
-        Column("measured", get="measured", unit="N m"),
-        Column("nominal", get="before", unit="N m"),
-        Column("augmented", get="after", unit="N m"),
-        Column("residual_before", get=lambda traces: traces.measured - traces.before, unit="N m"),
-        Column("residual_after", get=lambda traces: traces.measured - traces.after, unit="N m"),
-    ),
+    Column("time", get="t", unit="s"),
+    Column("cycle", int, get=lambda traces: traces.cycle + 1),
+    Column("held_out", bool),
+    Column("q", get="q", unit="rad"),
+    Column("dq", get="dq", unit="rad/s"),
+    Column("measured", get="measured", unit="N m"),
+    Column("nominal", get="before", unit="N m"),
+    Column("augmented", get="after", unit="N m"),
+    Column("residual_before", get=lambda traces: traces.measured - traces.before, unit="N m"),
+    Column("residual_after", get=lambda traces: traces.measured - traces.after, unit="N m"),
     name="residual",
     summary="torque of a joint: measured, of the nominal and of the augmented model, low-passed alike",
     time="time_s",
@@ -57,76 +67,27 @@ def _simulated(name: str) -> Callable[[Any], Any]:
 
 
 SIMULATED = Record(
-    (
-        Column("time", get=_simulated("t"), unit="s"),
-        Column("dq_measured", get=_simulated("measured"), unit="rad/s"),
-        Column("dq_nominal", get=_simulated("nominal"), unit="rad/s"),
-        Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
-    ),
+    Column("time", get=_simulated("t"), unit="s"),
+    Column("dq_measured", get=_simulated("measured"), unit="rad/s"),
+    Column("dq_nominal", get=_simulated("nominal"), unit="rad/s"),
+    Column("dq_augmented", get=_simulated("augmented"), unit="rad/s"),
     name="simulated_motion",
     summary="velocity of a joint measured and simulated, on held-out cycles",
     time="time_s",
     arrays=True,
 )
 DIAGNOSE: Document = Document(
-    "diagnose",
-    3,
+    "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
-    Record((SOURCE, SETTINGS, WARNINGS, Column("joints", [diagnosis_tables.JOINT_DIAGNOSIS], "per joint"))),
+    CHAIN,
+    Column("joints", [JOINT_DIAGNOSIS], "per joint"),
 )
 
 
 def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
-    """Return the document of a diagnosis.
-
-    Args:
-        found: The result.
-        reading: How the log was read: options of the reader by name.
-    """
-    return DIAGNOSE.json(
-        {
-            "source": found.estimate.log,
-            "settings": settings_document(found.estimate, reading) | {"diagnosis": to_json(found.settings)},
-            "warnings": diagnose_notices(found),
-            "joints": found.discrepancy.joints,
-        },
-        found.estimate.log.source.torque_unit,
-    )
-
-
-TABLES = (
-    diagnosis_tables.JOINT_DIAGNOSIS,
-    diagnosis_tables.EFFECT,
-    diagnosis_tables.NEGLIGIBLE,
-    diagnosis_tables.PARAMETER,
-    diagnosis_tables.CHECK,
-    diagnosis_tables.STEP,
-    BIN,
-    RESIDUAL,
-    SIMULATED,
-)
-
-
-def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
-    """Return the tables of a diagnosis for files."""
-    joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
-    rows: tuple[tuple[Record, Callable[[JointDiagnosis], Any]], ...] = (
-        (diagnosis_tables.JOINT_DIAGNOSIS, lambda joint: [joint]),
-        (diagnosis_tables.EFFECT, lambda joint: diagnosis_tables.effect_rows([joint])),
-        (diagnosis_tables.NEGLIGIBLE, lambda joint: diagnosis_tables.effect_rows([joint], "negligible")),
-        (
-            diagnosis_tables.PARAMETER,
-            lambda joint: [
-                (row.effect.name, *one) for row in diagnosis_tables.effect_rows([joint]) for one in row.known.items()
-            ],
-        ),
-        (diagnosis_tables.CHECK, lambda joint: joint.checks),
-        (diagnosis_tables.STEP, diagnosis_tables.steps_of),
-        (BIN, bins_of),
-        (RESIDUAL, lambda joint: joint.traces),
-        (SIMULATED, lambda joint: joint.simulation),
-    )
-    return tuple(record.file(((one.joint, one.name, of(one)) for one in joints), unit) for record, of in rows)
+    """Return the document of a diagnosis of a log that was read with some options."""
+    settings, joints = {"diagnosis": to_json(found.settings)}, found.discrepancy.joints
+    return chain_document(DIAGNOSE, found.estimate, diagnose_notices(found), reading, settings, joints=joints)
 
 
 def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
@@ -139,23 +100,43 @@ def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]
     ]
 
 
+def parameters_of(joint: JointDiagnosis) -> list[tuple[str, str, Coefficient]]:
+    """Return effect, name and value of each parameter."""
+    return [(row.effect.name, *one) for row in effect_rows([joint]) for one in row.known.items()]
+
+
+FILES: tuple[tuple[Record, Get], ...] = (
+    (JOINT_DIAGNOSIS, lambda joint: [joint]),
+    (EFFECT, lambda joint: effect_rows([joint])),
+    (NEGLIGIBLE, lambda joint: effect_rows([joint], "negligible")),
+    (PARAMETER, parameters_of),
+    (CHECK, "checks"),
+    (STEP, steps_of),
+    (BIN, bins_of),
+    (RESIDUAL, "traces"),
+    (SIMULATED, "simulation"),
+)
+TABLES = tuple(record for record, _ in FILES)
+
+
+def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
+    """Return the tables of a diagnosis for files."""
+    joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
+    return tuple(record.joints_file(joints, rows, unit) for record, rows in FILES)
+
+
 def data_tables(found: Diagnosis | None) -> tuple[Table, ...]:
     """Return the audit of the data for the page: what is not fine, and all of it."""
-    rows = diagnosis_tables.finding_rows(() if found is None else found.discrepancy.joints)
+    rows = finding_rows(() if found is None else found.discrepancy.joints)
     bad = [row for row in rows if row[1].verdict != "fine"]
-    tables = (
-        diagnosis_tables.FINDING.people(bad, caption="Limits and faults of the data", folded=True),
-        diagnosis_tables.FINDING.people(rows, caption="Every check of the data", folded=True),
-    )
-    return tuple(table for table in tables if table.rows)
+    captions = {"Limits and faults of the data": bad, "Every check of the data": rows}
+    return tuple(FINDING.people(some, caption=name, folded=True) for name, some in captions.items() if some)
 
 
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     """Return a row and a sentence per joint, then the effects in numbers.
 
-    Args:
-        found: The result.
-        verbose: If True, also the competing effects and what the log cannot show.
+    With ``verbose`` also the competing effects and what the log cannot show.
     """
     log, joints = found.estimate.log, found.discrepancy.joints
     unit = log.source.torque_unit
@@ -167,26 +148,23 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
         f"interaction torque: {found.estimate.interaction.choice.formula}",
         f"nominal model: {diagnosis_words.nominal_model(found.settings.model)}",
         f"residual RMS on held-out cycles: {span} per joint, each held out once; intervals are 95 %",
-        *table_lines(diagnosis_tables.JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
+        *table_lines(JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
         *physics,
     ]
     details: list[str] = []
-    for alike in _alike(joints, together=not verbose):
-        numbers = joints_label(joint.joint for joint in alike)
-        lines.append(in_unit(f"{numbers}: {diagnosis_words.joint_message(alike[0])}", unit))
-        more = [*_details(alike[0], verbose=verbose), *(_competing(alike[0]) if verbose else ())]
-        details += [in_unit(f"{numbers}, {line}", unit) for line in more]
-    if effects := diagnosis_tables.effect_rows(joints):
-        lines += ["", *table_lines(diagnosis_tables.EFFECT.people(effects, "t", unit=unit))]
-    return lines + details
-
-
-def _alike(joints: Sequence[JointDiagnosis], *, together: bool) -> list[list[JointDiagnosis]]:
-    """Return the joints, those with the same answer together."""
     groups: dict[object, list[JointDiagnosis]] = {}
     for joint in joints:
-        groups.setdefault(joint.reason if joint.reason and together else joint.joint, []).append(joint)
-    return list(groups.values())
+        answer = SENTENCE_END.split(joint.reason)[0]
+        groups.setdefault(answer if answer and not verbose else joint.joint, []).append(joint)
+    for answer, alike in groups.items():
+        numbers, joint = joints_label(joint.joint for joint in alike), alike[0]
+        message = answer if isinstance(answer, str) else diagnosis_words.joint_message(joint)
+        lines.append(in_unit(f"{numbers}: {message}", unit))
+        more = [*_details(joint, verbose=verbose), *(_competing(joint) if verbose else ())]
+        details += [in_unit(f"{numbers}, {line}", unit) for line in more]
+    if effects := effect_rows(joints):
+        lines += ["", *table_lines(EFFECT.people(effects, "t", unit=unit))]
+    return lines + details
 
 
 def _details(joint: JointDiagnosis, *, verbose: bool) -> Iterator[str]:
@@ -214,7 +192,4 @@ def _competing(joint: JointDiagnosis) -> Iterator[str]:
             yield f"{one.name} in place of {effect.name}: {scores}"
     if joint.effects and not math.isnan(joint.detection_limit_nm):
         yield f"detection limit for other effects: {joint.detection_limit_nm:.2g} N m rms"
-    yield from (
-        f"this log cannot show {', '.join(names)}: {reason}"
-        for _, names, reason in diagnosis_tables.untestable_rows([joint])
-    )
+    yield from (f"this log cannot show {', '.join(names)}: {reason}" for _, names, reason in untestable_rows([joint]))

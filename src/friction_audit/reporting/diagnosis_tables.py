@@ -1,7 +1,6 @@
 """Tables of a diagnosis: its columns once, for documents, files, terminal and page."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 from friction_audit.diagnosis.data_audit import DataFinding
@@ -16,7 +15,7 @@ from friction_audit.reporting.diagnosis_words import (
     where_effect,
     where_words,
 )
-from friction_audit.reporting.table import INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
+from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
 TONES: dict[str, Tone] = {
@@ -31,33 +30,27 @@ TONES: dict[str, Tone] = {
 FINDING_TONES: dict[str, Tone] = {"fine": "fine", "limit": "unsure", "fault": "alert"}
 GRADES = ("major", "minor", "negligible")
 CURVE = Record(
-    (
-        Column("centre", [float], "mean of the quantity in each bin"),
-        Column("forwards_nm", [float], "mean torque in it while moving forwards", "forwards"),
-        Column("backwards_nm", [float], "the same backwards", "backwards"),
-        Column("forwards_se_nm", [float], "standard error of the mean", "forwards_se"),
-        Column("backwards_se_nm", [float], "the same backwards", "backwards_se"),
-    )
+    Column("centre", [float], "mean of the quantity in each bin"),
+    Column("forwards_nm", [float], "mean torque in it while moving forwards", "forwards"),
+    Column("backwards_nm", [float], "the same backwards", "backwards"),
+    Column("forwards_se_nm", [float], "standard error of the mean", "forwards_se"),
+    Column("backwards_se_nm", [float], "the same backwards", "backwards_se"),
 )
 PROFILE = Record(
-    (
-        Column("axis", str, "the quantity", "0.axis"),
-        Column("label", str, "the quantity with its unit", "0.label"),
-        Column("share", float, "share of the mean square that a curve over it explains", "0.share"),
-        Column("p_value", float, "that nothing depends on it", "0.p_value"),
-        Column("where", str, "where along it model and measurement disagree", lambda row: where_words(row[0])),
-        Column("curve", CURVE, "the mean residual, of the first entry", "1", null=True),
-    )
+    Column("axis", str, "the quantity", "0.axis"),
+    Column("label", str, "the quantity with its unit", "0.label"),
+    Column("share", float, "share of the mean square that a curve over it explains", "0.share"),
+    Column("p_value", float, "that nothing depends on it", "0.p_value"),
+    Column("where", str, "where along it model and measurement disagree", lambda row: where_words(row[0])),
+    Column("curve", CURVE, "the mean residual, of the first entry", "1", null=True),
 )
 EVIDENCE = Record(
-    (
-        Column("name", str, "the effect, or another one in its place"),
-        Column(
-            "two_ln_bayes_factor", float,
-            "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
-        ),
-        Column("correlation", float, "of the two torques"),
-    )
+    Column("name", str, "the effect, or another one in its place"),
+    Column(
+        "two_ln_bayes_factor", float,
+        "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
+    ),
+    Column("correlation", float, "of the two torques"),
 )  # fmt: skip
 
 
@@ -100,147 +93,125 @@ def _percent(share: float) -> str:
     return f"{100 * share:.3g}"
 
 
-def _share(name: str, meaning: str, title: str, short: str) -> tuple[Column, Column]:
+def _share(name: str, meaning: str, title: str, short: str) -> Column:
     get = f"effect.{name}"
-    return (
-        Column(name, float, meaning, get),
-        Column(name, float, get=get, form=_percent, unit="%", title=title, short=short, on=PEOPLE),
-    )
-
-
-def _values(row: EffectRow) -> dict[str, float]:
-    return {name: number.value for name, number in row.known.items()}
-
-
-def _bounds(row: EffectRow) -> dict[str, tuple[float, float]]:
-    return {name: (number.low, number.high) for name, number in row.known.items()}
-
-
-def _labelled(row: EffectRow) -> str:
-    return f"{row.names}: {row.effect.label}"
+    return Column(name, float, meaning, get, form=_percent, unit="%", title=title, short=short, on=ALL)
 
 
 EFFECT = Record(
-    (
-        joint_column("joint"),
-        Column("rank", int, on="f"),
-        Column("effect", str, get="effect.name", on="f"),
-        Column("name", str, "name in the catalogue", "effect.name", on="j"),
-        Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
-        Column("effect", str, get=lambda row: plain_names(_labelled(row)), title="effect", words=True, on="p"),
-        Column("label", str, "in words", "effect.label"),
-        Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
-        Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
-        Column("decide", str, "motion that distinguishes them", lambda row: decide_words(row.effect), null=True),
-        Column("size", float, "RMS of its torque free of the nominal model", "effect.size_nm", unit="N m"),
-        Column("size", get="effect.size_nm", unit="N m", title="size (RMS)", short="size", on=PEOPLE),
-        *_share("friction_share", "size over the RMS of the joint's friction", "of the friction", "of the\nfriction"),
-        *_share("residual_share", "of the residual's mean square, 0 to 1", "of the residual", "of the\nresidual"),
-        Column("grade", GRADES, "size against the joint's friction", "effect.grade", title="grade", on="jftp"),
-        Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
-        Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
-        Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
-        Column("parameters", {"*": float}, "values by name with the unit", _values, on="j"),
-        Column("parameters_ci95", {"*": INTERVAL}, "their 95 % intervals", _bounds, on="j"),
-        Column("not_identifiable", [str], "those that the log does not identify", "effect.not_identifiable", on="j"),
-        Column("p_value", float, "family-wise, on held-out cycles; null of contacts", "effect.p_value"),
-        Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),
-        Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
-        Column(
-            "where", str, "where it shows, in words", lambda row: where_effect(row.effect, row.joint),
-            null=True, title="where", words=True, on="jfp",
-        ),
-        Column("numbers", str, get=lambda row: effect_numbers(row.effect), title="parameters", words=True, on="p"),
-        Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
-        Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
-        Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
+    joint_column("joint"),
+    Column("rank", int, on="f"),
+    Column("effect", str, get="effect.name", on="f"),
+    Column("name", str, "name in the catalogue", "effect.name", on="j"),
+    Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
+    Column(
+        "effect", str, get=lambda row: plain_names(f"{row.names}: {row.effect.label}"),
+        title="effect", words=True, on="p",
     ),
+    Column("label", str, "in words", "effect.label"),
+    Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
+    Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
+    Column("decide", str, "motion that distinguishes them", lambda row: decide_words(row.effect), null=True),
+    Column(
+        "size", float, "RMS of its torque free of the nominal model", "effect.size_nm",
+        unit="N m", title="size (RMS)", short="size", on=ALL,
+    ),
+    _share("friction_share", "size over the RMS of the joint's friction", "of the friction", "of the\nfriction"),
+    _share("residual_share", "of the residual's mean square, 0 to 1", "of the residual", "of the\nresidual"),
+    Column("grade", GRADES, "size against the joint's friction", "effect.grade", title="grade", on="jftp"),
+    Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
+    Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
+    Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
+    Column(
+        "parameters", {"*": float}, "values by name with the unit",
+        lambda row: {name: one.value for name, one in row.known.items()}, on="j",
+    ),
+    Column(
+        "parameters_ci95", {"*": INTERVAL}, "their 95 % intervals",
+        lambda row: {name: (one.low, one.high) for name, one in row.known.items()}, on="j",
+    ),
+    Column("not_identifiable", [str], "those that the log does not identify", "effect.not_identifiable", on="j"),
+    Column("p_value", float, "family-wise, on held-out cycles; null of contacts", "effect.p_value"),
+    Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),
+    Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
+    Column(
+        "where", str, "where it shows, in words", lambda row: where_effect(row.effect, row.joint),
+        null=True, title="where", words=True, on="jfp",
+    ),
+    Column("numbers", str, get=lambda row: effect_numbers(row.effect), title="parameters", words=True, on="p"),
+    Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
+    Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
+    Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
     name="effects",
     summary="an effect that the model of a joint misses, the largest first",
 )  # fmt: skip
-NEGLIGIBLE = replace(
-    EFFECT, name="negligible_effects", summary="an effect below 1 % of the joint's friction or below --min-effect"
+NEGLIGIBLE = Record(
+    EFFECT.columns,
+    name="negligible_effects",
+    summary="an effect below 1 % of the joint's friction or below --min-effect",
 )
 PARAMETER = Record(
-    (
-        Column("effect", str, get="0"),
-        Column("parameter", str, get="1"),
-        Column("value", float, get="2.value"),
-        Column("ci95_low", float, get="2.low"),
-        Column("ci95_high", float, get="2.high"),
-    ),
+    Column("effect", str, get="0"),
+    Column("parameter", str, get="1"),
+    Column("value", float, get="2.value"),
+    Column("ci95_low", float, get="2.low"),
+    Column("ci95_high", float, get="2.high"),
     name="effect_parameters",
     summary="a parameter of an effect, with its 95 % interval; empty where the log does not identify it",
 )
 COMPETITOR = Record(
-    (
-        joint_column("0.joint"),
-        Column("effect", str, get=lambda row: plain_names(row[0].effect.name), title="effect", on="p"),
-        Column("competitor", str, get=lambda row: plain_names(row[1].name), title="competing effect", on="p"),
-        Column(
-            "two_ln_bayes_factor", float, get="1.two_ln_bayes_factor", form="+.0f", title="2 ln Bayes factor", on="p"
-        ),
-        Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
-    )
+    joint_column("0.joint"),
+    Column("effect", str, get=lambda row: plain_names(row[0].effect.name), title="effect", on="p"),
+    Column("competitor", str, get=lambda row: plain_names(row[1].name), title="competing effect", on="p"),
+    Column("two_ln_bayes_factor", float, get="1.two_ln_bayes_factor", form="+.0f", title="2 ln Bayes factor", on="p"),
+    Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
 )
 UNTESTABLE = Record(
-    (
-        joint_column("0"),
-        Column("effects", str, get=lambda row: plain_names(", ".join(row[1])), title="effects", on="p"),
-        Column("why", str, get="2", title="why", on="p"),
-    )
+    joint_column("0"),
+    Column("effects", str, get=lambda row: plain_names(", ".join(row[1])), title="effects", on="p"),
+    Column("why", str, get="2", title="why", on="p"),
 )
 STEP = Record(
-    (
-        Column("step", int, get="0", on="f"),
-        Column("label", str, get="1", on="f"),
-        Column("step", str, "nominal model, each effect, noise floor", "1", on="j"),
-        Column("rms", float, "residual RMS", "2", unit="N m"),
-    ),
+    Column("step", int, get="0", on="f"),
+    Column("label", str, get="1", on="f"),
+    Column("step", str, "nominal model, each effect, noise floor", "1", on="j"),
+    Column("rms", float, "residual RMS", "2", unit="N m"),
     name="gap_ladder",
     summary="residual RMS after each effect, on held-out cycles",
 )
 GAP = Record(
-    (
-        Column("baseline_rms", float, "residual RMS of the nominal model", "before", unit="N m"),
-        Column("final_rms", float, "residual RMS of the augmented model", "after", unit="N m"),
-        Column("noise_floor_rms", float, "RMS of the noise", "floor", unit="N m"),
-        Column("shrink", float, "share explained: of the way from the first to the noise floor"),
-        Column("shrink_standard_error", float, "its standard error", "shrink_se"),
-        Column("final_over_floor", float, "augmented over noise", "over_floor"),
-        Column("held_out_cycles", int, "number of cycles, each held out once", "cycles"),
-    )
+    Column("baseline_rms", float, "residual RMS of the nominal model", "before", unit="N m"),
+    Column("final_rms", float, "residual RMS of the augmented model", "after", unit="N m"),
+    Column("noise_floor_rms", float, "RMS of the noise", "floor", unit="N m"),
+    Column("shrink", float, "share explained: of the way from the first to the noise floor"),
+    Column("shrink_standard_error", float, "its standard error", "shrink_se"),
+    Column("final_over_floor", float, "augmented over noise", "over_floor"),
+    Column("held_out_cycles", int, "number of cycles, each held out once", "cycles"),
 )
 SIMULATION = Record(
-    (
-        Column("before", float, "of the nominal model"),
-        Column("after", float, "of the augmented model"),
-        Column("unit", str, "unit of both"),
-    )
+    Column("before", float, "of the nominal model"),
+    Column("after", float, "of the augmented model"),
+    Column("unit", str, "unit of both"),
 )
 CHECK = Record(
-    (
-        Column("code", ("curve", "response", "line", "scatter", "change"), "what the residual holds"),
-        Column("along", str, "the quantity, or the effect that changes"),
-        Column("share", float, "of the mean square"),
-        Column("frequency", float, "of a line: in Hz over time, in waves per rad over path; else 0"),
-    ),
+    Column("code", ("curve", "response", "line", "scatter", "change"), "what the residual holds"),
+    Column("along", str, "the quantity, or the effect that changes"),
+    Column("share", float, "of the mean square"),
+    Column("frequency", float, "of a line: in Hz over time, in waves per rad over path; else 0"),
     name="residual_checks",
     summary="structure in what the augmented model leaves",
 )
 FINDING = Record(
-    (
-        joint_column("0"),
-        Column("code", str, "stable short name", "1.code", title="check", code=True, on="jp"),
-        Column(
-            "verdict", ("fine", "limit", "fault"), "whether it limits the answer", "1.verdict",
-            title="verdict", tone=FINDING_TONES.__getitem__, on="jp",
-        ),
-        Column("value", float, "what was found", "1.value", title="found", on="jp"),
-        Column("bound", float, "what it was held against", "1.bound", title="bound", on="jp"),
-        Column("unit", str, "its unit", "1.unit", title="unit", on="jp"),
-        Column("message", str, "what it means", "1.message", title="what it means", on="jp"),
-    )
+    joint_column("0"),
+    Column("code", str, "stable short name", "1.code", title="check", code=True, on="jp"),
+    Column(
+        "verdict", ("fine", "limit", "fault"), "whether it limits the answer", "1.verdict",
+        title="verdict", tone=FINDING_TONES.__getitem__, on="jp",
+    ),
+    Column("value", float, "what was found", "1.value", title="found", on="jp"),
+    Column("bound", float, "what it was held against", "1.bound", title="bound", on="jp"),
+    Column("unit", str, "its unit", "1.unit", title="unit", on="jp"),
+    Column("message", str, "what it means", "1.message", title="what it means", on="jp"),
 )  # fmt: skip
 
 
@@ -260,59 +231,60 @@ def _without_gravity(joint: JointDiagnosis) -> float | None:
     return joint.share_explained if "gravity_error" in names and len(names) > 1 else None
 
 
-def _people(title: str, short: str, unit: str, get: Get, form: str | Callable[[float], str] = ".3g") -> Column:
-    return Column("shown", float, get=get, unit=unit, title=title, short=short, form=form, on=PEOPLE)
+def _people(
+    title: str, short: str, unit: str, get: Get, form: str | Callable[[float], str] = ".3g", file: str = ""
+) -> Column:
+    """Return a column for people, and of files where it has a name there."""
+    on = "ftp" if file else PEOPLE
+    return Column(file or "shown", float, get=get, unit=unit, title=title, short=short, form=form, on=on)
 
 
 JOINT_DIAGNOSIS = Record(
-    (
-        JOINT,
-        NAME,
-        joint_column(),
-        Column("verdict", VERDICTS, "the answer"),
-        Column("verdict", str, form=WORDS.__getitem__, title="verdict", tone=TONES.__getitem__, on=PEOPLE),
-        Column("message", str, "the answer: cause, size, what to do", joint_message),
-        Column(
-            "missing", str, get=lambda joint: " and ".join(names_of(one, joint.effects) for one in joint.effects),
-            title="missing", on="p",
-        ),
-        Column("effects", [EFFECT], "the largest first", lambda joint: effect_rows([joint]), on="j"),
-        Column("negligible", [EFFECT], "too small to count", lambda joint: effect_rows([joint], "negligible"), on="j"),
-        Column("gap", GAP, "residual RMS on held-out cycles; null if nothing was fitted", on="j", null=True),
-        Column("gap_before", float, get="gap.before", unit="N m", on="f"),
-        Column("gap_after", float, get="gap.after", unit="N m", on="f"),
-        Column("noise_floor", float, get="gap.floor", unit="N m", on="f"),
-        Column("shrink", float, get="gap.shrink", on="f"),
-        Column("share_explained_without_gravity", float, "gravity in the model before and after", "share_explained"),
-        Column("held_out_cycles", int, get="gap.cycles", on="f"),
-        _people("baseline RMS", "RMS\nbefore", "N m", "gap.before"),
-        _people("augmented RMS", "RMS\nafter", "N m", _augmented("gap.after")),
-        _people("noise floor", "noise\nfloor", "N m", "gap.floor"),
-        _people("share explained", "expl.", "%", _augmented("gap.shrink"), _percent),
-        _people("explained without gravity", "w/o\ngravity", "%", _without_gravity, _percent),
-        Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="p"),
-        Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),
-        Column("simulation_gap_before", float, get="simulation.before", unit="rad/s", on="f"),
-        Column("simulation_gap_after", float, get="simulation.after", unit="rad/s", on="f"),
-        _people("velocity error: nominal", "vel. error\nbefore", "rad/s", "simulation.before"),
-        _people("velocity error: augmented", "vel. error\nafter", "rad/s", _augmented("simulation.after")),
-        Column(
-            "detection_limit", float, "RMS that is detected with 90 % power",
-            unit="N m", form=".2g", title="detection limit", on="jfp",
-        ),
-        Column("remainder_share", float, "of the mean square that the augmented model leaves, without a name"),
-        Column("checks", [CHECK], "structure in it, the largest share first", on="j"),
-        Column("omnibus_p_value", float, "that nothing is missing from the nominal model", "omnibus_p"),
-        Column("remaining_p_value", float, "that nothing is missing from the augmented model", "remaining_p"),
-        Column("nominal", {"*": Coefficient}, "coefficients of the nominal model, fitted alone", on="j"),
-        Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
-        Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
-        Column("ladder", [STEP], "residual RMS after each effect", steps_of, on="j"),
-        Column("profiles", [PROFILE], "residual along a quantity", lambda joint: profile_rows(joint.profiles), on="j"),
-        Column("remaining", [PROFILE], "after the effects", lambda joint: profile_rows(joint.remaining), on="j"),
-        Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
-        Column("findings", [FINDING], "the audit of the data", lambda joint: finding_rows([joint]), on="j"),
+    JOINT,
+    NAME,
+    joint_column(),
+    Column(
+        "verdict", VERDICTS, "the answer", form=WORDS.__getitem__, title="verdict", tone=TONES.__getitem__, on=ALL
     ),
+    Column("message", str, "the answer: cause, size, what to do", joint_message),
+    Column(
+        "missing", str, get=lambda joint: " and ".join(names_of(one, joint.effects) for one in joint.effects),
+        title="missing", on="p",
+    ),
+    Column("effects", [EFFECT], "the largest first", lambda joint: effect_rows([joint]), on="j"),
+    Column("negligible", [EFFECT], "too small to count", lambda joint: effect_rows([joint], "negligible"), on="j"),
+    Column("gap", GAP, "residual RMS on held-out cycles; null if nothing was fitted", on="j", null=True),
+    _people("baseline RMS", "RMS\nbefore", "N m", "gap.before", file="gap_before"),
+    Column("gap_after", float, get="gap.after", unit="N m", on="f"),
+    _people("augmented RMS", "RMS\nafter", "N m", _augmented("gap.after")),
+    _people("noise floor", "noise\nfloor", "N m", "gap.floor", file="noise_floor"),
+    Column("shrink", float, get="gap.shrink", on="f"),
+    _people("share explained", "expl.", "%", _augmented("gap.shrink"), _percent),
+    Column("share_explained_without_gravity", float, "gravity in the model before and after", "share_explained"),
+    _people("explained without gravity", "w/o\ngravity", "%", _without_gravity, _percent),
+    Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="fp"),
+    Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),
+    _people(
+        "velocity error: nominal", "vel. error\nbefore", "rad/s", "simulation.before", file="simulation_gap_before"
+    ),
+    Column("simulation_gap_after", float, get="simulation.after", unit="rad/s", on="f"),
+    _people("velocity error: augmented", "vel. error\nafter", "rad/s", _augmented("simulation.after")),
+    Column(
+        "detection_limit", float, "RMS that is detected with 90 % power",
+        unit="N m", form=".2g", title="detection limit", on="jfp",
+    ),
+    Column("remainder_share", float, "of the mean square that the augmented model leaves, without a name"),
+    Column("checks", [CHECK], "structure in it, the largest share first", on="j"),
+    Column("omnibus_p_value", float, "that nothing is missing from the nominal model", "omnibus_p"),
+    Column("remaining_p_value", float, "that nothing is missing from the augmented model", "remaining_p"),
+    Column("nominal", {"*": Coefficient}, "coefficients of the nominal model, fitted alone", on="j"),
+    Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
+    Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
+    Column("ladder", [STEP], "residual RMS after each effect", steps_of, on="j"),
+    Column("profiles", [PROFILE], "residual along a quantity", lambda joint: profile_rows(joint.profiles), on="j"),
+    Column("remaining", [PROFILE], "after the effects", lambda joint: profile_rows(joint.remaining), on="j"),
+    Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
+    Column("findings", [FINDING], "the audit of the data", lambda joint: finding_rows([joint]), on="j"),
     name="verdicts",
     summary="verdict and residual RMS of a joint",
 )  # fmt: skip

@@ -85,30 +85,25 @@ def joint_message(joint: JointDiagnosis) -> str:
     if joint.verdict == "adequate":
         small = "negligible effects apart, no effect" if joint.negligible else "no effect"
         return f"{small} above the detection limit of {joint.detection_limit_nm:.2g} N m RMS"
-    return "; ".join(filter(None, (_unknown(joint), _touched(joint), _missing(joint), _todo(joint))))
+    gap, unknown, parts = joint.gap, joint.verdict == "unexplained", []
+    if unknown:
+        size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
+        parts.append(f"{'most of ' if joint.added else ''}the residual{size} is unexplained")
+    if any(effect.name == CONTACT_EVENT for effect in joint.effects):
+        parts.append(f"{count_of(len(_spans(joint)), 'contact')} left out")
+    if joint.added or not unknown:
+        parts.append(_missing(joint) if joint.added else "no other effect is missing")
+    return "; ".join((*parts, _todo(joint)))
 
 
-def _unknown(joint: JointDiagnosis) -> str:
-    if joint.verdict != "unexplained":
-        return ""
-    gap = joint.gap
-    size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
-    return f"{'most of ' if joint.added else ''}the residual{size} is unexplained"
-
-
-def _touched(joint: JointDiagnosis) -> str:
-    if all(effect.name != CONTACT_EVENT for effect in joint.effects):
-        return ""
-    spans = () if joint.contacts is None else joint.contacts.spans_s
-    return f"{count_of(len(spans), 'contact')} left out"
+def _spans(joint: JointDiagnosis) -> Sequence[tuple[float, float]]:
+    return () if joint.contacts is None else joint.contacts.spans_s
 
 
 def _missing(joint: JointDiagnosis) -> str:
-    if not joint.added:
-        return "" if joint.verdict == "unexplained" else "no other effect is missing"
     first, *rest = joint.added
-    more = len(others := others_of(first, joint.effects)) - 1
-    names = first.name if not others else f"{first.name} or {others[0] if more < 1 else f'{more + 1} others'}"
+    others = others_of(first, joint.effects)
+    names = first.name if not others else f"{first.name} or {f'{len(others)} others' if others[1:] else others[0]}"
     share = "" if np.isnan(first.friction_share) else f", {format_share(first.friction_share)} of friction"
     return f"missing: {names} ({first.size_nm:.2g} N m RMS{share}){f' and {len(rest)} more' if rest else ''}"
 
@@ -157,7 +152,7 @@ def where_effect(effect: NamedEffect, joint: JointDiagnosis) -> str:
     """Return where an effect shows itself; empty where no quantity of the motion shows it."""
     if effect.name != CONTACT_EVENT:
         return "" if effect.own is not None else where_words(effect.curve)
-    spans = () if joint.contacts is None else joint.contacts.spans_s
+    spans = _spans(joint)
     places = ", ".join(f"at {start:.1f} s ({stop - start:.2g} s long)" for start, stop in spans[:CONTACTS_LISTED])
     more = len(spans) - CONTACTS_LISTED
     return places + (f" and {more} more" if more > 0 else "")
@@ -202,16 +197,12 @@ def _clearness(mean: Float, error: Float) -> float:
 
 def effect_numbers(effect: NamedEffect) -> str:
     """Return the parameters in words; more than people can read are left to the document."""
-    known = {name: one for name, one in effect.parameters.items() if name not in effect.not_identifiable}
-    words = [_parameter(name, number) for name, number in known.items()]
+    lost = effect.not_identifiable
+    words = [_parameter(name, number) for name, number in effect.parameters.items() if name not in lost]
     text = ", ".join(filter(None, words)) if len(words) <= MOST_NUMBERS else f"{len(words)} parameters, in the document"
-    return "; ".join(filter(None, (text, _not_identifiable(effect))))
-
-
-def _not_identifiable(effect: NamedEffect) -> str:
-    known = [PARAMETERS_BY_NAME.get(name) for name in effect.not_identifiable]
-    names = [name if one is None else one.meaning for name, one in zip(effect.not_identifiable, known, strict=True)]
-    return f"{UNBOUNDED} from this log: {', '.join(names)}" if names else ""
+    meanings = (PARAMETERS_BY_NAME[name].meaning if name in PARAMETERS_BY_NAME else name for name in lost)
+    unknown = f"{UNBOUNDED} from this log: {', '.join(meanings)}" if lost else ""
+    return "; ".join(filter(None, (text, unknown)))
 
 
 def _parameter(name: str, number: Coefficient) -> str:

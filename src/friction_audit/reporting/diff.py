@@ -4,61 +4,54 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import isfinite
 from typing import Any
 
-from friction_audit.drift.covariates import Condition, Recording
+from friction_audit.drift.covariates import Condition
 from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSides
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
-from friction_audit.reporting.drift_words import NAMES, UNITS, how_much, percent, total_text
-from friction_audit.reporting.notices import Notice
+from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, total_text
+from friction_audit.reporting.notices import Notice, notice
+from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column, to_json
 from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 
 ADJUSTED = "p value of no change, adjusted over all joints and coefficients (Holm)"
 RECORDING = Record(
-    (
-        Column("path", str, "as given or found", "session.path"),
-        Column("sha256", str, "of the log", "session.sha256"),
-        Column("start", str, "ISO 8601, UTC", lambda one: iso_start(one.session.start_s), null=True),
-        Column("duration", float, "length", "session.duration_s", unit="s"),
-        Column("joints", int, "number of joints of the log"),
-        Column("torque_unit", ("N m", "A", "mA"), "of the torque", "unit"),
-        Column("method", str, "friction model and estimator"),
-        Column("conditions", dict, "how it was recorded and read", "session.conditions"),
-        Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
-        Column("warnings", [str], "what was noticed", "session.warnings"),
-    )
+    Column("path", str, "as given or found", "session.path"),
+    Column("sha256", str, "of the log", "session.sha256"),
+    Column("start", str, "ISO 8601, UTC", lambda one: iso_start(one.session.start_s), null=True),
+    Column("duration", float, "length", "session.duration_s", unit="s"),
+    Column("joints", int, "number of joints of the log"),
+    Column("torque_unit", ("N m", "A", "mA"), "of the torque", "unit"),
+    Column("method", str, "friction model and estimator"),
+    Column("conditions", dict, "how it was recorded and read", "session.conditions"),
+    Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
+    Column("warnings", [str], "what was noticed", lambda one: session_sentences(one.session.warnings)),
 )
 
 
 def _coefficient(unit: str) -> Record:
     return Record(
-        (
-            Column(
-                "before", Coefficient, "random-effects mean where there are several recordings", "before", unit=unit
-            ),
-            Column("after", Coefficient, "likewise", "after", unit=unit),
-            Column("difference", Coefficient, "after less before", "found.change", unit=unit),
-            Column("relative_change", Coefficient, "difference over the value before", "found.total"),
-            Column("degrees_of_freedom", float, "of the difference (Welch-Satterthwaite)", "freedom"),
-            Column("p_value", float, ADJUSTED, "found.p_value"),
-            Column("single_p_value", float, "of this test alone (Welch)"),
-            Column("changed", bool, "whether the adjusted p value is at most 0.05", "found.drift"),
-            Column("smallest_detectable", float, "change found with 90 % power", "found.smallest_change", unit=unit),
-            Column("smallest_detectable_relative", float, "the same over the value before", "found.smallest_drift"),
-        )
+        Column("before", Coefficient, "random-effects mean where there are several recordings", "before", unit=unit),
+        Column("after", Coefficient, "likewise", "after", unit=unit),
+        Column("difference", Coefficient, "after less before", "found.change", unit=unit),
+        Column("relative_change", Coefficient, "difference over the value before", "found.total"),
+        Column("degrees_of_freedom", float, "of the difference (Welch-Satterthwaite)", "freedom"),
+        Column("p_value", float, ADJUSTED, "found.p_value"),
+        Column("single_p_value", float, "of this test alone (Welch)"),
+        Column("changed", bool, "whether the adjusted p value is at most 0.05", "found.drift"),
+        Column("smallest_detectable", float, "change found with 90 % power", "found.smallest_change", unit=unit),
+        Column("smallest_detectable_relative", float, "the same over the value before", "found.smallest_drift"),
     )
 
 
 LAW = Record(
-    (
-        Column("speed", [float], "speed", unit="rad/s"),
-        Column("change", [float], "friction torque after less before", unit="N m"),
-        Column("low", [float], "lower end of its 95 % interval at this speed", unit="N m"),
-        Column("high", [float], "upper end", unit="N m"),
-    )
+    Column("speed", [float], "speed", unit="rad/s"),
+    Column("change", [float], "friction torque after less before", unit="N m"),
+    Column("low", [float], "lower end of its 95 % interval at this speed", unit="N m"),
+    Column("high", [float], "upper end", unit="N m"),
 )
 
 
@@ -77,43 +70,34 @@ def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
 
 
 JOINT_CHANGE = Record(
-    (
-        JOINT,
-        NAME,
-        joint_column(on="t"),
-        Column("coulomb", _coefficient("N m"), "Coulomb friction", "coefficients.0"),
-        Column("viscous", _coefficient("N m s/rad"), "viscous friction", "coefficients.1"),
-        Column("law", LAW, "Coulomb plus viscous friction over the speed", on="j", null=True),
-        Column("reason", str, "why an estimate is missing", null=True, on="j"),
-        *_people(0, "Coulomb", "N m"),
-        *_people(1, "viscous", "N m s/rad"),
-    )
+    JOINT,
+    NAME,
+    joint_column(on="t"),
+    Column("coulomb", _coefficient("N m"), "Coulomb friction", "coefficients.0"),
+    Column("viscous", _coefficient("N m s/rad"), "viscous friction", "coefficients.1"),
+    Column("law", LAW, "Coulomb plus viscous friction over the speed", on="j", null=True),
+    Column("reason", str, "why an estimate is missing", null=True, on="j"),
+    *_people(0, "Coulomb", "N m"),
+    *_people(1, "viscous", "N m s/rad"),
 )
 CHANGES = Record(
-    (
-        Column("coefficient", str, get="found.coefficient", on="f"),
-        Column("unit", str, get=lambda change: UNITS[change.found.coefficient], on="f"),
-        *_coefficient("").columns,
-    ),
+    Column("coefficient", str, get="found.coefficient", on="f"),
+    Column("unit", str, get=lambda change: UNITS[change.found.coefficient], on="f"),
+    *_coefficient("").columns,
     name="changes",
     summary="a friction coefficient of a joint before and after, with 95 % intervals",
 )
 DIFF = Document(
-    "diff",
-    1,
+    "diff/1",
     "The friction of an arm before and after",
-    Record(
-        (
-            Column("before", [RECORDING], "recordings of the first side"),
-            Column("after", [RECORDING], "recordings of the second side"),
-            SETTINGS,
-            WARNINGS,
-            Column("changed", bool, "whether a coefficient of a joint changed", "sides.report.drift"),
-            Column("exceeded", [str], "limits that are exceeded, a sentence each"),
-            Column("cannot_tell", [str], "limits that the two sides cannot test"),
-            Column("joints", [JOINT_CHANGE], "joints that both sides have", "sides.joints"),
-        )
-    ),
+    Column("before", [RECORDING], "recordings of the first side"),
+    Column("after", [RECORDING], "recordings of the second side"),
+    SETTINGS,
+    WARNINGS,
+    Column("changed", bool, "whether a coefficient of a joint changed", "sides.report.drift"),
+    Column("exceeded", [str], "limits that are exceeded, a sentence each"),
+    Column("cannot_tell", [str], "limits that the two sides cannot test"),
+    Column("joints", [JOINT_CHANGE], "joints that both sides have", "sides.joints"),
 )
 
 
@@ -137,47 +121,38 @@ def changes_table(sides: TwoSides) -> TidyTable:
 
 def diff_notices(sides: TwoSides) -> Iterator[Notice]:
     """Yield what limits the comparison."""
-    for path in sides.twice:
-        yield Notice(
-            "same_recording", None, f"{path}: the same log is on both sides; a difference is only between parts of it"
-        )
+    yield from (notice("same_recording", path=path) for path in sides.twice)
     alike: dict[tuple[str, str, str], list[Condition]] = {}
     for one in sides.conditions:
         alike.setdefault((one.name, one.before, one.after), []).append(one)
     for (name, before, after), same in alike.items():
         joints = [one.joint for one in same if one.joint is not None]
-        where = f"{joints_label(joints)}: " if joints else ""
-        words = f"{where}{name}: {before or 'none'} before, {after or 'none'} after"
-        if same[0].invalid:
-            yield Notice("not_comparable", None, f"{words}; the comparison is not valid; record and read both alike")
-        else:
-            yield Notice("conditions_differ", same[0].joint, f"{words}; a difference may come from this")
+        words = {"where": f"{joints_label(joints)}: " if joints else "", "name": name}
+        words |= {"before": before or "none", "after": after or "none"}
+        invalid = same[0].invalid
+        yield notice("not_comparable" if invalid else "conditions_differ", None if invalid else same[0].joint, **words)
     for number, first in sides.one_sided:
-        side = "before" if first else "after"
-        yield Notice("joint_on_one_side", number, f"joint {number} is only in the recordings {side}; not compared")
+        yield notice("joint_on_one_side", number, side="before" if first else "after")
     for joint in sides.joints:
         if joint.reason:
-            yield Notice("not_compared", joint.joint, in_unit(f"joint {joint.joint}: {joint.reason}", sides.unit))
+            yield notice("not_compared", joint.joint, why=in_unit(joint.reason, sides.unit))
 
 
 def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Iterable[str] = ()) -> list[str]:
     """Return what was compared, a row and a sentence per joint, and the limits."""
-    lines = [f"{name}: {_names(side)}" for name, side in (("before", sides.before), ("after", sides.after))]
-    tests = sum(isfinite(one.single_p_value) for joint in sides.joints for one in joint.coefficients)
-    lines += [f"changes with 95 % intervals; p adjusted over {tests} tests (Holm)"]
+    lines = []
+    for name, side in (("before", sides.before), ("after", sides.after)):
+        first, last = side[0].session.path, side[-1].session.path
+        lines.append(f"{name}: {first if len(side) == 1 else f'{len(side)} recordings, {first} to {last}'}")
+    lines += [f"changes with 95 % intervals; p adjusted over {_tests(sides.joints)} tests (Holm)"]
     lines += table_lines(JOINT_CHANGE.people(sides.joints, "t", unit=sides.unit))
-    lines += [in_unit(_sentence(joint), sides.unit) for joint in sides.joints if _known(joint)]
+    lines += [in_unit(_sentence(joint), sides.unit) for joint in sides.joints if _tests([joint])]
     lines += [f"limit exceeded: {sentence}" for sentence in exceeded]
     return lines + [f"cannot test: {sentence}" for sentence in cannot_tell]
 
 
-def _names(side: Sequence[Recording]) -> str:
-    paths = [one.session.path for one in side]
-    return paths[0] if len(paths) == 1 else f"{len(paths)} recordings, {paths[0]} to {paths[-1]}"
-
-
-def _known(joint: JointChange) -> bool:
-    return any(isfinite(one.single_p_value) for one in joint.coefficients)
+def _tests(joints: Iterable[JointChange]) -> int:
+    return sum(isfinite(one.single_p_value) for joint in joints for one in joint.coefficients)
 
 
 def _sentence(joint: JointChange) -> str:
@@ -189,8 +164,7 @@ def _sentence(joint: JointChange) -> str:
             went = "rose" if found.change.value >= 0.0 else "fell"
             parts.append(f"{NAMES[name]} friction {went} by {how_much(found.total, found.change, UNITS[name])}")
         elif isfinite(one.single_p_value):
-            relative = isfinite(found.smallest_drift)
-            least = f"{percent(found.smallest_drift)} %" if relative else f"{found.smallest_change:.2g} {UNITS[name]}"
+            least = amount(found.smallest_drift, found.smallest_change, name)
             parts.append(f"no change of {NAMES[name]} friction found, {least} is detectable")
     if joint.law is not None:
         law = joint.law

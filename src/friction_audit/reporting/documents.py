@@ -7,18 +7,14 @@ from typing import Any, NamedTuple
 
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Estimate
-from friction_audit.reporting.notices import estimate_notices, left_out_notices, log_notices
+from friction_audit.reporting.notices import Notice, estimate_notices, left_out_notices, log_notices
 from friction_audit.reporting.table import Column, Document, Record, to_json
 
 NO_OPTIONS: Mapping[str, object] = MappingProxyType({})
 
 
 JOINED = Record(
-    (
-        Column("path", str, "path as given"),
-        Column("sha256", str, "of the file"),
-        Column("format", str, "the reader"),
-    )
+    Column("path", str, "path as given"), Column("sha256", str, "of the file"), Column("format", str, "the reader")
 )
 
 
@@ -44,16 +40,16 @@ def log_columns(count: str) -> tuple[Column, ...]:
     )
 
 
-SOURCE: Column = Column("source", Record(log_columns("joints")), "the log")
+SOURCE = Column("source", Record(*log_columns("joints")), "the log")
 WARNING = Record(
-    (
-        Column("code", str, "stable short name"),
-        Column("joint", int, "number, or null", null=True),
-        Column("message", str, "one sentence"),
-    )
+    Column("code", str, "stable short name"),
+    Column("joint", int, "number, or null", null=True),
+    Column("message", str, "one sentence"),
 )
-WARNINGS: Column = Column("warnings", [WARNING], "what the user must know")
-SETTINGS: Column = Column("settings", dict, "every setting, defaults included, and what the log chose")
+WARNINGS = Column("warnings", [WARNING], "what the user must know")
+SETTINGS = Column("settings", dict, "every setting, defaults included, and what the log chose")
+CHAIN: tuple[Column, ...] = (SOURCE, SETTINGS, WARNINGS)
+"""Keys of a result that follows from the estimate of a log."""
 
 
 def write_document(document: Mapping[str, Any]) -> str:
@@ -62,153 +58,123 @@ def write_document(document: Mapping[str, Any]) -> str:
 
 
 def settings_document(estimate: Estimate, reading: Mapping[str, object]) -> dict[str, Any]:
-    """Return all settings, defaults included, and the choices that the log made where the user left them open.
-
-    Args:
-        estimate: The result.
-        reading: How the log was read: options of the reader by name.
-    """
+    """Return all settings, defaults included, and the choices that the log made where the user left them open."""
     settings: dict[str, Any] = to_json(estimate.settings)
     chosen = to_json(estimate.interaction.choice)
     points = estimate.settings.friction.cycles_per_point
     return {"reading": to_json(dict(reading)), **settings, "torque_chosen": chosen, "cycles_per_point": points}
 
 
+def chain_document(
+    document: Document,
+    estimate: Estimate,
+    warnings: Iterable[Notice],
+    reading: Mapping[str, object],
+    settings: Mapping[str, object] = NO_OPTIONS,
+    **own: object,
+) -> dict[str, Any]:
+    """Return a document with the keys of CHAIN.
+
+    Args:
+        document: Its specification.
+        estimate: What the result follows from.
+        warnings: What the user must know.
+        reading: How the log was read: options of the reader by name.
+        settings: Settings of the step that follows the estimate.
+        own: Values of its other keys.
+    """
+    asked = settings_document(estimate, reading) | dict(settings)
+    values = {"source": estimate.log, "settings": asked, "warnings": warnings, **own}
+    return document.json(values, estimate.log.source.torque_unit)
+
+
 OUTPUT = Record(
-    (
-        Column("path", str, "where it was written"),
-        Column("dialect", str, "name of the writer"),
-        Column("joints", int, "number of joints", lambda out: len(out["log"].joint_names)),
-        Column("samples", int, "number of samples", lambda out: len(out["log"].t)),
-    )
+    Column("path", str, "where it was written"),
+    Column("dialect", str, "name of the writer"),
+    Column("joints", int, "number of joints", lambda out: len(out["log"].joint_names)),
+    Column("samples", int, "number of samples", lambda out: len(out["log"].t)),
 )
 CONVERT = Document(
-    "convert", 1, "A log written in another format", Record((SOURCE, Column("output", OUTPUT, "the new log"), WARNINGS))
+    "convert/1", "A log written in another format", SOURCE, Column("output", OUTPUT, "the new log"), WARNINGS
 )
 
 
 def convert_document(log: JointLog, path: str, dialect: str, left_out: Sequence[str] = ()) -> dict[str, Any]:
-    """Return the document on a conversion.
-
-    Args:
-        log: The log as it was written.
-        path: Where it was written.
-        dialect: Name of the writer.
-        left_out: Channels that the format has no place for.
-    """
+    """Return the document on a log written to a path; ``left_out``: channels that the dialect has no place for."""
     warnings = log_notices(log) + left_out_notices(path, dialect, left_out)
     output = {"path": path, "dialect": dialect, "log": log}
     return CONVERT.json({"source": log, "output": output, "warnings": warnings})
 
 
 FIGURE = Record(
-    (
-        Column("kind", str, "kind of figure"),
-        Column("joint", int, "number of the joint, null for a sheet of all", null=True),
-        Column("path", str, "where it was written"),
-    )
+    Column("kind", str, "kind of figure", "0"),
+    Column("joint", int, "number of the joint, null for a sheet of all", "1", null=True),
+    Column("path", str, "where it was written", "2"),
 )
-PLOT = Document(
-    "plot", 1, "Figures of one log", Record((SOURCE, SETTINGS, WARNINGS, Column("figures", [FIGURE], "what was drawn")))
-)
+PLOT = Document("plot/1", "Figures of one log", *CHAIN, Column("figures", [FIGURE], "what was drawn"))
 
 
 def plot_document(
     estimate: Estimate, figures: Iterable[tuple[str, int | None, str]], reading: Mapping[str, object] = NO_OPTIONS
 ) -> dict[str, Any]:
-    """Return the document on figures.
-
-    Args:
-        estimate: The result that was drawn.
-        figures: Kind, joint number (None for a sheet of all) and path of every figure.
-        reading: How the log was read: options of the reader by name.
-    """
-    return PLOT.json(
-        {
-            "source": estimate.log,
-            "settings": settings_document(estimate, reading),
-            "warnings": estimate_notices(estimate),
-            "figures": [{"kind": kind, "joint": joint, "path": path} for kind, joint, path in figures],
-        }
-    )
+    """Return the document on figures, each a kind, the number of its joint (None for a sheet of all) and its path."""
+    return chain_document(PLOT, estimate, estimate_notices(estimate), reading, figures=figures)
 
 
 class SimulatedLog(NamedTuple):
-    """What was simulated, with everything that makes it again.
+    """What was simulated, with everything that makes it again."""
 
-    Attributes:
-        scenario: Name of the scenario.
-        seed: The seed.
-        settings: All settings but the hidden effects, nested, units in the keys.
-        effects: Hidden effects: ``joint``, ``name``, ``form`` (or None) and ``parameters``.
-        sha256: Hash of the log as it was written.
-    """
-
-    scenario: str
-    seed: int
-    settings: Mapping[str, object]
+    scenario: str  # name of the scenario
+    seed: int  # the seed
+    settings: Mapping[str, object]  # all settings but the hidden effects, nested, units in the keys
+    # hidden effects: ``joint``, ``name``, ``form`` (or None) and ``parameters``
     effects: Sequence[Mapping[str, object]]
-    sha256: str
+    sha256: str  # hash of the log as it was written
 
 
 HIDDEN = Record(
-    (
-        Column("joint", int, "number"),
-        Column("name", str, "name of the effect"),
-        Column("form", str, "its form, or null", null=True),
-        Column("parameters", dict, "values by name"),
-    )
+    Column("joint", int, "number"),
+    Column("name", str, "name of the effect"),
+    Column("form", str, "its form, or null", null=True),
+    Column("parameters", dict, "values by name"),
 )
 SCENARIO = (Column("scenario", str, "its name"), Column("seed", int, "the seed"))
 EFFECTS = Column("effects", [HIDDEN], "hidden effects")
 HIDDEN_SETTINGS = Column("settings", dict, "all settings but the hidden effects")
 SIMULATE = Document(
-    "simulate",
-    1,
+    "simulate/1",
     "A simulated log",
-    Record(
-        (
-            *SCENARIO,
-            Column(
-                "output",
-                Record(
-                    (
-                        OUTPUT.columns[0],
-                        Column("sha256", str, "of the file as written"),
-                        *OUTPUT.columns[1:],
-                        Column("rate", float, "sampling rate", "log.rate_hz", unit="Hz"),
-                        Column("duration", float, "length", "log.duration_s", unit="s"),
-                    )
-                ),
-                "the log",
-            ),
-            Column("joint_names", [str], "names of the joints"),
-            HIDDEN_SETTINGS,
-            EFFECTS,
-            WARNINGS,
-        )
+    *SCENARIO,
+    Column(
+        "output",
+        Record(
+            OUTPUT.columns[0],
+            Column("sha256", str, "of the file as written"),
+            *OUTPUT.columns[1:],
+            Column("rate", float, "sampling rate", "log.rate_hz", unit="Hz"),
+            Column("duration", float, "length", "log.duration_s", unit="s"),
+        ),
+        "the log",
     ),
+    Column("joint_names", [str], "names of the joints"),
+    HIDDEN_SETTINGS,
+    EFFECTS,
+    WARNINGS,
 )
 TRUTH = Document(
-    "truth",
-    1,
+    "truth/1",
     "What was simulated in a log",
-    Record((*SCENARIO, Column("log_sha256", str, "hash of the log", "sha256"), HIDDEN_SETTINGS, EFFECTS)),
+    *SCENARIO,
+    Column("log_sha256", str, "hash of the log", "sha256"),
+    HIDDEN_SETTINGS,
+    EFFECTS,
 )
 
 
 def simulate_document(
     simulated: SimulatedLog, log: JointLog, path: str, dialect: str, left_out: Sequence[str] = ()
 ) -> dict[str, Any]:
-    """Return the document on a simulation.
-
-    Args:
-        simulated: What was simulated.
-        log: The log.
-        path: Where it was written.
-        dialect: Name of the writer.
-        left_out: Channels that the format has no place for.
-    """
+    """Return the document on a simulated log at a path; ``left_out``: channels that the dialect has no place for."""
     output = {"path": path, "sha256": simulated.sha256, "dialect": dialect, "log": log}
     warnings = left_out_notices(path, dialect, left_out)
     own = {"output": output, "joint_names": log.joint_names, "warnings": warnings}

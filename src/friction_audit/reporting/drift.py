@@ -1,4 +1,4 @@
-"""Drift over the sessions of a batch: its document, the table of all sessions and its text."""
+"""Drift over the sessions of a batch: its document and its text on the terminal."""
 
 import json
 from collections.abc import Callable, Iterator, Mapping
@@ -9,63 +9,37 @@ from friction_audit import __version__
 from friction_audit.drift.report import SHAPES, ArmDrift, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import Coefficient
+from friction_audit.reporting import drift_words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
-from friction_audit.reporting.drift_words import (
-    NAMES,
-    TONES,
-    VERDICTS,
-    arm_sentence,
-    arm_verdict,
-    describe,
-    drift_verdict,
-    joint_sentence,
-    joint_verdict,
-    slope_text,
-    smallest_text,
-    total_text,
-)
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
-from friction_audit.reporting.words import joint_label
+from friction_audit.reporting.terminal_table import table_lines
+from friction_audit.reporting.words import count_of, enumerate_words, format_slope, joint_label
+
+MOST_NAMED = 8  # sessions that a line names; more are counted
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FailedLog:
-    """A file that gave no session.
+    """A file that gave no session."""
 
-    Attributes:
-        path: As found.
-        message: What was wrong with it, and what to do.
-    """
-
-    path: str
-    message: str
+    path: str  # as found
+    message: str  # what was wrong with it, and what to do
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BatchSummary:
-    """A batch of recordings and how the friction in them drifts.
+    """A batch of recordings and how the friction in them drifts."""
 
-    Attributes:
-        report: Drift, arm by arm.
-        failed: Files that gave no session.
-        exceeded: Limits that were exceeded, a sentence each.
-        cannot_tell: Limits that the sessions cannot test, a sentence each.
-        warnings: What was noticed about the logs as a whole, one sentence each.
-        settings: All settings by name, defaults included; values are numbers, words, lists or mappings of them.
-        command: The command that makes all of it again.
-        computed: Sessions computed in this run.
-        known: Sessions that the ledger already held.
-    """
-
-    report: DriftReport
-    failed: tuple[FailedLog, ...] = ()
-    exceeded: tuple[str, ...] = ()
-    cannot_tell: tuple[str, ...] = ()
-    warnings: tuple[str, ...] = ()
+    report: DriftReport  # drift, arm by arm
+    failed: tuple[FailedLog, ...] = ()  # files that gave no session
+    exceeded: tuple[str, ...] = ()  # limits that were exceeded, a sentence each
+    cannot_tell: tuple[str, ...] = ()  # limits that the sessions cannot test, a sentence each
+    warnings: tuple[str, ...] = ()  # what was noticed about the logs as a whole, one sentence each
+    # all settings by name, defaults included; values are numbers, words, lists or mappings of them
     settings: Mapping[str, object] = field(default_factory=dict)
-    command: str = ""
-    computed: int = 0
-    known: int = 0
+    command: str = ""  # the command that makes all of it again
+    computed: int = 0  # sessions computed in this run
+    known: int = 0  # sessions that the ledger already held
 
     @property
     def arms(self) -> tuple[ArmDrift, ...]:
@@ -97,40 +71,31 @@ def _numbers(name: str, meaning: str, get: Get) -> Column:
     return Column(name, [int], meaning, lambda row: [index + 1 for index in Column(name, get=get).value(row)], on="j")
 
 
-def _values(found: CoefficientDrift) -> Iterator[dict[str, Any]]:
-    for index, value in zip(found.sessions, found.values, strict=True):
-        yield {"session": index + 1, "value": value.value, "ci95": (value.low, value.high)}
-
-
 def _session(row: Any) -> int:  # noqa: ANN401 - any row with a session
     return int(row.session) + 1
 
 
 CHANGE_POINT = Record(
-    (
-        Column("session", int, "first session after the step", _session),
-        Column("ci95", INTERVAL, "sessions that may be it", lambda change: (change.low + 1, change.high + 1)),
-        Column("before", Coefficient, "level before"),
-        Column("after", Coefficient, "level after"),
-        Column("relative_change", Coefficient, "change over the level before", "relative"),
-        Column("p_value", float, "family-wise"),
-    )
+    Column("session", int, "first session after the step", _session),
+    Column("ci95", INTERVAL, "sessions that may be it", lambda change: (change.low + 1, change.high + 1)),
+    Column("before", Coefficient, "level before"),
+    Column("after", Coefficient, "level after"),
+    Column("relative_change", Coefficient, "change over the level before", "relative"),
+    Column("p_value", float, "family-wise"),
 )
 CONTROL = Record(
-    (
-        Column("session", int, "number of the session", _session),
-        Column("deviation", float, "from the level of the reference", "deviation.value"),
-        Column("limits", INTERVAL, "where a session without drift lies", lambda p: (p.deviation.low, p.deviation.high)),
-        Column("relative_deviation", float, "over the level of the reference", "relative.value"),
-        Column("outside", bool, "whether it is outside the limits"),
-    )
+    Column("session", int, "number of the session", _session),
+    Column("deviation", float, "from the level of the reference", "deviation.value"),
+    Column("limits", INTERVAL, "where a session without drift lies", lambda p: (p.deviation.low, p.deviation.high)),
+    Column("relative_deviation", float, "over the level of the reference", "relative.value"),
+    Column("outside", bool, "whether it is outside the limits"),
 )
-PLACE = Column("session", int, "number of the session")
-VALUE = Record((PLACE, Column("value", float, "as compared"), Column("ci95", INTERVAL, "95 % interval")))
-
-
-def _verdict(row: CoefficientRow) -> str:
-    return drift_verdict(row.found)
+PLACE = Column("session", int, "number of the session", lambda row: row[0] + 1)
+VALUE = Record(
+    PLACE,
+    Column("value", float, "as compared", "1.value"),
+    Column("ci95", INTERVAL, "95 % interval", lambda row: (row[1].low, row[1].high)),
+)
 
 
 def _of_found(*columns: Column) -> tuple[Column, ...]:
@@ -139,71 +104,72 @@ def _of_found(*columns: Column) -> tuple[Column, ...]:
 
 
 COEFFICIENT = Record(
-    (
-        Column(
-            "joint", str, get=lambda row: " " if row.place else joint_label(row.joint.joint, row.joint.name),
-            title="joint", on="t",
-        ),
-        joint_column("joint", on="p"),
-        Column("friction", str, get="found.coefficient", form=NAMES.__getitem__, title="friction", on="tp"),
-        Column("drift", bool, "whether it drifts", "found.drift", on="j"),
-        Column("verdict", VERDICTS, "in a word", _verdict, on="j"),
-        Column("verdict", str, get=_verdict, title="verdict", tone=TONES.__getitem__, on="tp"),
-        Column("change", float, get="found", form=total_text, sort="found.total.value", title="change", on="tp"),
-        Column(
-            "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
-            title="step", words=True, on="t",
-        ),
-        Column(
-            "trend", get="found", form=lambda found: slope_text(found, found.trend_per_session), title="trend",
-            short="trend\n/session", on="t",
-        ),
-        Column(
-            "smallest", get="found", form=smallest_text, sort="found.smallest_drift", title="minimum detectable",
-            short="minimum\ndetect.", on="tp",
-        ),
-        Column(
-            "message", str, "one sentence", lambda row: describe(row.found, row.arm.sessions), title="message", on="jp"
-        ),
-        *_of_found(
-            Column("shape", SHAPES, "what describes it"),
-            Column("p_value", float, "that nothing changes, family-wise"),
-            Column("level", Coefficient, "level in the reference"),
-            Column("change", Coefficient, "from the reference to the last sessions"),
-            Column("relative_change", Coefficient, "the same over the level", "total"),
-            Column("trend_per_session", Coefficient, "robust slope"),
-            Column("trend_per_day", Coefficient, "robust slope"),
-            Column("trend_p_value", float, "that there is no straight trend"),
-            Column("change_points", [CHANGE_POINT], "steps"),
-            Column("smallest_change", float, "minimum detectable change (90 % power)"),
-            Column("smallest_relative_change", float, "the same over the level", "smallest_drift"),
-            Column("relative_scatter", float, "standard deviation between sessions over the level", "scatter"),
-            Column("relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within"),
-            Column("relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope"),
-            Column("compared_at_temperature_c", float, "temperature of the comparison", "temperature_c"),
-            Column("control", [CONTROL], "every session against the reference"),
-        ),
-        _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
-        Column("values", [VALUE], "each session as compared", lambda row: _values(row.found), on="j"),
-    )
+    Column(
+        "joint", str, get=lambda row: " " if row.place else joint_label(row.joint.joint, row.joint.name),
+        title="joint", on="t",
+    ),
+    joint_column("joint", on="p"),
+    Column("friction", str, get="found.coefficient", form=drift_words.NAMES.__getitem__, title="friction", on="tp"),
+    Column("drift", bool, "whether it drifts", "found.drift", on="j"),
+    Column(
+        "verdict", drift_words.VERDICTS, "in a word", lambda row: drift_words.drift_verdict(row.found),
+        title="verdict", tone=drift_words.TONES.__getitem__, on="jtp",
+    ),
+    Column(
+        "change", float, get="found", form=drift_words.total_text, sort="found.total.value", title="change", on="tp"
+    ),
+    Column(
+        "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
+        title="step", words=True, on="t",
+    ),
+    Column(
+        "trend", get="found", form=lambda found: drift_words.slope_text(found, found.trend_per_session), title="trend",
+        short="trend\n/session", on="t",
+    ),
+    Column(
+        "smallest", get="found", form=drift_words.smallest_text, sort="found.smallest_drift",
+        title="minimum detectable", short="minimum\ndetect.", on="tp",
+    ),
+    Column(
+        "message", str, "one sentence", lambda row: drift_words.describe(row.found, row.arm.sessions),
+        title="message", on="jp",
+    ),
+    *_of_found(
+        Column("shape", SHAPES, "what describes it"),
+        Column("p_value", float, "that nothing changes, family-wise"),
+        Column("level", Coefficient, "level in the reference"),
+        Column("change", Coefficient, "from the reference to the last sessions"),
+        Column("relative_change", Coefficient, "the same over the level", "total"),
+        Column("trend_per_session", Coefficient, "robust slope"),
+        Column("trend_per_day", Coefficient, "robust slope"),
+        Column("trend_p_value", float, "that there is no straight trend"),
+        Column("change_points", [CHANGE_POINT], "steps"),
+        Column("smallest_change", float, "minimum detectable change (90 % power)"),
+        Column("smallest_relative_change", float, "the same over the level", "smallest_drift"),
+        Column("relative_scatter", float, "standard deviation between sessions over the level", "scatter"),
+        Column("relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within"),
+        Column("relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope"),
+        Column("compared_at_temperature_c", float, "temperature of the comparison", "temperature_c"),
+        Column("control", [CONTROL], "every session against the reference"),
+    ),
+    _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
+    Column(
+        "values", [VALUE], "each session as compared",
+        lambda row: zip(row.found.sessions, row.found.values, strict=True), on="j",
+    ),
 )  # fmt: skip
 ARM = Record(
-    (
-        Column("robot", str, "which arm"),
-        Column("drift", bool, "whether a joint drifts"),
-        Column("verdict", VERDICTS, "the strongest of its joints", arm_verdict),
-        Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {arm_sentence(arm)}"),
-        Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
-        _numbers("compared", "sessions compared", "compared"),
-        _numbers("reference", "sessions of the reference", "reference"),
-        Column(
-            "left_out", [Record((PLACE, Column("reason", str, "why")))], "sessions not compared, with the reason",
-            lambda arm: [{"session": index + 1, "reason": reason} for index, reason in arm.left_out],
-        ),
-        Column("ordered_by", str, "`start` or `name`"),
-        Column("autocorrelation", float, "of one session's scatter with the next one's"),
-        Column("warnings", [str], "what limits the comparison"),
-    )
+    Column("robot", str, "which arm"),
+    Column("drift", bool, "whether a joint drifts"),
+    Column("verdict", drift_words.VERDICTS, "the strongest of its joints", drift_words.arm_verdict),
+    Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {drift_words.arm_sentence(arm)}"),
+    Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
+    _numbers("compared", "sessions compared", "compared"),
+    _numbers("reference", "sessions of the reference", "reference"),
+    Column("left_out", [Record(PLACE, Column("reason", str, "why", "1"))], "sessions not compared, with the reason"),
+    Column("ordered_by", str, "`start` or `name`"),
+    Column("autocorrelation", float, "of one session's scatter with the next one's"),
+    Column("warnings", [str], "what limits the comparison"),
 )  # fmt: skip
 
 
@@ -218,69 +184,57 @@ def _trend(name: str) -> Callable[[JointRow], Coefficient | None]:
     return lambda row: next((one.trend_per_session for one in row.joint.coefficients if one.coefficient == name), None)
 
 
-def _by_name(row: JointRow) -> dict[str, CoefficientRow]:
-    return {one.coefficient: CoefficientRow(*row, one, k) for k, one in enumerate(row.joint.coefficients)}
-
-
-def _joint_message(row: JointRow) -> str:
-    return f"joint {row.joint.joint}: {joint_sentence(*row)}"
-
-
-def _change_points(row: JointRow) -> list[int]:
-    return sorted({_session(change) for one in row.joint.coefficients for change in one.change_points})
-
-
 JOINT_DRIFT = Record(
-    (
-        Column("robot", str, "which arm", "arm.robot"),
-        Column("joint", int, "number, from 1", "joint.joint"),
-        Column("name", str, "name in the log", "joint.name"),
-        Column("drift", bool, "whether a coefficient drifts", "joint.drift"),
-        Column("verdict", VERDICTS, "the strongest of its coefficients", lambda row: joint_verdict(row.joint)),
-        Column("message", str, "one sentence", _joint_message),
-        Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
-        Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
-        Column("change_points", [int], "first sessions after a step", _change_points),
-        Column("coefficients", {"*": COEFFICIENT}, "by name of the coefficient", _by_name),
-    )
-)
+    Column("robot", str, "which arm", "arm.robot"),
+    Column("joint", int, "number, from 1", "joint.joint"),
+    Column("name", str, "name in the log", "joint.name"),
+    Column("drift", bool, "whether a coefficient drifts", "joint.drift"),
+    Column(
+        "verdict", drift_words.VERDICTS, "the strongest of its coefficients",
+        lambda row: drift_words.joint_verdict(row.joint),
+    ),
+    Column("message", str, "one sentence", lambda row: f"joint {row.joint.joint}: {drift_words.joint_sentence(*row)}"),
+    Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
+    Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
+    Column(
+        "change_points", [int], "first sessions after a step",
+        lambda row: sorted({_session(step) for one in row.joint.coefficients for step in one.change_points}),
+    ),
+    Column(
+        "coefficients", {"*": COEFFICIENT}, "by name of the coefficient",
+        lambda row: {one.coefficient: CoefficientRow(*row, one, k) for k, one in enumerate(row.joint.coefficients)},
+    ),
+)  # fmt: skip
 
 
 FAILED = Record(
-    (
-        Column("path", str, "as found", title="file", code=True, on="jp"),
-        Column("message", str, "what was wrong", title="what was wrong", on="jp"),
-    )
+    Column("path", str, "as found", title="file", code=True, on="jp"),
+    Column("message", str, "what was wrong", title="what was wrong", on="jp"),
 )
 BATCH = Document(
-    "batch",
-    2,
+    "batch/2",
     "How the friction of each arm changes between recordings; sessions count from 1 within their arm",
-    Record(
-        (
-            Column("command", str, "the command that makes all of it again", null=True),
-            Column("settings", dict, "every setting, defaults included"),
-            Column("computed", int, "sessions computed in this run"),
-            Column("known", int, "sessions that the ledger held"),
-            Column("drift", bool, "whether an arm drifts", "report.drift"),
-            Column("exceeded", [str], "limits that were exceeded, a sentence each"),
-            Column("cannot_tell", [str], "limits that the sessions cannot test"),
-            Column("warnings", [str], "what was noticed about the logs as a whole"),
-            Column("failed", [FAILED], "files that gave no session"),
-            Column("robots", [ARM], "per arm", "arms"),
-            Column(
-                "joints",
-                [JOINT_DRIFT],
-                "per joint of every arm",
-                lambda one: (JointRow(arm, joint) for arm in one.arms for joint in arm.joints),
-            ),
-            Column(
-                "sessions",
-                [SESSION],
-                "per session of every arm",
-                lambda one: (SessionRow(k, session) for arm in one.arms for k, session in enumerate(arm.sessions)),
-            ),
-        )
+    Column("command", str, "the command that makes all of it again", null=True),
+    Column("settings", dict, "every setting, defaults included"),
+    Column("computed", int, "sessions computed in this run"),
+    Column("known", int, "sessions that the ledger held"),
+    Column("drift", bool, "whether an arm drifts", "report.drift"),
+    Column("exceeded", [str], "limits that were exceeded, a sentence each"),
+    Column("cannot_tell", [str], "limits that the sessions cannot test"),
+    Column("warnings", [str], "what was noticed about the logs as a whole"),
+    Column("failed", [FAILED], "files that gave no session"),
+    Column("robots", [ARM], "per arm", "arms"),
+    Column(
+        "joints",
+        [JOINT_DRIFT],
+        "per joint of every arm",
+        lambda one: (JointRow(arm, joint) for arm in one.arms for joint in arm.joints),
+    ),
+    Column(
+        "sessions",
+        [SESSION],
+        "per session of every arm",
+        lambda one: (SessionRow(k, session) for arm in one.arms for k, session in enumerate(arm.sessions)),
     ),
 )
 
@@ -291,7 +245,7 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
     It is never held as a whole: that of a thousand sessions takes tens of megabytes.
     """
     yield f'{{\n  "schema": "{BATCH.name}",\n  "version": {json.dumps(__version__)}'
-    for column in BATCH.record.columns:
+    for column in BATCH.columns:
         yield f',\n  "{column.key}": '
         if column.key not in ("robots", "joints", "sessions"):
             yield json.dumps(column.json(summary), allow_nan=False)
@@ -303,3 +257,61 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
         yield from (f",\n    {line}" for line in lines)
         yield "" if first is None else "\n  ]"
     yield "\n}\n"
+
+
+def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
+    """Return how many sessions there were, per arm a table and its verdict in words, and the files that failed.
+
+    With ``verbose`` also joints without drift, steps and slopes in numbers, and why each session was left out.
+    """
+    sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
+    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
+    lines = [f"{sessions} of {arms}: {done}"]
+    for arm in summary.arms:
+        lines += ["", *_arm_lines(arm, verbose=verbose)]
+    lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
+    lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
+    lines += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
+    return lines + [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
+
+
+def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
+    yield f"{arm.robot}: {sessions_text(arm)}; {drift_words.arm_sentence(arm)}"
+    yield "changes are from the reference to the last sessions; intervals are 95 %"
+    yield from table_lines(COEFFICIENT.people(coefficient_rows(arm), "t"))
+    stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
+    for joint in arm.joints:
+        if verbose or (joint.drift and joint is not stated):
+            yield f"joint {joint.joint}: {drift_words.joint_sentence(arm, joint)}"
+        details = (line for found in joint.coefficients for line in _details(arm, found)) if verbose else ()
+        yield from (f"joint {joint.joint}, {line}" for line in details)
+    yield from _left_out(arm, verbose=verbose)
+    yield from (f"note: {warning}" for warning in arm.warnings)
+
+
+def sessions_text(arm: ArmDrift) -> str:
+    """Return how many sessions an arm has, when they were recorded, and how many were compared."""
+    span = drift_words.span_of(arm.sessions)
+    return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
+
+
+def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
+    """Yield the steps of a coefficient, or its slope if it drifts without one."""
+    name, unit = drift_words.NAMES[found.coefficient], drift_words.UNITS[found.coefficient]
+    yield from (f"{name}: step at {drift_words.change_text(arm, change)}" for change in found.change_points)
+    if found.drift and not found.change_points:
+        slopes = f"{format_slope(found.trend_per_session)} {unit} per session, {format_slope(found.trend_per_day)}"
+        yield f"{name}: {slopes} {unit} per day"
+
+
+def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
+    """Yield which sessions were not compared, and why: those alike in one line, or each with its file."""
+    if verbose:
+        yield from (f"not compared: {arm.sessions[k].path}: {reason}" for k, reason in arm.left_out)
+        return
+    alike: dict[str, list[int]] = {}
+    for session, reason in arm.left_out:
+        alike.setdefault(reason, []).append(session + 1)
+    for reason, numbers in alike.items():
+        which = f"session{'s' if len(numbers) > 1 else ''} {enumerate_words(numbers)}"
+        yield f"not compared: {which if len(numbers) <= MOST_NAMED else count_of(len(numbers), 'session')}: {reason}"

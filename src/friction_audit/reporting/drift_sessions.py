@@ -3,12 +3,14 @@
 import math
 from collections.abc import Iterator, Sequence
 from itertools import islice
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 from friction_audit.drift.report import ArmDrift, ControlPoint
-from friction_audit.drift.session import JointSummary, Session
+from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
+from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import JOINT, NAME, Column, Record
 from friction_audit.reporting.words import iso_start
 
@@ -16,34 +18,27 @@ CONDITIONS = ("drive", "torque", "gravity", "inertia", "payload")
 ROWS_AT_ONCE = 2000
 
 CURVE = Record(
-    (
-        Column("speed_rad_s", [float], "mean speed in each bin"),
-        Column("torque_nm", [float], "mean interaction torque in it"),
-        Column("spread_nm", [float], "its standard deviation"),
-    )
+    Column("speed_rad_s", [float], "mean speed in each bin"),
+    Column("torque_nm", [float], "mean interaction torque in it"),
+    Column("spread_nm", [float], "its standard deviation"),
 )
 SESSION_JOINT = Record(
-    (
-        JOINT,
-        NAME,
-        Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
-        Column(
-            "viscous", Coefficient, "estimate", lambda one: one.coefficients.get("viscous_nms_per_rad"),
-            unit="N m s/rad",
-        ),
-        Column("cycles", int, "cycles that count"),
-        Column("moving", float, "time in motion", unit="s"),
-        Column("speed_quartiles_rad_s", [float], "quartiles of the speed in motion", "speed_rad_s"),
-        Column("temperature", float, "mean of the logged temperature", unit="°C"),
-        Column("relative_change_within_session", {"*": Coefficient}, "from the first to the last third", "within"),
-        Column("reason", str, "why there is no estimate", null=True),
-        Column(
-            "verdict", str, "of `diagnose`, null if it was not asked", lambda one: one.verdict or None,
-            null=True,
-        ),
-        Column("effects", [str], "effects that it named"),
-        Column("curve", CURVE, "torque against speed"),
-    )
+    JOINT,
+    NAME,
+    Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
+    Column(
+        "viscous", Coefficient, "estimate", lambda one: one.coefficients.get("viscous_nms_per_rad"),
+        unit="N m s/rad",
+    ),
+    Column("cycles", int, "cycles that count"),
+    Column("moving", float, "time in motion", unit="s"),
+    Column("speed_quartiles_rad_s", [float], "quartiles of the speed in motion", "speed_rad_s"),
+    Column("temperature", float, "mean of the logged temperature", unit="°C"),
+    Column("relative_change_within_session", {"*": Coefficient}, "from the first to the last third", "within"),
+    Column("reason", str, "why there is no estimate", null=True),
+    Column("verdict", str, "of `diagnose`, null if it was not asked", lambda one: one.verdict or None, null=True),
+    Column("effects", [str], "effects that it named"),
+    Column("curve", CURVE, "torque against speed"),
 )  # fmt: skip
 
 
@@ -54,99 +49,64 @@ class SessionRow(NamedTuple):
     session: Session
 
 
+HEAD = (
+    Column("robot", str, "which arm", "session.robot"),
+    Column("session", int, "number within the arm, from 1", lambda row: row.place + 1),
+    Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s) or "", null=True),
+    Column("start", float, "Unix time", "session.start_s", unit="s"),
+    Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from"),
+    Column("path", str, "as found", "session.path"),
+    Column("sha256", str, "of the file", "session.sha256"),
+    Column("duration", float, "length", "session.duration_s", unit="s"),
+)
+NOTES = (
+    Column("note", str, "from the manifest", "session.note"),
+    Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
+)
 SESSION = Record(
-    (
-        Column("robot", str, "which arm", "session.robot"),
-        Column("session", int, "number within the arm, from 1", lambda row: row.place + 1),
-        Column("path", str, "as found", "session.path"),
-        Column("sha256", str, "of the file", "session.sha256"),
-        Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s), null=True),
-        Column("start", float, "Unix time", "session.start_s", unit="s"),
-        Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from"),
-        Column("duration", float, "length", "session.duration_s", unit="s"),
-        Column("conditions", dict, "how it was recorded and read", "session.conditions"),
-        Column("temperature", float, "from the manifest", "session.temperature_c", unit="°C"),
-        Column("note", str, "from the manifest", "session.note"),
-        Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
-        Column("warnings", [str], "what was noticed", "session.warnings"),
-        Column("joints", [SESSION_JOINT], "per joint", "session.joints"),
-    )
+    *HEAD,
+    Column("conditions", dict, "how it was recorded and read", "session.conditions"),
+    Column("temperature", float, "from the manifest", "session.temperature_c", unit="°C"),
+    *NOTES,
+    Column("warnings", [str], "what was noticed", lambda row: session_sentences(row.session.warnings)),
+    Column("joints", [SESSION_JOINT], "per joint", "session.joints"),
 )
 
 
-class ValueRow(NamedTuple):
-    """A coefficient of a joint in a session.
-
-    Attributes:
-        place: Place of the session among those of its arm, from 0.
-        session: The session.
-        joint: The joint in it.
-        coefficient: Name of the coefficient.
-        own: As the session has it.
-        within: Relative change within the session.
-        left_out: Why the session was not compared; empty if it was.
-        flags: Whether it was compared, and whether it is part of the reference.
-        compared: As it was compared, at like temperature.
-        isolated: Whether none of its neighbours comes near it, None if it was not compared.
-        control: Its place on the control chart, or None.
-    """
-
-    place: int
-    session: Session
-    joint: JointSummary
-    coefficient: str
-    own: Coefficient
-    within: Coefficient
-    left_out: str
-    flags: tuple[bool, bool]
-    compared: Coefficient
-    isolated: bool | None
-    control: ControlPoint | None
+def _interval(prefix: str, get: str) -> tuple[Column, ...]:
+    ends = {"value": "value", "ci95_low": "low", "ci95_high": "high"}
+    return tuple(Column(prefix + name, float, get=f"{get}.{field}") for name, field in ends.items())
 
 
 SESSIONS = Record(
-    (
-        Column("robot", str, get="session.robot"),
-        Column("session", int, get=lambda row: row.place + 1),
-        Column("start", str, get=lambda row: iso_start(row.session.start_s) or ""),
-        Column("start", float, get="session.start_s", unit="s"),
-        Column("start_from", str, get="session.start_from"),
-        Column("path", str, get="session.path"),
-        Column("sha256", str, get="session.sha256"),
-        Column("duration", float, get="session.duration_s", unit="s"),
-        Column("rate", float, get="session.conditions.rate_hz", unit="Hz"),
-        *(Column(name, str, get=f"session.conditions.{name}") for name in CONDITIONS),
-        Column("session_temperature", float, get="session.temperature_c", unit="°C"),
-        Column("note", str, get="session.note"),
-        Column("damaged", bool, get="session.damaged"),
-        Column("compared", bool, get="flags.0"),
-        Column("reference", bool, get="flags.1"),
-        Column("left_out", str),
-        Column("joint", int, get="joint.joint"),
-        Column("name", str, get="joint.name"),
-        Column("cycles", int, get="joint.cycles"),
-        Column("moving", float, get="joint.moving_s", unit="s"),
-        *(
-            Column(f"speed_{name}", float, get=f"joint.speed_rad_s.{k}", unit="rad/s")
-            for k, name in enumerate(("lower_quartile", "median", "upper_quartile"))
-        ),
-        Column("temperature", float, get="joint.temperature_c", unit="°C"),
-        Column("reason", str, get="joint.reason"),
-        Column("verdict", str, get=lambda row: row.joint.verdict or ""),
-        Column("effects", str, get=lambda row: " ".join(row.joint.effects)),
-        Column("coefficient", str),
-        Column("unit", str, get=lambda row: UNITS[row.coefficient]),
-        Column("value", float, get="own.value"),
-        Column("ci95_low", float, get="own.low"),
-        Column("ci95_high", float, get="own.high"),
-        Column("relative_change_within_session", Coefficient, get="within"),
-        Column("compared_value", float, get="compared.value"),
-        Column("compared_ci95_low", float, get="compared.low"),
-        Column("compared_ci95_high", float, get="compared.high"),
-        Column("relative_deviation", float, get="control.relative.value"),
-        Column("outside", bool, get="control.outside"),
-        Column("isolated", bool),
+    *HEAD,
+    Column("rate", float, get="session.conditions.rate_hz", unit="Hz"),
+    *(Column(name, str, get=f"session.conditions.{name}") for name in CONDITIONS),
+    Column("session_temperature", float, get="session.temperature_c", unit="°C"),
+    *NOTES,
+    Column("compared", bool, get="is_compared"),
+    Column("reference", bool),
+    Column("left_out", str),
+    Column("joint", int, get="joint.joint"),
+    Column("name", str, get="joint.name"),
+    Column("cycles", int, get="joint.cycles"),
+    Column("moving", float, get="joint.moving_s", unit="s"),
+    *(
+        Column(f"speed_{name}", float, get=f"joint.speed_rad_s.{k}", unit="rad/s")
+        for k, name in enumerate(("lower_quartile", "median", "upper_quartile"))
     ),
+    Column("temperature", float, get="joint.temperature_c", unit="°C"),
+    Column("reason", str, get="joint.reason"),
+    Column("verdict", str, get=lambda row: row.joint.verdict or ""),
+    Column("effects", str, get=lambda row: " ".join(row.joint.effects)),
+    Column("coefficient", str),
+    Column("unit", str, get=lambda row: UNITS[row.coefficient]),
+    *_interval("", "own"),
+    Column("relative_change_within_session", Coefficient, get="within"),
+    *_interval("compared_", "compared"),
+    Column("relative_deviation", float, get="control.relative.value"),
+    Column("outside", bool, get="control.outside"),
+    Column("isolated", bool),
     name="sessions",
     summary="a coefficient of a joint in a session, as the session has it and as it was compared, at like temperature",
 )
@@ -167,7 +127,8 @@ def _finite(value: Any) -> Any:  # noqa: ANN401 - any cell
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
+def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
+    """Yield what SESSIONS has columns of: a coefficient of a joint in a session."""
     compared: dict[tuple[int, str, int], tuple[Coefficient, bool]] = {}
     control: dict[tuple[int, str, int], ControlPoint] = {}
     for drift in arm.joints:
@@ -181,7 +142,7 @@ def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
             for name in UNITS:
                 key = joint.joint, name, k
                 value, isolated = compared.get(key) or (UNDETERMINED, None)
-                yield ValueRow(
+                yield SimpleNamespace(
                     place=k,
                     session=session,
                     joint=joint,
@@ -189,7 +150,8 @@ def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
                     own=joint.coefficients.get(name, UNDETERMINED),
                     within=joint.within.get(name, UNDETERMINED),
                     left_out=left_out.get(k, ""),
-                    flags=(k in used, k in reference),
+                    is_compared=k in used,
+                    reference=k in reference,
                     compared=value,
                     isolated=isolated,
                     control=control.get(key),

@@ -4,7 +4,6 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from datetime import UTC, datetime
 from math import isfinite
 from pathlib import PurePath
 from statistics import median
@@ -26,7 +25,7 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting import words
 from friction_audit.reporting.table import Tone
-from friction_audit.reporting.words import NOTHING, count_of, format_date
+from friction_audit.reporting.words import NOTHING, count_of, format_date, format_start
 
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
@@ -81,48 +80,42 @@ def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
 def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
     """Return what became of a coefficient; the sessions are read for the moments of its steps alone."""
     name, unit = f"{NAMES[found.coefficient]} friction", UNITS[found.coefficient]
-    total, went = how_much(found.total, found.change, unit), _verb(found.change, "rose", "fell")
+    changed = f"{name} {_verb(found.change)} by {how_much(found.total, found.change, unit)}"
     if found.shape == "too_few":
         return f"{name}: {_too_few(len(found.sessions) - len(found.isolated))}"
     if found.shape == "temperature":
         return (
-            f"{name} {went} by {total} while it became {abs(found.warmer_k):.1f} K "
+            f"{changed} while it became {abs(found.warmer_k):.1f} K "
             f"{'warmer' if found.warmer_k >= 0 else 'colder'}: drift and temperature cannot be separated; "
             "sessions at like temperature would separate them"
         )
     if found.shape == "none":
-        like = " at like temperature" if found.by_temperature else ""
-        return f"no drift of {name}{like}: {_detectable(found)}"
+        return f"no drift of {name}{' at like temperature' * found.by_temperature}: {_detectable(found)}"
     if found.change_points and found.shape != "step_or_ramp":
         steps = ", ".join(_step(point, unit, sessions) for point in found.change_points)
         return f"{name} {f'changed in {len(found.change_points)} steps: ' * (found.shape == 'steps')}{steps}"
     if found.shape == "ramp":
         size = abs(found.level.value) if isfinite(found.total.value) else math.nan
         trend = found.trend_per_session
-        slope = Coefficient(value=trend.value / size, low=trend.low / size, high=trend.high / size)
-        rises = f"{_verb(trend, 'rises', 'falls')} by {how_much(slope, trend, unit)}"
+        rises = f"{_verb(trend, 'rises', 'falls')} by {how_much(words.scaled(trend, 1.0 / size), trend, unit)}"
+        total = how_much(found.total, found.change, unit)
         return f"{name} {rises} a session, {total} from the reference to the last sessions"
-    return (
-        f"{name} {went} by {total} from the reference to the last sessions; a step and a slow change describe it "
-        "equally well"
-    )
+    return f"{changed} from the reference to the last sessions; a step and a slow change describe it equally well"
 
 
 def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
     before, after = point.before, point.after
     change = Coefficient(value=after.value - before.value, low=after.low - before.high, high=after.high - before.low)
     first, last = _when(sessions[point.low - 1], sessions[point.high])
-    return f"{_verb(change, 'rose', 'fell')} by {how_much(point.relative, change, unit)} between {first} and {last}"
+    return f"{_verb(change)} by {how_much(point.relative, change, unit)} between {first} and {last}"
 
 
 def _when(first: Session, last: Session) -> tuple[str, str]:
     """Return the moments of two sessions: their dates, with the time if they share a date, or their names."""
     if first.start_s is None or last.start_s is None:
         return PurePath(first.path).name, PurePath(last.path).name
-    one, other = (datetime.fromtimestamp(start, tz=UTC) for start in (first.start_s, last.start_s))
-    if one.date() != other.date():
-        return f"{one:%Y-%m-%d}", f"{other:%Y-%m-%d}"
-    return f"{one:%Y-%m-%d %H:%M}", f"{other:%Y-%m-%d %H:%M} UTC"
+    days = format_date(first.start_s), format_date(last.start_s)
+    return days if days[0] != days[1] else (format_start(first.start_s), f"{format_start(last.start_s)} UTC")
 
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
@@ -145,16 +138,19 @@ def percent(share: float) -> str:
     return f"{100 * share:.2g}" if abs(100 * share) < TWO_DIGITS else f"{100 * share:.0f}"
 
 
-def _verb(change: Coefficient, rising: str, falling: str) -> str:
+def amount(share: float, size: float, coefficient: str) -> str:
+    """Return a change in per cent, or in the unit of the coefficient where it has no share."""
+    return f"{percent(share)} %" if isfinite(share) else f"{size:.2g} {UNITS[coefficient]}"
+
+
+def _verb(change: Coefficient, rising: str = "rose", falling: str = "fell") -> str:
     return rising if change.value >= 0 else falling
 
 
 def _detectable(found: CoefficientDrift) -> str:
-    if isfinite(found.smallest_drift) and found.smallest_drift <= LARGEST_DETECTABLE:
-        return f"a change of {percent(found.smallest_drift)} % is detectable"
-    if isfinite(found.smallest_drift) or not isfinite(found.smallest_change):
+    if found.smallest_drift > LARGEST_DETECTABLE or not isfinite(found.smallest_change):
         return "but the sessions are too few or too scattered to show any"
-    return f"a change of {found.smallest_change:.2g} {UNITS[found.coefficient]} is detectable"
+    return f"a change of {amount(found.smallest_drift, found.smallest_change, found.coefficient)} is detectable"
 
 
 def _too_few(count: int) -> str:
@@ -166,13 +162,9 @@ def _isolated(found: CoefficientDrift, sessions: Sequence[Session]) -> list[str]
     """Name the isolated sessions and how far each is off."""
     parts = []
     for index in found.isolated[:MOST_NAMES]:
-        start_s = sessions[index].start_s
-        date = (
-            PurePath(sessions[index].path).name
-            if start_s is None
-            else f"{datetime.fromtimestamp(start_s, tz=UTC):%Y-%m-%d}"
-        )
-        parts.append(f"session {index + 1} ({date}) does not fit: {_off(found, index)}; left out of the change")
+        one = sessions[index]
+        which = PurePath(one.path).name if one.start_s is None else format_date(one.start_s)
+        parts.append(f"session {index + 1} ({which}) does not fit: {_off(found, index)}; left out of the change")
     if len(found.isolated) > MOST_NAMES:
         parts.append(f"and {len(found.isolated) - MOST_NAMES} more sessions left out")
     if found.isolated and found.isolated[-1] == found.sessions[-1]:
@@ -187,24 +179,20 @@ def _off(found: CoefficientDrift, index: int) -> str:
     near = [(abs(k - place), value.value) for k, (i, value) in enumerate(rows) if i not in found.isolated]
     usual = median([value for distance, value in near if distance <= REACH] or [value for _, value in near])
     off = found.values[place].value - usual
-    relative = isfinite(found.total.value) and usual > 0.0
-    size = f"{percent(abs(off / usual))} %" if relative else f"{abs(off):.2g} {UNITS[found.coefficient]}"
+    share = abs(off / usual) if isfinite(found.total.value) and usual > 0.0 else math.nan
+    size = amount(share, abs(off), found.coefficient)
     return f"{size} {'above' if off >= 0 else 'below'} the sessions around it"
 
 
 def joint_sentence(arm: ArmDrift, joint: JointDrift) -> str:
     """Return one sentence on a joint, without its number in front."""
     found = joint.coefficients
-    messages = [describe(one, arm.sessions) for one in found]
-    changed = [text for one, text in zip(found, messages, strict=True) if one.drift or one.shape == "temperature"]
+    messages = {one.coefficient: describe(one, arm.sessions) for one in found}
+    changed = [messages[one.coefficient] for one in found if one.drift or one.shape == "temperature"]
     if changed:
         return "; ".join(changed) + ("; nothing else changed" if len(changed) < len(found) else "")
-    alike = {
-        text.removeprefix(f"{NAMES[one.coefficient]} friction: ") for one, text in zip(found, messages, strict=True)
-    }
-    if len(alike) == 1 and all(one.shape == "too_few" for one in found):
-        return alike.pop()
-    return "; ".join(messages)
+    alike = {text.removeprefix(f"{NAMES[name]} friction: ") for name, text in messages.items()}
+    return alike.pop() if len(alike) == 1 else "; ".join(messages.values())
 
 
 def arm_sentence(arm: ArmDrift) -> str:
@@ -220,11 +208,10 @@ def arm_sentence(arm: ArmDrift) -> str:
         more = f"; joints that changed: {numbers}" if len(drifting) > 1 else ""
         return f"joint {first.joint}: {joint_sentence(arm, first)}{more}"
     parts = []
+    every = [one for joint in arm.joints for one in joint.coefficients if one.smallest_drift <= LARGEST_DETECTABLE]
     for name, word in NAMES.items():
-        sizes = [one.smallest_drift for joint in arm.joints for one in joint.coefficients if one.coefficient == name]
-        known = [size for size in sizes if isfinite(size) and size <= LARGEST_DETECTABLE]
-        if known:
-            ends = dict.fromkeys(percent(size) for size in (min(known), max(known)))
+        if sizes := [one.smallest_drift for one in every if one.coefficient == name]:
+            ends = dict.fromkeys(percent(size) for size in (min(sizes), max(sizes)))
             parts.append(f"{' to '.join(ends)} % of {word} friction")
     least = f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""
     return f"no drift in {compared} sessions{least}"
@@ -239,17 +226,14 @@ def limit_sentences(report: DriftReport, limits: Iterable[Limit]) -> tuple[tuple
 
 def limit_sentence(one: Judged) -> str:
     """Return what a limit that is not kept is exceeded by, or why it cannot be tested."""
-    return _beyond(one) if one.verdict == "exceeded" else _untestable(one)
-
-
-def _beyond(one: Judged) -> str:
     found, limit = one.found, one.limit
-    assert found is not None
+    if found is None or one.verdict != "exceeded":
+        return _untestable(one)
     change = found.total if limit.relative else found.change
     size = how_much(found.total if limit.relative else UNDETERMINED, found.change, UNITS[found.coefficient])
     sure = min(abs(change.low), abs(change.high)) >= limit.size and change.low * change.high > 0
     return (
-        f"{one.where}: {NAMES[found.coefficient]} friction {_verb(change, 'rose', 'fell')} by {size} since the "
+        f"{one.where}: {NAMES[found.coefficient]} friction {_verb(change)} by {size} since the "
         f"reference, {'surely' if sure else 'probably'} beyond the limit {limit.text}"
     )
 
@@ -266,7 +250,7 @@ def _untestable(one: Judged) -> str:
         return f"{where}: the reference is near zero, so there is no relative change; give a limit without %"
     if found.shape == "too_few" or not isfinite(least):
         return f"{where} with {count_of(len(found.sessions) - len(found.isolated), 'comparable session')}; record more"
-    size = f"{percent(least)} %" if limit.relative else f"{least:.2g} {UNITS[found.coefficient]}"
+    size = amount(least if limit.relative else math.nan, least, found.coefficient)
     return f"{where}: only a change of {size} or more is detectable; record more or longer sessions"
 
 
@@ -299,9 +283,9 @@ def total_text(found: CoefficientDrift) -> str:
 
 def smallest_text(found: CoefficientDrift) -> str:
     """Return the smallest change that these sessions would have shown: relative, or absolute near a level of zero."""
-    if math.isnan(found.smallest_drift) and not math.isnan(found.smallest_change):
-        return f"{found.smallest_change:.2g} {UNITS[found.coefficient]}"
-    return words.format_share(found.smallest_drift)
+    absolute = math.isnan(found.smallest_drift) and not math.isnan(found.smallest_change)
+    size = amount(math.nan, found.smallest_change, found.coefficient)
+    return size if absolute else words.format_share(found.smallest_drift)
 
 
 def slope_text(found: CoefficientDrift, slope: Coefficient) -> str:

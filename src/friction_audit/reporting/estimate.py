@@ -1,7 +1,6 @@
 """Estimate: its document, its tables for files and its text."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.preprocessing.interaction import TorqueChoice
-from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
+from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
 from friction_audit.reporting.notices import estimate_notices, physics_of, reason_lines
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.terminal_table import log_line, table_lines
@@ -26,39 +25,33 @@ def _pairs(history: CoefficientHistory, name: str) -> "zip[tuple[float, float]]"
 
 
 REGRESSION = Record(
-    (
-        Column("coulomb", Coefficient, "Coulomb friction", "coulomb", unit="N m"),
-        Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
-        Column("offset", float, "constant part of the torque", unit="N m"),
-        Column("inertia", float, "coefficient of the acceleration", unit="kg m²"),
-        Column("inertia_kg_m2_ci95", INTERVAL, "its 95 % interval", lambda one: (one.inertia.low, one.inertia.high)),
-        Column("residual_rms", float, "root mean square of the residual", unit="N m"),
-        Column("samples", int, "samples used"),
-    )
+    Column("coulomb", Coefficient, "Coulomb friction", "coulomb", unit="N m"),
+    Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
+    Column("offset", float, "constant part of the torque", unit="N m"),
+    Column("inertia", float, "coefficient of the acceleration", unit="kg m²"),
+    Column("inertia_kg_m2_ci95", INTERVAL, "its 95 % interval", lambda one: (one.inertia.low, one.inertia.high)),
+    Column("residual_rms", float, "root mean square of the residual", unit="N m"),
+    Column("samples", int, "samples used"),
 )
 HISTORY = Record(
-    (
-        Column("cycle", int, "number of the cycle among those of the joint, from 1"),
-        Column("start", float, "its start", unit="s"),
-        Column("stop", float, "its end, when the estimate is known", unit="s"),
-        Column("coulomb", float, "Coulomb friction of the last cycles", unit="N m"),
-        Column("coulomb_nm_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "coulomb{}_nm"), on="j"),
-        Column("coulomb_low", unit="N m", on="f"),
-        Column("coulomb_high", unit="N m", on="f"),
-        Column("viscous", float, "viscous friction of the last cycles", unit="N m s/rad"),
-        Column(
-            "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "viscous{}_nms_per_rad"),
-            on="j",
-        ),
-        Column("viscous_low", unit="N m s/rad", on="f"),
-        Column("viscous_high", unit="N m s/rad", on="f"),
-        Column("net_energy", float, "net energy since the start of the first cycle", unit="J"),
-        Column(
-            "dissipated", float, "energy that friction dissipated in the cycle, as the estimator counts it", unit="J"
-        ),
-        Column("path", float, "path of the cycle, which times the Coulomb coefficient is energy", unit="rad"),
-        Column("square_speed_rad2_s", float, "integral of the squared velocity, likewise for the viscous one"),
+    Column("cycle", int, "number of the cycle among those of the joint, from 1"),
+    Column("start", float, "its start", unit="s"),
+    Column("stop", float, "its end, when the estimate is known", unit="s"),
+    Column("coulomb", float, "Coulomb friction of the last cycles", unit="N m"),
+    Column("coulomb_nm_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "coulomb{}_nm"), on="j"),
+    Column("coulomb_low", unit="N m", on="f"),
+    Column("coulomb_high", unit="N m", on="f"),
+    Column("viscous", float, "viscous friction of the last cycles", unit="N m s/rad"),
+    Column(
+        "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "viscous{}_nms_per_rad"),
+        on="j",
     ),
+    Column("viscous_low", unit="N m s/rad", on="f"),
+    Column("viscous_high", unit="N m s/rad", on="f"),
+    Column("net_energy", float, "net energy since the start of the first cycle", unit="J"),
+    Column("dissipated", float, "energy that friction dissipated in the cycle, as the estimator counts it", unit="J"),
+    Column("path", float, "path of the cycle, which times the Coulomb coefficient is energy", unit="rad"),
+    Column("square_speed_rad2_s", float, "integral of the squared velocity, likewise for the viscous one"),
     name="coefficient_history",
     summary="friction coefficients of a joint after a cycle that counts, from the last cycles, with 95 % intervals",
     time="stop_s",
@@ -76,103 +69,84 @@ def _marked(joint: JointFriction) -> str:
     return joint_label(joint.joint, joint.name) + mark
 
 
-def _cycles_and_rejected(joint: JointFriction) -> str:
-    return f"{joint.cycles} ({joint.rejected_cycles})"
-
-
 FRICTION = Record(
-    (
-        JOINT,
-        NAME,
-        Column("joint", str, get=_marked, title="joint", on="t"),
-        joint_column(on="p"),
-        Column("model", ("combined", "coulomb", "viscous"), "friction model"),
-        Column("method", ("energy", "regression"), "energy cycles, or torque regression where too few cycles count"),
-        Column("cycles", int, "cycles that count"),
-        Column("rejected_cycles", int, "cycles rejected"),
-        Column("moving", float, "time above the initiation threshold", unit="s"),
-        Column("coulomb", Coefficient, "over the whole log", "coulomb", unit="N m", title="Coulomb", on=ALL),
-        Column("viscous", Coefficient, "over the whole log", "viscous", unit="N m s/rad", title="viscous", on=ALL),
-        Column("offset", float, "torque offset", unit="N m"),
-        Column("gravity_error", float, "amplitude of the gravity error", unit="N m"),
-        Column("cycles", int, get=lambda one: one, form=_cycles_and_rejected, title="cycles\n(rejected)", on="t"),
-        Column("cycles", int, title="cycles", on="p"),
-        Column("rejected_cycles", int, title="rejected", on="p"),
-        Column(
-            "condition_number", float, "of the scaled regression matrix", title="condition number",
-            short="cond.\nnumber", on=ALL,
-        ),
-        Column("correlation", float, "between the two coefficients"),
-        Column("coulomb", Coefficient, get="regression.coulomb", form=_value, title="regr.\nCoulomb", on="t"),
-        Column("viscous", Coefficient, get="regression.viscous", form=_value, title="regr.\nviscous", on="t"),
-        Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", title="regression: Coulomb", on="p"),
-        Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),
-        Column("residual_rms", float, get="regression.residual_rms_nm", unit="N m", on="f"),
-        Column("reason", str, "why there is no estimate", null=True),
-        Column("reason", str, form=lambda reason: f"no estimate: {reason}" if reason else "", title="remark", on="p"),
-        Column("regression", REGRESSION, "the torque regression, for comparison", on="j", null=True),
-        Column("history", HISTORY, "per cycle that counts", on="j"),
+    JOINT,
+    NAME,
+    Column("joint", str, get=_marked, title="joint", on="t"),
+    joint_column(on="p"),
+    Column("model", ("combined", "coulomb", "viscous"), "friction model"),
+    Column("method", ("energy", "regression"), "energy cycles, or torque regression where too few cycles count"),
+    Column("cycles", int, "cycles that count", title="cycles", on="jfp"),
+    Column("rejected_cycles", int, "cycles rejected", title="rejected", on="jfp"),
+    Column("moving", float, "time above the initiation threshold", unit="s"),
+    Column("coulomb", Coefficient, "over the whole log", "coulomb", unit="N m", title="Coulomb", on=ALL),
+    Column("coulomb", Coefficient, get="regression.coulomb", form=_value, unit="N m", title="regr.", on="t"),
+    Column("viscous", Coefficient, "over the whole log", "viscous", unit="N m s/rad", title="viscous", on=ALL),
+    Column("viscous", Coefficient, get="regression.viscous", form=_value, unit="N m s/rad", title="regr.", on="t"),
+    Column("offset", float, "torque offset", unit="N m"),
+    Column("gravity_error", float, "amplitude of the gravity error", unit="N m"),
+    Column(
+        "cycles", int, get=lambda one: one, form=lambda one: f"{one.cycles} ({one.rejected_cycles})",
+        title="cycles\n(rejected)", on="t",
     ),
+    Column(
+        "condition_number", float, "of the scaled regression matrix", title="condition number",
+        short="cond.\nnumber", on=ALL,
+    ),
+    Column("correlation", float, "between the two coefficients"),
+    Column("coulomb", Coefficient, get="regression.coulomb", unit="N m", title="regression: Coulomb", on="p"),
+    Column("viscous", Coefficient, get="regression.viscous", unit="N m s/rad", title="regression: viscous", on="p"),
+    Column("residual_rms", float, get="regression.residual_rms_nm", unit="N m", on="f"),
+    Column(
+        "reason", str, "why there is no estimate", null=True,
+        form=lambda reason: f"no estimate: {reason}", title="remark", on="jfp",
+    ),
+    Column("regression", REGRESSION, "the torque regression, for comparison", on="j", null=True),
+    Column("history", HISTORY, "per cycle that counts", on="j"),
     name="coefficients",
     summary="friction coefficients of a joint over the whole log, with 95 % intervals",
 )  # fmt: skip
 CYCLES = Record(
-    (
-        Column("cycle", int, get=lambda own: np.arange(1, len(own.joint) + 1)),
-        Column("start", unit="s"),
-        Column("stop", unit="s"),
-        Column("peak_speed", unit="rad/s"),
-        Column("net_energy", float, get="sums.work_j", unit="J"),
-        Column("compensation", float, get="sums.compensation_j", unit="J"),
-        Column("dissipated", float, get="sums.dissipated_j", unit="J"),
-        Column("path", float, get="sums.path_rad", unit="rad"),
-        Column("displacement", float, get="sums.displacement_rad", unit="rad"),
-        Column("open", bool),
-        Column("rejected", str, get=lambda own: [REASONS[reason] for reason in own.reason]),
-    ),
+    Column("cycle", int, get=lambda own: np.arange(1, len(own.joint) + 1)),
+    Column("start", unit="s"),
+    Column("stop", unit="s"),
+    Column("peak_speed", unit="rad/s"),
+    Column("net_energy", float, get="sums.work_j", unit="J"),
+    Column("compensation", float, get="sums.compensation_j", unit="J"),
+    Column("dissipated", float, get="sums.dissipated_j", unit="J"),
+    Column("path", float, get="sums.path_rad", unit="rad"),
+    Column("displacement", float, get="sums.displacement_rad", unit="rad"),
+    Column("open", bool),
+    Column("rejected", str, get=lambda own: [REASONS[reason] for reason in own.reason]),
     name="cycles",
     summary="an energy cycle of a joint, from rest to rest, also one that is rejected",
     time="stop_s",
     arrays=True,
 )
 INTERACTION = Record(
-    (
-        Column("time", get="0.t", unit="s"),
-        Column("q", get=lambda at: at[0].q[:, at[1]], unit="rad"),
-        Column("dq", get=lambda at: at[0].dq[:, at[1]], unit="rad/s"),
-        Column("interaction", get=lambda at: at[0].torque[:, at[1]], unit="N m"),
-        Column("compensation", get=lambda at: at[0].compensation[:, at[1]], unit="N m"),
-    ),
+    Column("time", get="0.t", unit="s"),
+    Column("q", get=lambda at: at[0].q[:, at[1]], unit="rad"),
+    Column("dq", get=lambda at: at[0].dq[:, at[1]], unit="rad/s"),
+    Column("interaction", get=lambda at: at[0].torque[:, at[1]], unit="N m"),
+    Column("compensation", get=lambda at: at[0].compensation[:, at[1]], unit="N m"),
     name="interaction",
     summary="motion of a joint and torque at its friction port at a sample of the log",
     time="time_s",
     arrays=True,
 )
 ESTIMATE: Document = Document(
-    "estimate",
-    1,
+    "estimate/1",
     "Friction coefficients of the joints of one log",
-    Record((SOURCE, SETTINGS, WARNINGS, Column("estimator", str, "method"), Column("joints", [FRICTION], "per joint"))),
+    CHAIN,
+    Column("estimator", str, "method"),
+    Column("joints", [FRICTION], "per joint"),
 )
 
 
 def estimate_document(estimate: Estimate, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
-    """Return the document of an estimate.
-
-    Args:
-        estimate: The result.
-        reading: How the log was read: options of the reader by name.
-    """
-    return ESTIMATE.json(
-        {
-            "source": estimate.log,
-            "settings": settings_document(estimate, reading),
-            "warnings": estimate_notices(estimate),
-            "estimator": estimate.friction.estimator,
-            "joints": estimate.friction.joints,
-        },
-        estimate.log.source.torque_unit,
-    )
+    """Return the document of an estimate of a log that was read with some options."""
+    found, warnings = estimate.friction, estimate_notices(estimate)
+    return chain_document(ESTIMATE, estimate, warnings, reading, estimator=found.estimator, joints=found.joints)
 
 
 TABLES = (FRICTION, HISTORY, CYCLES, INTERACTION)
@@ -182,19 +156,18 @@ def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
     """Return the tables of an estimate for files: coefficients, their history, cycles, interaction torque."""
     seen, joints, unit = estimate.interaction, estimate.friction.joints, estimate.log.source.torque_unit
     columns = list(zip(seen.joint_numbers, seen.joint_names, range(len(seen.joint_numbers)), strict=True))
-    samples = INTERACTION if seen.compensation is not None else replace(INTERACTION, columns=INTERACTION.columns[:-1])
+    absent = () if seen.compensation is not None else ("compensation",)
     return (
-        FRICTION.file(((one.joint, one.name, [one]) for one in joints), unit),
+        FRICTION.joints_file(joints, lambda one: [one], unit),
         history_table(estimate),
         CYCLES.file(((number, name, estimate.cycles.of_joint(k)) for number, name, k in columns), unit),
-        samples.file(((number, name, (seen, k)) for number, name, k in columns), unit),
+        INTERACTION.file(((number, name, (seen, k)) for number, name, k in columns), unit, absent),
     )
 
 
 def history_table(estimate: Estimate) -> TidyTable:
     """Return the coefficients after each cycle."""
-    joints = estimate.friction.joints
-    return HISTORY.file(((one.joint, one.name, one.history) for one in joints), estimate.log.source.torque_unit)
+    return HISTORY.joints_file(estimate.friction.joints, "history", estimate.log.source.torque_unit)
 
 
 def estimate_lines(estimate: Estimate) -> list[str]:

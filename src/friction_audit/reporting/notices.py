@@ -5,39 +5,34 @@ from collections import Counter
 from collections.abc import Collection, Iterable
 from typing import NamedTuple, Protocol
 
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
-from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction import Caution
+from friction_audit.reporting.sentences import SENTENCES, sentence_of
 from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_label
 
-IN_AMPERE = (
-    "the torque column is a motor current: results are in {0}, {0} s/rad and {0} rad, also in JSON keys ending in _nm; "
-    "gravity and inertia are not removed; for newton metres, give --torque-constant and --gear-ratio"
-)
-
-
+# Codes of what is about the recording: no number that stands means anything else by it.
 RECORDING = (
-    *("dropped_samples", "gap", "jitter", "low_rate", "stale_samples", "slow_state", "unordered", "batched_stamps"),
-    *("duplicate_stamps", "clock_stopped", "clock_disagreement", "robot_time_unit", "time_unit", "incomplete_rows"),
-    *("incomplete_messages", "degrees", "degrees_suspected", "velocity_unit", "velocity_dead", "position_mismatch"),
-    *("torque_dead", "torque_ambiguous", "wild_samples", "non_finite", "no_numbers", "damaged_numbers", "truncated"),
-    *("missing_messages", "undecodable_messages", "file_grew", "empty_channel", "sparse_channel", "channel_empty"),
-    *("incomplete_channel", "empty_joint", "first_row", "first_part", "topic_chosen", "suffix_mismatch"),
-    *("few_cycles", "model_not_used", "dq_other_clock", "cycles", "speed_spread", "reversals", "standstill", "holes"),
-    *("channels_left_out", "log_left_out", "joint_on_one_side", "not_compared", "same_recording"),
-    *("joined", "not_joined", "wrong_shape"),
-)
-"""Codes of what is about the recording: no number that stands means anything else by it."""
+    "dropped_samples", "gap", "jitter", "low_rate", "stale_samples", "slow_state", "unordered", "batched_stamps",
+    "duplicate_stamps", "clock_stopped", "clock_disagreement", "robot_time_unit", "time_unit", "incomplete_rows",
+    "incomplete_messages", "degrees", "degrees_suspected", "velocity_unit", "velocity_dead", "position_mismatch",
+    "torque_dead", "torque_ambiguous", "wild_samples", "non_finite", "no_numbers", "damaged_numbers", "truncated",
+    "missing_messages", "undecodable_messages", "file_grew", "empty_channel", "sparse_channel", "channel_empty",
+    "incomplete_channel", "empty_joint", "first_row", "first_part", "topic_chosen", "suffix_mismatch", "few_cycles",
+    "model_not_used", "dq_other_clock", "cycles", "speed_spread", "reversals", "standstill", "holes",
+    "channels_left_out", "log_left_out", "joint_on_one_side", "not_compared", "same_recording", "joined",
+    "not_joined", "wrong_shape",
+)  # fmt: skip
+# Codes about the physics that only repeat what the user asked for.
 AS_ASKED = ("torque_converted",)
-"""Codes about the physics that only repeat what the user asked for."""
+# Codes of what was detected and taken into account; the table says what the torque is made of.
 CORRECTED = ("dq_late", "sign_turned", "joints_left_out")
-"""Codes of what was detected and taken into account; the table says what the torque is made of."""
+# Codes of what a table or the lines below it say in any case.
 TABLED = ("not_determined", "from_regression", "not_replayed")
-"""Codes of what a table or the lines below it say in any case."""
+# A number in a sentence, no digit of a name.
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
-"""A number in a sentence, no digit of a name."""
 OTHER = re.compile(r"\bjoint \d+")
-SENTENCES = re.compile(r"\. (?=[A-Z])")
+SENTENCE_END = re.compile(r"\. (?=[A-Z])")
 SMALL_SHARE = 0.1  # of the samples (or of a step) lost or irregular: below it no coefficient changes visibly
 
 
@@ -55,20 +50,9 @@ class Notice(NamedTuple):
         return f"joint {self.joint}: {self.message}"
 
 
-class Found(Protocol):
-    """A caution or a finding of any step."""
-
-    @property
-    def code(self) -> str:
-        """Stable short name."""
-
-    @property
-    def joint(self) -> int | None:
-        """Number of the joint, or None."""
-
-    @property
-    def message(self) -> str:
-        """One sentence."""
+def notice(code: str, joint: int | None = None, **numbers: object) -> Notice:
+    """Return a warning with its sentence."""
+    return Notice(code, joint, SENTENCES[code].format(joint=joint, **numbers))
 
 
 class Reasoned(Protocol):
@@ -83,15 +67,16 @@ class Reasoned(Protocol):
         """Why it has none; empty if it has one."""
 
 
-def notices(found: Iterable[Found]) -> tuple[Notice, ...]:
+def notices(found: Iterable[Caution | Finding]) -> tuple[Notice, ...]:
     """Return cautions and findings as notices."""
-    return tuple(Notice(one.code, one.joint, one.message) for one in found)
+    messages = ((one, sentence_of(one) if isinstance(one, Caution) else one.message) for one in found)
+    return tuple(Notice(one.code, one.joint, message) for one, message in messages)
 
 
 def log_notices(log: JointLog) -> tuple[Notice, ...]:
     """Return what was noticed while the log was read."""
     unit = log.source.torque_unit
-    own = () if unit == NEWTON_METRES else (Notice("torque_in_ampere", None, IN_AMPERE.format(unit)),)
+    own = () if unit == NEWTON_METRES else (notice("torque_in_ampere", unit=unit),)
     return own + notices(log.source.findings)
 
 
@@ -123,11 +108,6 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     return _on_the_way(found.estimate, own)
 
 
-def interaction_notices(interaction: Interaction) -> tuple[Notice, ...]:
-    """Return what was noticed while the interaction torque was made."""
-    return notices(interaction.warnings)
-
-
 def minor(log: JointLog) -> frozenset[str]:
     """Return the codes of what was corrected, or is too small to change a result: reported in documents and pages."""
     share, step_s = SMALL_SHARE * log.samples, 1.0 / log.rate_hz
@@ -156,49 +136,43 @@ def physics_of(notices: Iterable[Notice], joints: Iterable[Reasoned]) -> tuple[l
 
 def _on_the_way(estimate: Estimate, own: Iterable[Notice]) -> tuple[Notice, ...]:
     unit = estimate.log.source.torque_unit
-    every = (*log_notices(estimate.log), *interaction_notices(estimate.interaction), *own)
+    every = (*log_notices(estimate.log), *notices(estimate.interaction.warnings), *own)
     return tuple(dict.fromkeys(one._replace(message=in_unit(one.message, unit)) for one in every))
 
 
 def left_out_notices(path: str, dialect: str, left_out: Iterable[str]) -> tuple[Notice, ...]:
     """Return the warning about channels that the format of a written log has no place for."""
-    names = ", ".join(left_out)
-    message = f"{path}: the dialect {dialect} has no place for {names}; left out"
-    return (Notice("channels_left_out", None, message),) if names else ()
+    channels = ", ".join(left_out)
+    return (notice("channels_left_out", path=path, dialect=dialect, channels=channels),) if channels else ()
 
 
 def notice_lines(notices: Iterable[Notice]) -> list[str]:
     """Return one line per sentence, led by the joints that it is about; sentences that differ in one number are one."""
-    about: dict[str, list[Notice]] = {}
+    alike: dict[str, dict[str, list[Notice]]] = {}
     for notice in notices:
-        about.setdefault(NUMBER.sub("#", notice.message), []).append(notice)
+        alike.setdefault(NUMBER.sub("#", notice.message), {}).setdefault(notice.message, []).append(notice)
     lines = []
-    for same in about.values():
-        messages: dict[str, list[Notice]] = {}
-        for notice in same:
-            messages.setdefault(notice.message, []).append(notice)
-        merged = "" if any(map(OTHER.search, messages)) else _with_range(messages)
-        lines += [_line(merged, same)] if merged else [_line(one, own) for one, own in messages.items()]
+    for apart in alike.values():
+        every = [one for same in apart.values() for one in same]
+        messages = apart if any(map(OTHER.search, apart)) else {_with_range(apart): every}
+        lines += [_line(message, same) for message, same in messages.items()]
     return lines
 
 
 def _with_range(messages: Collection[str]) -> str:
-    """Return sentences that differ in one number as one with its range; empty where they differ in more."""
+    """Return sentences that differ in numbers as one with their ranges."""
     first, *_ = messages
-    columns = list(zip(*map(NUMBER.findall, messages), strict=True))
-    differ = [k for k, found in enumerate(columns) if len(set(found)) > 1]
-    if len(differ) != 1:
-        return first if not differ else ""
-    found = sorted(columns[differ[0]], key=float)
-    texts = [column[0] for column in columns]
-    texts[differ[0]] = f"{found[0]} to {found[-1]}"
-    return NUMBER.sub(lambda _: texts.pop(0), first)
+    ranges = []
+    for texts in zip(*map(NUMBER.findall, messages), strict=True):
+        ends = min(texts, key=float), max(texts, key=float)
+        ranges.append(" to ".join(dict.fromkeys(ends)))
+    return NUMBER.sub(lambda _: ranges.pop(0), first)
 
 
 def _line(message: str, same: list[Notice]) -> str:
-    joints = [notice.joint for notice in same]
-    numbers = [joint for joint in joints if joint is not None]
-    return str(same[0]) if len(set(joints)) == 1 or None in joints else f"{joints_label(numbers)}: {message}"
+    joints = [notice.joint for notice in same if notice.joint is not None]
+    several = len(joints) == len(same) and len(set(joints)) > 1
+    return f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message))
 
 
 def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
@@ -208,7 +182,7 @@ def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
     """
     every = []
     for one in joints:
-        first, *rest = SENTENCES.split(one.reason)
+        first, *rest = SENTENCE_END.split(one.reason)
         sentences = [first, *(text[:1].lower() + text[1:] for text in rest)]
         every += [Notice("not_determined", one.joint, text) for text in sentences if text]
     alike = [OTHER.sub("another joint", one.message) for one in every]

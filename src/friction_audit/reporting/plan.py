@@ -8,10 +8,11 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.planning.plan import Answer, JointPlan
 from friction_audit.planning.task import Task
 from friction_audit.reporting.documents import WARNINGS
-from friction_audit.reporting.notices import Notice
+from friction_audit.reporting.drift_words import NAMES, UNITS
+from friction_audit.reporting.notices import Notice, notice
 from friction_audit.reporting.table import Column, Document, Record
 from friction_audit.reporting.terminal_table import table_lines
-from friction_audit.reporting.words import joint_label
+from friction_audit.reporting.words import joint_label, with_unit
 
 PURPOSES = {"decide": "to decide between", "diagnose": "to diagnose", "estimate": "to estimate friction"}
 
@@ -25,104 +26,83 @@ class Recording(NamedTuple):
 
 
 def _answer_words(answer: Answer) -> str:
-    names = " and ".join(" or ".join(one) for one in answer.sets)
+    names = " and ".join({frozenset(one): " or ".join(one) for one in answer.sets}.values())
     verdict = answer.verdict.replace("_", " ")
     return f"{verdict}: {names}" if names else verdict
 
 
 STROKE = Record(
-    (
-        Column("way", float, "signed", "way_rad", unit="rad"),
-        Column("speed", float, "highest", "speed_rad_s", unit="rad/s"),
-        Column("ease", float, "time of the rise of the velocity, and of its fall", "ease_s", unit="s"),
-        Column("rest", float, "rest afterwards", "rest_s", unit="s"),
-    )
+    Column("way", float, "signed", "way_rad", unit="rad"),
+    Column("speed", float, "highest", "speed_rad_s", unit="rad/s"),
+    Column("ease", float, "time of the rise of the velocity, and of its fall", "ease_s", unit="s"),
+    Column("rest", float, "rest afterwards", "rest_s", unit="s"),
 )
 RUN = Record(
-    (
-        Column("words", str, "what it is"),
-        Column("low", float, "lowest position relative to the start", "span_rad.0", unit="rad"),
-        Column("high", float, "highest", "span_rad.1", unit="rad"),
-        Column("duration", float, "its length", "duration_s", unit="s"),
-        Column("strokes", [STROKE], "from rest to rest"),
-    )
+    Column("words", str, "what it is"),
+    Column("low", float, "lowest position relative to the start", "span_rad.0", unit="rad"),
+    Column("high", float, "highest", "span_rad.1", unit="rad"),
+    Column("duration", float, "its length", "duration_s", unit="s"),
+    Column("strokes", [STROKE], "from rest to rest"),
 )
 LIMITS = Record(
-    (
-        Column("start", float, "position at the start", "start_rad", unit="rad"),
-        Column("low", float, "lowest position", "low_rad", unit="rad"),
-        Column("high", float, "highest position", "high_rad", unit="rad"),
-        Column("speed", float, "highest speed", "speed_rad_s", unit="rad/s"),
-        Column("acceleration_rad_s2", float, "highest acceleration"),
-        Column("jerk_rad_s3", float, "highest jerk"),
-        Column("source", str, "where the limits come from"),
-    )
+    Column("start", float, "position at the start", "start_rad", unit="rad"),
+    Column("low", float, "lowest position", "low_rad", unit="rad"),
+    Column("high", float, "highest position", "high_rad", unit="rad"),
+    Column("speed", float, "highest speed", "speed_rad_s", unit="rad/s"),
+    Column("acceleration_rad_s2", float, "highest acceleration"),
+    Column("jerk_rad_s3", float, "highest jerk"),
+    Column("source", str, "where the limits come from"),
 )
 SEPARATED = Record(
-    (
-        Column("effect", str, "if this effect is there"),
-        Column("other", str, "against this one"),
-        Column("two_ln_likelihood_ratio", float, "expected of the recording: from 10 on very strong"),
-    )
+    Column("effect", str, "if this effect is there"),
+    Column("other", str, "against this one"),
+    Column("two_ln_likelihood_ratio", float, "expected of the recording: from 10 on very strong"),
 )
 ANSWER = Record(
-    (
-        Column("effect", str, "if this effect is there", title="if the joint has", on="jt"),
-        Column(
-            "numbers",
-            {"*": float},
-            "as simulated; empty where it does nothing in this motion",
-            lambda answer: {key: value for key, value in answer.numbers.items() if not isinstance(value, str)},
-        ),
-        Column("verdict", VERDICTS, "verdict of `diagnose`"),
-        Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
-        Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
-        Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
-        Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
-    )
+    Column("effect", str, "if this effect is there", title="if the joint has", on="jt"),
+    Column(
+        "numbers",
+        {"*": float},
+        "as simulated; empty where it does nothing in this motion",
+        lambda answer: {key: value for key, value in answer.numbers.items() if not isinstance(value, str)},
+    ),
+    Column("verdict", VERDICTS, "verdict of `diagnose`"),
+    Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
+    Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
+    Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
+    Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
 )
 JOINT_PLAN = Record(
-    (
-        Column("joint", int, "number, from 1", "task.joint.number"),
-        Column("name", str, "name in the log", "task.joint.name"),
-        Column("why", str, "what is open", "task.why", null=True),
-        Column("duration", float, "its length", "duration_s", unit="s"),
-        Column("limits", LIMITS, "limits that it keeps"),
-        Column("runs", [RUN], "in order"),
-        Column("rest", float, "after them; then the same runs follow once more; 0: they do not", unit="s"),
-        Column("separated", [SEPARATED], "what the design expects of each pair of effects"),
-        Column("answers", [ANSWER], "what `diagnose` would answer, simulated; empty if it was not"),
-        Column("coefficients", {"*": Coefficient}, "what `estimate` would find, simulated"),
-        Column("left_out", {"*": str}, "competing names that were not planned for, and why", "task.unknown"),
-    )
+    Column("joint", int, "number, from 1", "task.joint.number"),
+    Column("name", str, "name in the log", "task.joint.name"),
+    Column("why", str, "what is open", "task.why", null=True),
+    Column("duration", float, "its length", "duration_s", unit="s"),
+    Column("limits", LIMITS, "limits that it keeps"),
+    Column("runs", [RUN], "in order"),
+    Column("rest", float, "after them; then the same runs follow once more; 0: they do not", unit="s"),
+    Column("separated", [SEPARATED], "what the design expects of each pair of effects"),
+    Column("answers", [ANSWER], "what `diagnose` would answer, simulated; empty if it was not"),
+    Column("coefficients", {"*": Coefficient}, "what `estimate` would find, simulated"),
+    Column("left_out", {"*": str}, "competing names that were not planned for, and why", "task.unknown"),
 )
 RECORDING = Record(
-    (
-        Column("purpose", tuple(PURPOSES), "what it is for"),
-        Column("duration", float, "its length", lambda one: sum(plan.duration_s for plan in one.plans), unit="s"),
-        Column("joints", [JOINT_PLAN], "one after the other", "plans"),
-        Column("files", [str], "where the trajectory was written"),
-    )
+    Column("purpose", tuple(PURPOSES), "what it is for"),
+    Column("duration", float, "its length", lambda one: sum(plan.duration_s for plan in one.plans), unit="s"),
+    Column("joints", [JOINT_PLAN], "one after the other", "plans"),
+    Column("files", [str], "where the trajectory was written"),
 )
 SETTLED = Record(
-    (
-        Column("joint", int, "number, from 1", "joint.number"),
-        Column("name", str, "name in the log", "joint.name"),
-        Column("why", str, "the answer that there is"),
-    )
+    Column("joint", int, "number, from 1", "joint.number"),
+    Column("name", str, "name in the log", "joint.name"),
+    Column("why", str, "the answer that there is"),
 )
 PLAN = Document(
-    "plan",
-    1,
+    "plan/1",
     "The next recording of an arm",
-    Record(
-        (
-            Column("source", str, "log or result; null without one", null=True),
-            Column("recordings", [RECORDING], "what to record"),
-            Column("settled", [SETTLED], "joints for which nothing is planned"),
-            WARNINGS,
-        )
-    ),
+    Column("source", str, "log or result; null without one", null=True),
+    Column("recordings", [RECORDING], "what to record"),
+    Column("settled", [SETTLED], "joints for which nothing is planned"),
+    WARNINGS,
 )
 
 
@@ -137,23 +117,15 @@ def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Itera
     """Yield what the user must know before running the motion."""
     plans = [plan for one in recordings for plan in one.plans]
     if plans and not known_start:
-        yield Notice("start_unknown", None, "the result holds no pose; the motion starts at --start, here as printed")
+        yield notice("start_unknown")
     for plan in plans:
         number = plan.task.joint.number
-        for name, why in plan.task.unknown.items():
-            yield Notice("name_left_out", number, f"joint {number}: {name} is not planned for: {why}")
-        if plan.task.purpose != "decide":
-            continue
-        if near := " and ".join(one.effect for one in plan.answers if not one.exact):
-            near = f"joint {number}: the check for {near} uses the nearest numbers that the simulator has"
-            yield Notice("near_numbers", number, near)
-        if undecided := " and ".join(one.effect for one in plan.answers if not one.decided):
-            yield Notice(
-                "not_decided",
-                number,
-                f"joint {number}: if it has {undecided}, `diagnose` would not name it alone after this motion; record "
-                "longer (--duration), or allow a wider --range or a higher --speed",
-            )
+        yield from (notice("name_left_out", number, name=name, why=why) for name, why in plan.task.unknown.items())
+        answers = plan.answers if plan.task.purpose == "decide" else ()
+        if near := " and ".join(one.effect for one in answers if not one.exact):
+            yield notice("near_numbers", number, names=near)
+        if undecided := " and ".join(one.effect for one in answers if not one.decided):
+            yield notice("not_decided", number, names=undecided)
 
 
 def plan_lines(recordings: Sequence[Recording], settled: Sequence[Task]) -> list[str]:
@@ -191,6 +163,6 @@ def _joint_lines(plan: JointPlan) -> Iterator[str]:
         yield f"  then rest for {plan.rest_s:.0f} s, and all of it once more: a drift shows most between both ends"
     if plan.answers:
         yield from table_lines(ANSWER.people(plan.answers, "t"))
-    if found := [(key, one, 0.5 * (one.high - one.low)) for key, one in plan.coefficients.items()]:
-        numbers = ", ".join(f"{key.partition('_')[0]} {one.value:.3g} ± {half:.2g}" for key, one, half in found)
+    if plan.coefficients:
+        numbers = ", ".join(f"{NAMES[key]} {with_unit(one, UNITS[key])}" for key, one in plan.coefficients.items())
         yield f"estimate would find, with 95 % intervals: {numbers}"

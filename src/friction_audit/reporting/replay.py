@@ -1,21 +1,23 @@
 """Replay: its document, its tables for files and its text."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, JointModelCompensation, kind_of
+from friction_audit.compensation.compensators import Compensator, EnergyCompensator, JointModelCompensation, kind_of
 from friction_audit.compensation.result import STATUSES, JointReplay, Signals
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import LogReplay
-from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
-from friction_audit.reporting.notices import replay_notices
+from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
+from friction_audit.reporting.notices import physics_of, reason_lines, replay_notices
 from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Document, Record, joint_column, to_json
+from friction_audit.reporting.terminal_table import log_line, table_lines
+from friction_audit.reporting.words import in_unit, with_unit
 
 DIVERGED = "div."
 # Share of the dissipation below which the removed share is not shown as a number.
@@ -48,18 +50,6 @@ def _converged(joint: JointReplay) -> str:
     return DIVERGED if _diverged(joint) else "" if cycles is None else str(cycles)
 
 
-def _passive(joint: JointReplay) -> str | None:
-    found = joint.passivity
-    return None if found is None else f"{'yes' if found.violations == 0 else 'no'} ({found.active_cycles})"
-
-
-def _passive_words(joint: JointReplay) -> str | None:
-    found = joint.passivity
-    if found is None:
-        return None
-    return f"yes, acted in {found.active_cycles} cycles" if found.violations == 0 else "no"
-
-
 def _remark(joint: JointReplay) -> str:
     diverged = f"diverges at {joint.numbers.diverged_s:.3g} s" if joint.numbers and _diverged(joint) else ""
     return joint.reason or diverged
@@ -79,66 +69,54 @@ def _terms(terms: Iterable[FittedTerm]) -> dict[str, dict[str, float]]:
 
 
 FITTED = Record(
-    (
-        Column("inertia", Coefficient, "inertia", "inertia", unit="kg m²"),
-        Column("coulomb", Coefficient, "Coulomb friction", "coulomb", unit="N m"),
-        Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
-    )
+    Column("inertia", Coefficient, "inertia", "inertia", unit="kg m²"),
+    Column("coulomb", Coefficient, "Coulomb friction", "coulomb", unit="N m"),
+    Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
 )
 OPERATOR = Record(
-    (
-        Column("inertia", Coefficient, "inertia", "inertia", unit="kg m²"),
-        Column("damping", Coefficient, "damping", "damping", unit="N m s/rad"),
-        Column("stiffness", Coefficient, "stiffness", "stiffness", unit="N m/rad"),
-        Column("reversals", int, "reversals that they were fitted to, 0 if given"),
-    )
+    Column("inertia", Coefficient, "inertia", "inertia", unit="kg m²"),
+    Column("damping", Coefficient, "damping", "damping", unit="N m s/rad"),
+    Column("stiffness", Coefficient, "stiffness", "stiffness", unit="N m/rad"),
+    Column("reversals", int, "reversals that they were fitted to, 0 if given"),
 )
 MODEL = Record(
-    (
-        Column("inertia", float, "inertia", unit="kg m²"),
-        Column("provenance", dict, "method, log, sha256 and cycles that it was made from"),
-        Column("terms", dict, "terms by name, each its numbers by name", lambda model: _terms(model.terms)),
-    )
+    Column("inertia", float, "inertia", unit="kg m²"),
+    Column("provenance", dict, "method, log, sha256 and cycles that it was made from"),
+    Column("terms", dict, "terms by name, each its numbers by name", lambda model: _terms(model.terms)),
 )
 PASSIVITY = Record(
-    (
-        Column(
-            "violations", int,
-            "samples with the energy ledger below zero by more than two samples and the payback exchange",
-        ),
-        Column("violations_since_activation", int, "the same of the ledger from the activation on"),
-        Column("active_cycles", int, "cycles that gave out more than 5 % of what friction dissipated"),
-        Column("lowest", float, "lowest value of the ledger", unit="J"),
-        Column("lowest_since_activation", float, "lowest value from the activation on", unit="J"),
-        Column("reserve", float, "in the ledger at the activation", unit="J"),
-        Column("activation", float, "when the compensator first acted", unit="s"),
-        Column("injected", float, "energy that the passivity controller dissipated", unit="J"),
-        Column("active_fraction", float, "share of the time for which the passivity controller acted"),
-        Column("hidden", bool, "whether the reserve hides over-compensation"),
-    )
+    Column(
+        "violations", int,
+        "samples with the energy ledger below zero by more than two samples and the payback exchange",
+    ),
+    Column("violations_since_activation", int, "the same of the ledger from the activation on"),
+    Column("active_cycles", int, "cycles that gave out more than 5 % of what friction dissipated"),
+    Column("lowest", float, "lowest value of the ledger", unit="J"),
+    Column("lowest_since_activation", float, "lowest value from the activation on", unit="J"),
+    Column("reserve", float, "in the ledger at the activation", unit="J"),
+    Column("activation", float, "when the compensator first acted", unit="s"),
+    Column("injected", float, "energy that the passivity controller dissipated", unit="J"),
+    Column("active_fraction", float, "share of the time for which the passivity controller acted"),
+    Column("hidden", bool, "whether the reserve hides over-compensation"),
 )  # fmt: skip
 STEP = Record(
-    (
-        Column("step", float, "when friction changed", unit="s"),
-        Column("change", float, "friction after over friction before"),
-        Column("cycles", int, "cycles until the compensation is right again", null=True),
-        Column("seconds", float, "time until then"),
-    )
+    Column("step", float, "when friction changed", unit="s"),
+    Column("change", float, "friction after over friction before"),
+    Column("cycles", int, "cycles until the compensation is right again", null=True),
+    Column("seconds", float, "time until then"),
 )
 HISTORY = Record(
-    (
-        Column("cycle", int, "number of the compensator's cycle, from 1", lambda h: np.arange(1, len(h.status) + 1)),
-        Column("start", float, "its start", unit="s"),
-        Column("stop", float, "its end", unit="s"),
-        Column("friction", float, "energy that friction dissipated", unit="J"),
-        Column("net_energy", float, "that less the work of the compensator", unit="J"),
-        Column("coulomb_applied", float, "Coulomb friction compensated", unit="N m"),
-        Column("viscous_applied", float, "viscous friction compensated", unit="N m s/rad"),
-        Column("coulomb_estimated", float, "estimate after the cycle", unit="N m"),
-        Column("viscous_estimated", float, "estimate after the cycle", unit="N m s/rad"),
-        Column("acted", bool, "whether the passivity controller acted"),
-        Column("status", STATUSES, "what came of the cycle", lambda h: [STATUSES[status] for status in h.status]),
-    ),
+    Column("cycle", int, "number of the compensator's cycle, from 1", lambda h: np.arange(1, len(h.status) + 1)),
+    Column("start", float, "its start", unit="s"),
+    Column("stop", float, "its end", unit="s"),
+    Column("friction", float, "energy that friction dissipated", unit="J"),
+    Column("net_energy", float, "that less the work of the compensator", unit="J"),
+    Column("coulomb_applied", float, "Coulomb friction compensated", unit="N m"),
+    Column("viscous_applied", float, "viscous friction compensated", unit="N m s/rad"),
+    Column("coulomb_estimated", float, "estimate after the cycle", unit="N m"),
+    Column("viscous_estimated", float, "estimate after the cycle", unit="N m s/rad"),
+    Column("acted", bool, "whether the passivity controller acted"),
+    Column("status", STATUSES, "what came of the cycle", lambda h: [STATUSES[status] for status in h.status]),
     name="replay_cycles",
     summary="a cycle of the compensator on a joint: energy, coefficients applied and estimated",
     time="stop_s",
@@ -152,65 +130,67 @@ def _number(name: str, meaning: str, unit: str = "", **more: Any) -> Column:  # 
 
 
 JOINT_REPLAY = Record(
-    (
-        JOINT,
-        NAME,
-        joint_column(),
-        Column("compensator", dict, "kind and settings in force", lambda one: _compensator(one.compensator), on="j"),
-        Column("compensator", str, get=lambda one: kind_of(one.compensator).name, on="f"),
-        Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),
-        Column("cycles", int, "cycles", lambda one: len(one.history.status) if one.history else 0, on="j"),
-        _number("energy_recorded", "net energy put in, as recorded", "J"),
-        _number(
-            "energy_without", "without the compensator", "J", title="energy without", short="energy\nwithout", on=ALL
-        ),
-        _number("energy_with", "with it", "J", title="energy with", short="energy\nwith", on=ALL),
-        _number("dissipation_removed", "one less the size of `energy_with_j` over `energy_without_j`"),
-        _number(
-            "dissipation_removed_updated", "the same cycle by cycle, from the second update of the coefficients on"
-        ),
-        Column(
-            "removed", float, get=_stable("dissipation_removed"), unit="%", form=_percent, title="removed", on=PEOPLE
-        ),
-        Column(
-            "later", float, get=_stable("dissipation_removed_updated"), unit="%", form=_percent,
-            title="removed, coefficients updated", short="later", on=PEOPLE,
-        ),
-        _number(
-            "peak_torque_without", "largest interaction torque", "N m", title="peak torque without",
-            short="peak\nwithout", on=ALL,
-        ),
-        _number(
-            "peak_torque_with", "with the compensator", "N m", title="peak torque with", short="peak\nwith", on=ALL
-        ),
-        _number("rms_torque_without", "root mean square of the interaction torque", "N m"),
-        _number("rms_torque_with", "with the compensator", "N m"),
-        _number("peak_compensation", "largest torque of the compensator", "N m"),
-        _number("peak_rate", "its largest rate", "N m/s"),
-        _number("limited_fraction", "share of the samples at a limit"),
-        Column(
-            "cycles_to_converge", int, "cycles before the compensation is right", "numbers.cycles_to_converge",
-            null=True,
-        ),
-        Column(
-            "cycles_to_converge", int, get=lambda one: one, form=_converged, sort="numbers.cycles_to_converge",
-            title="cycles to converge", short="conv.\ncycles", on=PEOPLE,
-        ),
-        _number("diverged", "when the loop diverged, or null", "s"),
-        Column("joint_model", MODEL, "with a model file: the model of the joint", "model", on="j", null=True),
-        Column("fitted_joint", FITTED, "joint fitted to the log, where it is simulated", "fitted", on="j", null=True),
-        Column("operator", OPERATOR, "with `same-operator`: impedance of the person", on="j", null=True),
-        Column("model_error", float, "velocity error of the simulated joint over the velocity", on="j"),
-        Column("passivity", PASSIVITY, "passivity of the compensated joint", on="j", null=True),
-        *(replace(one, get=f"passivity.{one.key}", on="f") for one in PASSIVITY.columns if one.name in FILED),
-        Column("damped", float, get="passivity.injected_j", unit="J", form=_short, title="damped", on=PEOPLE),
-        Column("passive", str, get=_passive, title="passive\n(acted)", on="t"),
-        Column("passive", str, get=_passive_words, title="passive", on="p"),
-        Column("friction_step", STEP, "a step of friction in the log, or null", "recovery", on="j", null=True),
-        Column("reason", str, "why the joint cannot be replayed", null=True),
-        Column("remark", str, get=_remark, title="remark", on="p"),
-        Column("history", HISTORY, "per cycle of the compensator", on="j"),
+    JOINT,
+    NAME,
+    joint_column(),
+    Column("compensator", dict, "kind and settings in force", lambda one: _compensator(one.compensator), on="j"),
+    Column("compensator", str, get=lambda one: kind_of(one.compensator).name, on="f"),
+    Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),
+    Column("cycles", int, "cycles", lambda one: len(one.history.status) if one.history else 0, on="j"),
+    _number("energy_recorded", "net energy put in, as recorded", "J"),
+    _number(
+        "energy_without", "without the compensator", "J", title="energy without", short="energy\nwithout", on=ALL
     ),
+    _number("energy_with", "with it", "J", title="energy with", short="energy\nwith", on=ALL),
+    _number("dissipation_removed", "one less the size of `energy_with_j` over `energy_without_j`"),
+    _number(
+        "dissipation_removed_updated", "the same cycle by cycle, from the second update of the coefficients on"
+    ),
+    Column("removed", float, get=_stable("dissipation_removed"), unit="%", form=_percent, title="removed", on=PEOPLE),
+    Column(
+        "later", float, get=_stable("dissipation_removed_updated"), unit="%", form=_percent,
+        title="removed, coefficients updated", short="later", on=PEOPLE,
+    ),
+    _number(
+        "peak_torque_without", "largest interaction torque", "N m", title="peak torque without",
+        short="peak\nwithout", on=ALL,
+    ),
+    _number(
+        "peak_torque_with", "with the compensator", "N m", title="peak torque with", short="peak\nwith", on=ALL
+    ),
+    _number("rms_torque_without", "root mean square of the interaction torque", "N m"),
+    _number("rms_torque_with", "with the compensator", "N m"),
+    _number("peak_compensation", "largest torque of the compensator", "N m"),
+    _number("peak_rate", "its largest rate", "N m/s"),
+    _number("limited_fraction", "share of the samples at a limit"),
+    Column(
+        "cycles_to_converge", int, "cycles before the compensation is right", "numbers.cycles_to_converge",
+        null=True,
+    ),
+    Column(
+        "cycles_to_converge", int, get=lambda one: one, form=_converged, sort="numbers.cycles_to_converge",
+        title="cycles to converge", short="conv.\ncycles", on=PEOPLE,
+    ),
+    _number("diverged", "when the loop diverged, or null", "s"),
+    Column("joint_model", MODEL, "with a model file: the model of the joint", "model", on="j", null=True),
+    Column("fitted_joint", FITTED, "joint fitted to the log, where it is simulated", "fitted", on="j", null=True),
+    Column("operator", OPERATOR, "with `same-operator`: impedance of the person", on="j", null=True),
+    Column("model_error", float, "velocity error of the simulated joint over the velocity", on="j"),
+    Column("passivity", PASSIVITY, "passivity of the compensated joint", on="j", null=True),
+    *(replace(one, get=f"passivity.{one.key}", on="f") for one in PASSIVITY.columns if one.name in FILED),
+    Column("damped", float, get="passivity.injected_j", unit="J", form=_short, title="damped", on=PEOPLE),
+    Column(
+        "passive", str, get="passivity", title="passive\n(acted)", on="t",
+        form=lambda found: f"{'no' if found.violations else 'yes'} ({found.active_cycles})",
+    ),
+    Column(
+        "passive", str, get="passivity", title="passive", on="p",
+        form=lambda found: "no" if found.violations else f"yes, acted in {found.active_cycles} cycles",
+    ),
+    Column("friction_step", STEP, "a step of friction in the log, or null", "recovery", on="j", null=True),
+    Column("reason", str, "why the joint cannot be replayed", null=True),
+    Column("remark", str, get=_remark, title="remark", on="p"),
+    Column("history", HISTORY, "per cycle of the compensator", on="j"),
     name="replay_joints",
     summary="numbers of a compensator on a joint, over the whole log",
 )  # fmt: skip
@@ -222,14 +202,12 @@ def _signal(of: int, name: str) -> Callable[[tuple[Signals, Signals]], Any]:
 
 
 SIGNALS = Record(
-    (
-        Column("time", get=_signal(0, "t"), unit="s"),
-        Column("dq_without", get=_signal(0, "dq"), unit="rad/s"),
-        Column("dq_with", get=_signal(1, "dq"), unit="rad/s"),
-        Column("interaction_without", get=_signal(0, "interaction_nm"), unit="N m"),
-        Column("interaction_with", get=_signal(1, "interaction_nm"), unit="N m"),
-        *(Column(name, get=_signal(1, f"{name}_nm"), unit="N m") for name in ("compensation", "passivity", "limited")),
-    ),
+    Column("time", get=_signal(0, "t"), unit="s"),
+    Column("dq_without", get=_signal(0, "dq"), unit="rad/s"),
+    Column("dq_with", get=_signal(1, "dq"), unit="rad/s"),
+    Column("interaction_without", get=_signal(0, "interaction_nm"), unit="N m"),
+    Column("interaction_with", get=_signal(1, "interaction_nm"), unit="N m"),
+    *(Column(name, get=_signal(1, f"{name}_nm"), unit="N m") for name in ("compensation", "passivity", "limited")),
     name="replay_signals",
     summary="motion and torque of a joint without the compensator and with it at a sample of the log; "
     "a compensator's torque is the one in force at the sample, computed at the sample before",
@@ -237,38 +215,22 @@ SIGNALS = Record(
     arrays=True,
 )
 REPLAY: Document = Document(
-    "replay",
-    3,
+    "replay/3",
     "What a friction compensator would have done on one log",
-    Record(
-        (
-            SOURCE,
-            SETTINGS,
-            WARNINGS,
-            Column("assume", str, "the counterfactual"),
-            Column("assumes", str, "its assumption, one sentence"),
-            Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null"),
-        )
-    ),
+    CHAIN,
+    Column("assume", str, "the counterfactual"),
+    Column("assumes", str, "its assumption, one sentence"),
+    Column("joints", [JOINT_REPLAY], "per joint; where there is a reason the numbers are null"),
 )
 
 
 def replay_document(found: LogReplay, reading: Mapping[str, object] = NO_OPTIONS) -> dict[str, Any]:
-    """Return the document of a replay.
-
-    Args:
-        found: The result.
-        reading: How the log was read: options of the reader by name.
-    """
+    """Return the document of a replay of a log that was read with some options."""
     given = found.settings.joint_model
     # Of a model file its path: each joint has its model among its numbers.
-    settings = to_json(found.settings) | {"joint_model": None if given is None else given.path}
-    head = {
-        "source": found.estimate.log,
-        "settings": settings_document(found.estimate, reading) | {"replay": settings},
-        "warnings": replay_notices(found),
-    }
-    return REPLAY.json(head | replay_values(found), found.estimate.log.source.torque_unit)
+    settings = {"replay": to_json(found.settings) | {"joint_model": None if given is None else given.path}}
+    warnings = replay_notices(found)
+    return chain_document(REPLAY, found.estimate, warnings, reading, settings, **replay_values(found))
 
 
 def replay_values(found: LogReplay) -> dict[str, Any]:
@@ -283,16 +245,91 @@ TABLES = (JOINT_REPLAY, HISTORY, SIGNALS)
 def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     """Return the tables of a replay for files: joints, cycles, signals."""
     joints, unit = found.replay.joints, found.estimate.log.source.torque_unit
+    replayed = [one for one in joints if one.replayed is not None]
     return (
-        JOINT_REPLAY.file(((one.joint, one.name, [one]) for one in joints), unit),
+        JOINT_REPLAY.joints_file(joints, lambda one: [one], unit),
         history_table(found),
-        SIGNALS.file(
-            ((one.joint, one.name, (one.without, one.replayed)) for one in joints if one.replayed is not None), unit
-        ),
+        SIGNALS.joints_file(replayed, lambda one: (one.without, one.replayed), unit),
     )
 
 
 def history_table(found: LogReplay) -> TidyTable:
     """Return the cycles of the compensator."""
-    joints = found.replay.joints
-    return HISTORY.file(((one.joint, one.name, one.history) for one in joints), found.estimate.log.source.torque_unit)
+    return HISTORY.joints_file(found.replay.joints, "history", found.estimate.log.source.torque_unit)
+
+
+def replay_lines(found: LogReplay) -> list[str]:
+    """Return what was assumed, a row per joint, what moved in it, steps of friction, and why joints have no result."""
+    marked, physics = physics_of(replay_notices(found), found.replay.joints)
+    joints, counterfactual = found.replay.joints, found.replay.counterfactual
+    unit = found.estimate.log.source.torque_unit
+    who = "person" if found.estimate.interaction.choice.drive == "hand" else "drive"
+    sentences = [*_models(found), *(line for joint in joints for line in _moved(joint, who))]
+    sentences += [_recovery(joint) for joint in joints if joint.recovery is not None]
+    sentences += [f"not replayed: {line}" for line in reason_lines(joints)]
+    return [
+        log_line(found.estimate.log),
+        f"interaction torque: {found.estimate.interaction.choice.formula}",
+        f"compensator: {describe_compensator(joints)}",
+        f"{counterfactual.name}: {counterfactual.assumes}",
+        *table_lines(JOINT_REPLAY.people(joints, "t", unit=unit), marked),
+        *physics,
+        *(in_unit(line, unit) for line in sentences),
+    ]
+
+
+def describe_compensator(joints: tuple[JointReplay, ...]) -> str:
+    """Return the compensator in words, of a joint on which it ran: the others differ in limits and thresholds only."""
+    compensator = next((joint for joint in joints if not joint.reason), joints[0]).compensator
+    kind = kind_of(compensator)
+    if not isinstance(compensator, EnergyCompensator):
+        return f"{kind.name}, {kind.summary}"
+    if compensator.forced is not None:
+        given = compensator.forced
+        law = f"fixed at {given.coulomb_nm:g} N m and {given.viscous_nms_per_rad:g} N m s/rad"
+    else:
+        cycles = compensator.cycles_per_estimate
+        times = "" if compensator.factor == 1 else f", times {compensator.factor:g}"
+        law = f"{compensator.model} model from the last {f'{cycles} cycles' if cycles > 1 else 'cycle'}{times}"
+    return f"{kind.name}, {law}, {'with' if compensator.passivity else 'without'} passivity controller"
+
+
+def _models(found: LogReplay) -> Iterator[str]:
+    """Yield the model of each joint that was replayed with one, and what of it was applied."""
+    given = found.settings.joint_model
+    for joint in found.replay.joints if given is not None else ():
+        if joint.model is None or joint.reason or given is None:
+            continue
+        names = ", ".join(term.name for term in joint.model.terms) or "no terms"
+        compensator, origin = joint.compensator, joint.model.provenance
+        applied = ""
+        if isinstance(compensator, JointModelCompensation):
+            applied = f"; applied: {', '.join(term.name for term in compensator.terms)}"
+        cycles = f"{origin.cycles} cycles" if origin.cycles else ""
+        known = ", ".join(filter(None, (origin.method, origin.log, cycles))) or "origin unknown"
+        model = f"inertia {joint.model.inertia_kg_m2:.4g} kg m², {names}"
+        yield f"joint {joint.joint} by {given.path} ({known}): {model}{applied}"
+
+
+def _moved(joint: JointReplay, who: str) -> Iterator[str]:
+    """Yield the joint, and who moved it, that moved otherwise than recorded, with their 95 % intervals."""
+    fitted, operator = joint.fitted, joint.operator
+    if fitted is not None:
+        yield f"joint {joint.joint} as fitted, 95 %: {_quantities(FITTED, fitted)}"
+    if operator is not None:
+        origin = f"as fitted to {operator.reversals} reversals, 95 %" if operator.reversals else "as given"
+        yield f"{who} at joint {joint.joint} {origin}: {_quantities(OPERATOR, operator)}"
+
+
+def _quantities(record: Record, found: object) -> str:
+    """Return the coefficients of a record; their meanings are their names."""
+    columns = [one for one in record.columns if one.kind is Coefficient]
+    return ", ".join(f"{one.meaning.split()[0]} {with_unit(one.value(found), one.unit)}" for one in columns)
+
+
+def _recovery(joint: JointReplay) -> str:
+    recovery = joint.recovery
+    assert recovery is not None
+    change = f"joint {joint.joint}: friction steps to {recovery.change:.2f} times at {recovery.step_s:.4g} s"
+    right = f"after {recovery.cycles} cycles, {recovery.seconds:.3g} s" if recovery.cycles else "not in this log"
+    return f"{change}; compensation right again: {right}"

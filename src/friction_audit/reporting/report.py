@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import ReplaySettings
@@ -18,7 +18,7 @@ from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_est
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS
 from friction_audit.reporting.diagnosis_words import joint_message, names_of, plain_names
-from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
+from friction_audit.reporting.documents import CHAIN, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
 from friction_audit.reporting.replay import REPLAY, replay_tables, replay_values
@@ -41,23 +41,14 @@ class Unanswered:
     traceback: str = ""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class JointReport:
+class JointReport(NamedTuple):
     """What is reported of one joint, None where a part has no answer."""
 
+    joint: int
+    name: str
     friction: JointFriction
     discrepancy: JointDiagnosis | None
     replay: JointReplay | None
-
-    @property
-    def joint(self) -> int:
-        """Number for people."""
-        return self.friction.joint
-
-    @property
-    def name(self) -> str:
-        """Name in the log."""
-        return self.friction.name
 
     @property
     def answer(self) -> str:
@@ -70,25 +61,15 @@ class JointReport:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LogReport:
-    """What a log says.
+    """What a log says."""
 
-    Attributes:
-        estimate: Friction.
-        diagnosis: What the nominal model misses, or None without an answer.
-        replay: What a compensator would have done, or None without an answer.
-        unanswered: Why there is no answer, of the parts that are None.
-        sections: Which sections were asked for, of SECTIONS.
-        reading: How the log was read: options of the reader by name.
-        command: The command that makes the report again; empty if there was none.
-    """
-
-    estimate: Estimate
-    diagnosis: Diagnosis | None = None
-    replay: LogReplay | None = None
-    unanswered: tuple[Unanswered, ...] = ()
-    sections: tuple[str, ...] = SECTIONS
-    reading: Mapping[str, object] = field(default_factory=dict)
-    command: str = ""
+    estimate: Estimate  # friction
+    diagnosis: Diagnosis | None = None  # what the nominal model misses, or None without an answer
+    replay: LogReplay | None = None  # what a compensator would have done, or None without an answer
+    unanswered: tuple[Unanswered, ...] = ()  # why there is no answer, of the parts that are None
+    sections: tuple[str, ...] = SECTIONS  # which sections were asked for, of SECTIONS
+    reading: Mapping[str, object] = field(default_factory=dict)  # how the log was read: options of the reader by name
+    command: str = ""  # the command that makes the report again; empty if there was none
 
     @property
     def file_name(self) -> str:
@@ -106,7 +87,7 @@ class LogReport:
         missing = {} if self.diagnosis is None else {one.joint: one for one in self.diagnosis.discrepancy.joints}
         replayed = {} if self.replay is None else {one.joint: one for one in self.replay.replay.joints}
         return tuple(
-            JointReport(friction=one, discrepancy=missing.get(one.joint), replay=replayed.get(one.joint))
+            JointReport(one.joint, one.name, one, missing.get(one.joint), replayed.get(one.joint))
             for one in self.estimate.friction.joints
         )
 
@@ -121,18 +102,9 @@ def report_estimate(
     command: str = "",
     step: Step = lambda _: nullcontext(),
 ) -> LogReport:
-    """Run what follows an estimate; a part without an answer leaves the others as they are.
+    """Run what follows an estimate, for the sections asked for; a part without an answer leaves the others as they are.
 
     Of the log the report has the name, not the path: a page is sent to others.
-
-    Args:
-        estimate: The estimate.
-        replay_settings: Of the replay.
-        diagnosis_settings: Of the diagnosis.
-        sections: Which are asked for; replay and diagnosis run only for theirs.
-        reading: How the log was read: options of the reader by name.
-        command: The command that makes the report again.
-        step: Called with the part that is under way.
     """
     unanswered: list[Unanswered] = []
     estimate = _without_path(estimate)
@@ -159,7 +131,7 @@ def _without_path(estimate: Estimate) -> Estimate:
     """Return the estimate with the name of the log in place of its path, in commands to paste also."""
     log, seen = estimate.log, estimate.interaction
     path, name = log.source.path, name_of_log(Path(log.source.path))
-    warnings = tuple(replace(one, message=one.message.replace(path, name)) for one in seen.warnings)
+    warnings = tuple(one.renamed(path, name) for one in seen.warnings)
     log = replace(log, source=replace(log.source, path=name))
     return replace(estimate, log=log, interaction=replace(seen, warnings=warnings))
 
@@ -222,10 +194,9 @@ def removal_words(joint: JointReplay) -> str:
         return ""
     if not math.isnan(numbers.diverged_s):
         return f"the compensator would have diverged after {numbers.diverged_s:.3g} s"
-    if numbers.dissipation_removed < 0.0:
-        left = 100 * (1.0 - numbers.dissipation_removed)
-        return f"with a compensator the energy put in would have been {left:.0f} % of that without"
     removed = 100 * numbers.dissipation_removed
+    if removed < 0.0:
+        return f"with a compensator the energy put in would have been {100 - removed:.0f} % of that without"
     return f"a compensator would have removed {removed:.0f} % of the energy put in"
 
 
@@ -235,13 +206,15 @@ def lead_sentence(report: LogReport) -> str:
     known = [one for one in joints if not one.friction.reason]
     if not known:
         return "Friction is estimated on no joint."
-    of_all = "" if len(known) == len(joints) else f" of {len(joints)}"
+    alone, of_all = len(joints) == 1, "" if len(known) == len(joints) else f" of {len(joints)}"
     estimated = f"Friction is estimated on {_joints(known, len(joints))}{of_all}."
+    if alone:
+        estimated = f"Friction is estimated: {friction_words(known[0].friction)}."
     groups: dict[str, list[JointReport]] = {}
     for one in known:
         if one.discrepancy is not None:
             groups.setdefault(_missing(one.discrepancy), []).append(one)
-    parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
+    parts = "; ".join(words if alone else f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
         words = [verdict_word(one) for one in known]
         counts = "; ".join(f"{word}: {count_of(words.count(word), 'joint')}" for word in dict.fromkeys(words))
@@ -251,10 +224,11 @@ def lead_sentence(report: LogReport) -> str:
 
 def _missing(found: JointDiagnosis) -> str:
     names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
+    misses = f"the model misses {names}"
     return {
         "adequate": "the model is adequate",
-        "named": f"the model misses {names}",
-        "ambiguous": f"the model misses {names}",
+        "named": misses,
+        "ambiguous": misses,
         "unexplained": f"an unexplained effect is missing{f' in addition to {names}' if names else ''}",
         "not_testable": "the model cannot be tested",
         "data_fault": "the data are inconsistent",
@@ -266,9 +240,8 @@ def _joints(joints: Sequence[JointReport], every: int) -> str:
     """Return which joints are meant."""
     if MOST_LISTED < len(joints) < every:
         return count_of(len(joints), "joint")
-    if len(joints) == every:
-        return "the joint" if every == 1 else f"all {every} joints"
-    return f"{'joint' if len(joints) == 1 else 'joints'} {enumerate_words(one.joint for one in joints)}"
+    numbers = enumerate_words(one.joint for one in joints)
+    return f"all {every} joints" if len(joints) == every else f"joint{'s' if len(joints) > 1 else ''} {numbers}"
 
 
 def report_settings(report: LogReport) -> dict[str, Any]:
@@ -278,54 +251,44 @@ def report_settings(report: LogReport) -> dict[str, Any]:
     return settings_document(report.estimate, report.reading) | own
 
 
-# Keys of the documents of the parts that the whole document has once.
-SHARED = ("source", "settings", "warnings")
-UNANSWERED = Record((Column("part", str, "the command"), Column("message", str, "why it has no answer")))
+UNANSWERED = Record(Column("part", str, "the command"), Column("message", str, "why it has no answer"))
 
 
 VERDICT = Record(
-    (
-        JOINT,
-        NAME,
-        joint_column(),
-        Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
-        Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
-        Column("verdict", str, "the verdict of the page", verdict_word),
-        Column("verdict", str, get=verdict_word, title="verdict", tone=VERDICT_TONES.__getitem__, on="p"),
-        Column(
-            "message",
-            str,
-            "cause, size, what to do; or why there is no answer",
-            lambda one: one.answer or friction_words(one.friction),
-        ),
-        Column("answer", str, title="cause, size, what to do", words=True, on="p"),
-    )
-)
+    JOINT,
+    NAME,
+    joint_column(),
+    Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
+    Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
+    Column(
+        "verdict", str, "the verdict of the page", verdict_word,
+        title="verdict", tone=VERDICT_TONES.__getitem__, on="jfp",
+    ),
+    Column(
+        "message", str, "cause, size, what to do; or why there is no answer",
+        lambda one: one.answer or friction_words(one.friction),
+    ),
+    Column("answer", str, title="cause, size, what to do", words=True, on="p"),
+)  # fmt: skip
 
 
 def _part(document: Document) -> Record:
-    return Record(tuple(column for column in document.record.columns if column.name not in SHARED))
+    """Return the keys of a part, without those that the whole document has once."""
+    return Record(*(column for column in document.columns if column not in CHAIN))
 
 
 REPORT = Document(
-    "report",
-    4,
+    "report/4",
     "All parts of a report, as on its page",
-    Record(
-        (
-            Column("command", str, "the command that makes the report again", null=True),
-            SOURCE,
-            SETTINGS,
-            WARNINGS,
-            Column("message", str, "the lead of the page"),
-            Column("sections", [str], "sections that were asked for"),
-            Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
-            Column("joints", [VERDICT], "per joint"),
-            Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
-            Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", null=True),
-            Column("replay", _part(REPLAY), "document of `replay` likewise", null=True),
-        )
-    ),
+    Column("command", str, "the command that makes the report again", null=True),
+    CHAIN,
+    Column("message", str, "the lead of the page"),
+    Column("sections", [str], "sections that were asked for"),
+    Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
+    Column("joints", [VERDICT], "per joint"),
+    Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
+    Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", null=True),
+    Column("replay", _part(REPLAY), "document of `replay` likewise", null=True),
 )
 
 

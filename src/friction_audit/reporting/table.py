@@ -4,7 +4,7 @@ JSON documents, their schemas, files (CSV, Parquet, MCAP) and tables for people 
 """
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, is_dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -39,64 +39,44 @@ TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: 
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """A column of a table, or a key of a document.
+    """A column of a table, or a key of a document."""
 
-    Attributes:
-        name: Its name without the unit.
-        kind: str, int, float, bool, Coefficient, INTERVAL, dict, a tuple of the words that it may hold, a Record, a
-            list of one kind (``[float]``) or a mapping of names to one kind (``{"*": Coefficient}``).
-        meaning: One line for people.
-        get: Path of attributes, keys and places from a row, or a function of the row; the key if None.
-        unit: Unit of the value; its suffix ends the key.
-        title: Head of the column for people, without the unit.
-        short: The same for the terminal, in narrow lines, if it differs.
-        form: Format of a number, or a function from the value to its text.
-        sort: What the column is sorted by, like ``get``, if not by the value.
-        on: Forms in which the column appears, by letter: JSON document, file, terminal, page.
-        null: Whether the value may be missing in a document; an empty text is then null.
-        tone: Tone of the badge around a text, by the text.
-        code: Whether it is the name of a file or the like, which may break anywhere.
-        words: Whether it is a phrase for which the page leaves room.
-        optional: Whether a document has the key only where there is something.
-    """
-
-    name: str
+    name: str  # its name without the unit
+    # str, int, float, bool, Coefficient, INTERVAL, dict, a tuple of the words that it may hold, a Record, a list of
+    # one kind (``[float]``) or a mapping of names to one kind (``{"*": Coefficient}``)
     kind: Any = float
-    meaning: str = ""
-    get: Get | None = None
+    meaning: str = ""  # one line for people
+    get: Get | None = None  # path of attributes, keys and places from a row, or a function of the row; the key if None
     _: KW_ONLY
-    unit: str = ""
+    unit: str = ""  # unit of the value; its suffix ends the key
+    # head of the column for people, without the unit; ``short`` the same in the terminal, in narrow lines
     title: str = ""
     short: str = ""
-    form: str | Callable[[Any], str] = ".3g"
-    sort: Get | None = None
-    on: str = "jf"
-    null: bool = False
-    tone: Callable[[str], Tone] | None = None
-    code: bool = False
-    words: bool = False
-    optional: bool = False
+    form: str | Callable[[Any], str] = ".3g"  # format of a number, or a function from the value to its text
+    sort: Get | None = None  # what the column is sorted by, like ``get``, if not by the value
+    on: str = "jf"  # forms in which the column appears, by letter: JSON document, file, terminal, page
+    null: bool = False  # whether the value may be missing in a document; an empty text is then null
+    tone: Callable[[str], Tone] | None = None  # tone of the badge around a text, by the text
+    code: bool = False  # whether it is the name of a file or the like, which may break anywhere
+    words: bool = False  # whether it is a phrase for which the page leaves room
+    optional: bool = False  # whether a document has the key only where there is something
 
     @property
     def key(self) -> str:
         """Name with the unit, as in documents."""
-        return f"{self.name}_{SUFFIXES[self.unit]}" if self.unit in SUFFIXES else self.name
+        return self.key_in(NEWTON_METRES)
 
     def key_in(self, torque_unit: str) -> str:
         """Return the name with the unit that follows from that of the torque, as in files."""
-        if torque_unit == NEWTON_METRES or self.unit not in OF_CURRENT:
-            return self.key
-        return f"{self.name}_{OF_CURRENT[self.unit].format(torque_unit.lower())}"
+        suffix = SUFFIXES.get(self.unit, "")
+        if torque_unit != NEWTON_METRES and self.unit in OF_CURRENT:
+            suffix = OF_CURRENT[self.unit].format(torque_unit.lower())
+        return f"{self.name}_{suffix}" if suffix else self.name
 
     def head(self, torque_unit: str) -> str:
         """Return the head of the column on a page."""
         unit = in_unit(self.unit, torque_unit)
         return f"{self.title} [{unit}]" if unit else self.title
-
-    def short_head(self, torque_unit: str) -> str:
-        """Return the head of the column on the terminal: its unit in a line of its own."""
-        title, unit = self.short or self.title, in_unit(self.unit, torque_unit)
-        return f"{title}\n[{unit}]" if unit else title
 
     @property
     def number(self) -> bool:
@@ -115,17 +95,16 @@ class Column:
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of the value."""
         found = _schema(self.kind)
-        if self.null and "oneOf" not in found:
-            if isinstance(kind := found.get("type"), str):
-                found["type"] = [kind, "null"]
-            elif "type" not in found:
-                found = {"oneOf": [{"type": "null"}, found]}
+        if self.null and isinstance(kind := found.get("type"), str):
+            found["type"] = [kind, "null"]
+        elif self.null and not {"type", "oneOf"} & found.keys():
+            found = {"oneOf": [{"type": "null"}, found]}
         return found | ({"description": self.meaning} if self.meaning else {})
 
     def text(self, row: Row) -> str:
         """Return the value in a row for people, a dash for none."""
         value = self.value(row)
-        if value is None or (isinstance(value, float) and math.isnan(value)):
+        if value is None or value == "" or (isinstance(value, float) and math.isnan(value)):
             return NOTHING
         if callable(self.form):
             return self.form(value) or NOTHING
@@ -133,9 +112,7 @@ class Column:
             return format_coefficient(value)
         if isinstance(value, bool):
             return "yes" if value else "no"
-        return (
-            str(value) or NOTHING if isinstance(value, str) else format(value, "d" if self.kind is int else self.form)
-        )
+        return value if isinstance(value, str) else format(value, "d" if self.kind is int else self.form)
 
     def sort_key(self, row: Row) -> float | None:
         """Return the number that a row is sorted by, NaN for none; None if the column is sorted by its text."""
@@ -155,38 +132,37 @@ class JointName(NamedTuple):
 
 def joint_column(get: Get = lambda row: row, on: str = PEOPLE) -> Column:
     """Return the column that heads the rows of joints for people; ``get`` gives what has ``joint`` and ``name``."""
-    return Column(
-        "joint",
-        str,
-        get=get,
-        title="joint",
-        form=lambda one: joint_label(one.joint, one.name),
-        sort=lambda row: _found(row, get).joint,
-        on=on,
-    )
+    sort = lambda row: _found(row, get).joint  # noqa: E731
+    label = lambda one: joint_label(one.joint, one.name)  # noqa: E731
+    return Column("joint", str, get=get, title="joint", form=label, sort=sort, on=on)
 
 
 JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str, "name in the log", on="j")
 
 
-@dataclass(frozen=True, eq=False)
 class Record:
-    """Columns of one kind of row.
+    """Columns of one kind of row."""
 
-    Attributes:
-        columns: In order.
-        name: Name of the table in files.
-        summary: What a row is, in one line.
-        time: Key of the column that holds the moment at which a row was known, or None.
-        arrays: Whether a value is the whole column of a joint: an array instead of one cell.
-    """
+    def __init__(
+        self,
+        *columns: Column | tuple[Column, ...],
+        name: str = "",
+        summary: str = "",
+        time: str | None = None,
+        arrays: bool = False,
+    ) -> None:
+        """Take the columns in order, also in groups.
 
-    columns: tuple[Column, ...]
-    _: KW_ONLY
-    name: str = ""
-    summary: str = ""
-    time: str | None = None
-    arrays: bool = False
+        Args:
+            columns: The columns.
+            name: Name of the table in files.
+            summary: What a row is, in one line.
+            time: Key of the column that holds the moment at which a row was known, or None.
+            arrays: Whether a value is the whole column of a joint: an array instead of one cell.
+        """
+        groups = (one if isinstance(one, tuple) else (one,) for one in columns)
+        self.columns = tuple(column for group in groups for column in group)
+        self.name, self.summary, self.time, self.arrays = name, summary, time, arrays
 
     def on(self, form: Form) -> tuple[Column, ...]:
         """Return the columns of a form."""
@@ -198,7 +174,7 @@ class Record:
         if not self.arrays:
             there = (column for column in columns if not column.optional or column.value(row))
             return {column.key: column.json(row, torque_unit) for column in there}
-        cells = zip(*(_plain(column.value(row)) for column in columns), strict=True)
+        cells = zip(*(column.value(row) for column in columns), strict=True)
         keys = [column.key for column in columns]
         return [dict(zip(keys, map(to_json, values), strict=True)) for values in cells]
 
@@ -208,25 +184,31 @@ class Record:
         required = [column.key for column in self.on("j") if not column.optional]
         return {"type": "object", "required": required, "properties": properties}
 
-    def file(self, joints: Iterable[tuple[int, str, Any]], torque_unit: str = NEWTON_METRES) -> TidyTable:
+    def joints_file(self, joints: Iterable[Any], get: Get, torque_unit: str = NEWTON_METRES) -> TidyTable:
+        """Return the table for files of joints with a number and a name; ``get`` gives the rows of each."""
+        return self.file(((one.joint, one.name, _found(one, get)) for one in joints), torque_unit)
+
+    def file(
+        self,
+        joints: Iterable[tuple[int, str, Any]],
+        torque_unit: str = NEWTON_METRES,
+        absent: Collection[str] = (),
+    ) -> TidyTable:
         """Return the table for files.
 
         Args:
             joints: Of each joint number, name, and its rows (or what has its arrays); None for none.
             torque_unit: Unit of the torque.
+            absent: Names of columns that this result does not have.
         """
-        columns = self.file_columns()
+        columns = {one.key_in(torque_unit): one for one in self.file_columns() if one.name not in absent}
         return TidyTable(
             name=self.name,
             summary=self.summary,
-            types={
-                column.key_in(torque_unit): str if isinstance(column.kind, tuple) else column.kind for column in columns
-            },
-            time=None if self.time is None else next(c.key_in(torque_unit) for c in columns if c.key == self.time),
+            types={key: str if isinstance(column.kind, tuple) else column.kind for key, column in columns.items()},
+            time=next((key for key, column in columns.items() if column.key == self.time), None),
             rows=tuple(
-                JointRows(
-                    joint=joint, name=name, columns={c.key_in(torque_unit): self._cells(c, rows) for c in columns}
-                )
+                JointRows(joint=joint, name=name, columns={key: self._cells(one, rows) for key, one in columns.items()})
                 for joint, name, rows in joints
                 if rows is not None and (self.arrays or rows)
             ),
@@ -234,50 +216,42 @@ class Record:
 
     def file_columns(self) -> list[Column]:
         """Return the columns of files: a coefficient is a value and the two ends of its interval."""
-        return [one for column in self.on("f") for one in _flat(column)]
+
+        def end_of(column: Column, field: str) -> Get:
+            return lambda row: getattr(column.value(row), field, None)
+
+        def parts(column: Column) -> list[Column]:
+            if column.kind is not Coefficient:
+                return [column]
+            return [replace(column, name=column.name + end, kind=float, get=end_of(column, one)) for end, one in ENDS]
+
+        return [part for column in self.on("f") for part in parts(column)]
 
     def _cells(self, column: Column, rows: Any) -> Any:  # noqa: ANN401
         if self.arrays:
             return column.value(rows)
         values = [column.value(row) for row in rows]
-        return as_column(
-            ["" if value is None else value for value in values] if column.kind is str else values, column.kind
-        )
+        if column.kind is str:
+            return ["" if value is None else value for value in values]
+        return as_column(values, column.kind)
 
-    def people(
-        self,
-        rows: Iterable[Row],
-        form: Form = "p",
-        *,
-        caption: str = "",
-        folded: bool = False,
-        unit: str = NEWTON_METRES,
-    ) -> "Table":
+    def people(self, rows: Iterable[Row], form: Form = "p", **shown: Any) -> "Table":  # noqa: ANN401 - fields of Table
         """Return the table for people: on the terminal or on a page."""
-        return Table(columns=self.on(form), rows=tuple(rows), caption=caption, folded=folded, unit=unit)
+        return Table(columns=self.on(form), rows=tuple(rows), **shown)
 
 
-LONG = 30
-"""Rows of a table above which the page gives it a window of its own."""
+LONG = 30  # rows of a table above which the page gives it a window of its own
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Table:
-    """A table for people.
+    """A table for people."""
 
-    Attributes:
-        columns: Its columns; the first heads the row.
-        rows: Its rows.
-        caption: What it shows.
-        folded: Whether a page shows it only when asked for.
-        unit: Unit of the torque.
-    """
-
-    columns: Sequence[Column]
-    rows: Sequence[Row]
-    caption: str = ""
-    folded: bool = False
-    unit: str = NEWTON_METRES
+    columns: Sequence[Column]  # its columns; the first heads the row
+    rows: Sequence[Row]  # its rows
+    caption: str = ""  # what it shows
+    folded: bool = False  # whether a page shows it only when asked for
+    unit: str = NEWTON_METRES  # unit of the torque
 
     def text(self, column: Column, row: Row) -> str:
         """Return the text of a cell."""
@@ -294,31 +268,23 @@ class Table:
         return replace(self, columns=kept)
 
 
-@dataclass(frozen=True, eq=False)
-class Document:
+class Document(Record):
     """A JSON document: ``schema`` and ``version``, then its columns."""
 
-    kind: str
-    number: int
-    title: str
-    record: Record
+    def __init__(self, name: str, title: str, *columns: Column | tuple[Column, ...]) -> None:
+        """Take kind and version (``estimate/1``), what it is, and its keys."""
+        super().__init__(*columns, name=f"friction-audit/{name}", summary=title)
 
-    @property
-    def name(self) -> str:
-        """Kind and version."""
-        return f"friction-audit/{self.kind}/{self.number}"
-
-    def json(self, values: Mapping[str, Any], torque_unit: str = NEWTON_METRES) -> dict[str, Any]:
+    def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> dict[str, Any]:
         """Return the document of values by name."""
-        return {"schema": self.name, "version": __version__, **self.record.json(values, torque_unit)}
+        return {"schema": self.name, "version": __version__, **super().json(row, torque_unit)}
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of the document."""
-        head = {"schema": {"const": self.name}, "version": {"type": "string"}}
-        body = self.record.schema()
+        head, body = {"schema": {"const": self.name}, "version": {"type": "string"}}, super().schema()
         return {
             "$schema": "https://json-schema.org/draft/2020-12/schema",
-            "title": self.title,
+            "title": self.summary,
             "description": "Numbers carry their unit in the key; null where there is no number.",
             "type": "object",
             "required": [*head, *body["required"]],
@@ -356,51 +322,35 @@ def _found(row: Row, get: Get) -> Any:  # noqa: ANN401
     return row
 
 
-def _plain(values: Any) -> list[Any]:  # noqa: ANN401
-    return values.tolist() if isinstance(values, np.ndarray) else list(values)
-
-
-def _json(kind: Any, value: Any, torque_unit: str) -> Any:  # noqa: ANN401, PLR0911
-    if isinstance(kind, Record):
-        return ([] if kind.arrays else None) if value is None else kind.json(value, torque_unit)
-    if value is None:
-        return None
-    if isinstance(kind, list):
-        return [_json(kind[0], item, torque_unit) for item in value]
-    if isinstance(kind, dict):
-        return {name: _json(kind["*"], item, torque_unit) for name, item in value.items()}
-    if kind is str:
-        return in_unit(value, torque_unit)
-    if kind is Coefficient:
+def _json(kind: Any, value: Any, torque_unit: str) -> Any:  # noqa: ANN401
+    match kind:
+        case Record():
+            return ([] if kind.arrays else None) if value is None else kind.json(value, torque_unit)
+        case list() if value is not None:
+            return [_json(kind[0], item, torque_unit) for item in value]
+        case dict() if value is not None:
+            return {name: _json(kind["*"], item, torque_unit) for name, item in value.items()}
+    if isinstance(value, Coefficient):
         number = to_json(value.value)
         return None if number is None else {"value": number, "ci95": to_json([value.low, value.high])}
-    return to_json(value)
+    return in_unit(value, torque_unit) if kind is str and value is not None else to_json(value)
 
 
 def _schema(kind: Any) -> dict[str, Any]:  # noqa: ANN401, PLR0911 - a return per kind
-    if isinstance(kind, Record):
-        return {"type": "array", "items": kind.schema()} if kind.arrays else kind.schema()
-    if isinstance(kind, tuple):
-        return {"enum": list(kind)}
-    if isinstance(kind, list):
-        return {"type": "array", "items": _schema(kind[0])}
-    if isinstance(kind, dict):
-        return {"type": "object", "additionalProperties": _schema(kind["*"])}
     interval = {"type": "array", "items": {"type": ["number", "null"]}, "minItems": 2, "maxItems": 2}
+    match kind:
+        case Record():
+            return {"type": "array", "items": kind.schema()} if kind.arrays else kind.schema()
+        case tuple():
+            return {"enum": list(kind)}
+        case list():
+            return {"type": "array", "items": _schema(kind[0])}
+        case dict():
+            return {"type": "object", "additionalProperties": _schema(kind["*"])}
     if kind is Coefficient:
         properties = {"value": {"type": "number"}, "ci95": interval}
         found = {"type": "object", "required": ["value", "ci95"], "properties": properties}
         return {"oneOf": [{"type": "null"}, found]}
     if kind is INTERVAL:
-        return dict(interval)
+        return interval
     return {"type": ["number", "null"] if kind is float else TYPES[kind]}
-
-
-def _flat(column: Column) -> list[Column]:
-    if column.kind is not Coefficient:
-        return [column]
-    return [replace(column, name=f"{column.name}{end}", kind=float, get=_end(column, field)) for end, field in ENDS]
-
-
-def _end(column: Column, field: str) -> Get:
-    return lambda row: getattr(column.value(row), field, None)

@@ -5,21 +5,17 @@ from collections.abc import Collection
 
 from friction_audit.joint_log import JointLog
 from friction_audit.reporting.table import Table
-from friction_audit.reporting.words import MARK
+from friction_audit.reporting.words import MARK, in_unit
 
 # Characters of a line.
 WIDEST = 1000
 
 
 def table_lines(table: Table, marked: Collection[int] = ()) -> list[str]:
-    """Return a table as text, without spaces at the ends of its lines.
+    """Return a table as text, without spaces at the ends of its lines; the first cell of ``marked`` rows gets a mark.
 
     It is as wide as the terminal, and wider where numbers would be cut: a terminal breaks long lines, and half a number
     is worse. Columns of phrases give way.
-
-    Args:
-        table: The table.
-        marked: Rows whose first cell gets a mark.
     """
     from rich.box import SIMPLE_HEAD
     from rich.console import Console
@@ -28,7 +24,8 @@ def table_lines(table: Table, marked: Collection[int] = ()) -> list[str]:
 
     drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
     for column in table.columns:
-        head = Text(column.short_head(table.unit))
+        title, unit = column.short or column.title, in_unit(column.unit, table.unit)
+        head = Text(f"{title}\n[{unit}]" if unit else title)
         drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
     for number, row in enumerate(table.rows):
         first, *others = (column.text(row) for column in table.columns)

@@ -5,8 +5,14 @@ from collections.abc import Iterator, Mapping
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift_words
 from friction_audit.reporting.batch_drawings import draw, page_drawings
-from friction_audit.reporting.drift import COEFFICIENT, FAILED, BatchSummary, CoefficientRow, coefficient_rows
-from friction_audit.reporting.drift_text import sessions_text
+from friction_audit.reporting.drift import (
+    COEFFICIENT,
+    FAILED,
+    BatchSummary,
+    CoefficientRow,
+    coefficient_rows,
+    sessions_text,
+)
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html

@@ -11,6 +11,7 @@ from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting import drift_words
 from friction_audit.reporting.drift import CoefficientRow
+from friction_audit.reporting.sentences import session_sentences
 from friction_audit.reporting.table import Column, Get, Record, joint_column
 from friction_audit.reporting.words import (
     SHORTEST_NAME,
@@ -176,7 +177,7 @@ def _read_as(session: Session) -> str:
 
 def _notes(session: Session) -> str:
     damaged = ("damaged, part of it left out",) if session.damaged else ()
-    return "; ".join(text for text in (session.note, *damaged, *session.warnings) if text)
+    return "; ".join(text for text in (session.note, *damaged, *session_sentences(session.warnings)) if text)
 
 
 def session_temperature(session: Session) -> float:

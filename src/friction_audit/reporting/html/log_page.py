@@ -35,8 +35,7 @@ from friction_audit.reporting.html.page import (
 )
 from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
 from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
-from friction_audit.reporting.replay import JOINT_REPLAY
-from friction_audit.reporting.replay_text import describe_compensator
+from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.report import (
     VERDICT,
     JointReport,
