@@ -26,13 +26,13 @@ Found = tuple[ast.expr, ast.expr | None, bool]
 def messages() -> dict[str, tuple[tuple[str, ...], bool]]:
     """Return the messages and the mark of damage of every code of a warning in the source."""
     found: dict[str, tuple[tuple[str, ...], bool]] = {
-        code: ((beginning(_plain(text)),), False) for code, text in (SENTENCES | {"sign_turned": TURNED[False]}).items()
+        code: ((beginning(_plain(text)),), False) for code, text in {**SENTENCES, "sign_turned": TURNED[False]}.items()
     }
     for path in sorted(SOURCE.rglob("*.py")):
         module = ast.parse(path.read_text())
         for function in (*(node for node in module.body if isinstance(node, ast.FunctionDef)), module):
             for code, message, damaged in _made(function):
-                if isinstance(code, ast.Constant):
+                if isinstance(code, ast.Constant) and isinstance(code.value, str):
                     texts, lost = found.get(code.value, ((), False))
                     text = beginning(_text(message, function, module))
                     found[code.value] = texts if text in (*texts, "") else (*texts, text), lost or damaged

@@ -15,6 +15,7 @@ from friction_audit.batch.manifest import RESULTS_VERSION, BatchSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import TorqueSettings
 from tests.batch.conftest import Batch, Inline
 
@@ -59,7 +60,7 @@ SESSION = Session(
     duration_s=60.0,
     conditions=Conditions(drive="hand", torque="tau_J", gravity="logged", inertia="none", rate_hz=999.7),
     joints=JOINTS,
-    warnings=("one", "two"),
+    warnings=("one", Caution(code="dq_late", joint=2, numbers={"joints": [2], "lags_s": [THIRD]})),
     damaged=True,
 )
 RECORDED = Recorded(session=SESSION, topic="", kind="panda", named_by_serial=True)

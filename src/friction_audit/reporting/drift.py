@@ -202,7 +202,9 @@ JOINT_DRIFT = Record(
     ),
     Column(
         "coefficients", {"*": COEFFICIENT}, "by name of the coefficient",
-        lambda row: {one.coefficient: CoefficientRow(*row, one, k) for k, one in enumerate(row.joint.coefficients)},
+        lambda row: {
+            one.coefficient: CoefficientRow(row.arm, row.joint, one, k) for k, one in enumerate(row.joint.coefficients)
+        },
     ),
 )  # fmt: skip
 
