@@ -83,8 +83,3 @@ def test_names_that_another_option_lists_are_offered(command: str, option: str, 
     assert offered(command, option) == list(names)
     assert offered(command, option, names[0][:2])[0] == names[0]
     assert offered(command, option, "?") == []
-
-
-def test_a_list_goes_on_after_its_comma() -> None:
-    assert offered("diagnose", "--candidates", "stribeck,torque_r") == ["stribeck,torque_ripple"]
-    assert offered("plot", "--figure-format", "png,") == ["png,svg", "png,pdf"]

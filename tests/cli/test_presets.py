@@ -2,7 +2,7 @@
 
 import json
 import runpy
-from math import inf, pi
+from math import inf
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +10,6 @@ import pytest
 
 from friction_audit.compensation.settings import limits_of as compensator_limits
 from friction_audit.io.readers.joint_names import arm_name, robot_of
-from friction_audit.planning.motion import limits_of
-from friction_audit.planning.task import Joint
 from friction_audit.presets import BUILT_IN, PRESETS, TORQUES, candidates
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in
@@ -72,16 +70,6 @@ def test_a_make_is_no_name_of_an_arm() -> None:
         "left_ur5e",
         "",
     ]
-
-
-def test_limits_of_a_plan_are_those_of_the_preset() -> None:
-    joint = Joint(number=4, name="elbow", hand=False, reach_rad=(-9.0, 9.0))
-    fr3, ur5e = (limits_of(joint, -1.0, urdf=None, robot=name) for name in ("fr3", "ur5e"))
-    assert (fr3.low_rad, fr3.high_rad) == pytest.approx((-3.0421 + 0.05, -0.1518 - 0.05))
-    assert (fr3.speed_rad_s, fr3.acceleration_rad_s2) == (2.62, 2.5)
-    assert (ur5e.high_rad, ur5e.speed_rad_s) == pytest.approx((2 * pi - 0.05, pi))
-    assert ur5e.acceleration_rad_s2 == 2.5  # not published: usual of arms
-    assert ur5e.source.endswith("usual of arms")
 
 
 def test_limits_of_a_compensator_are_those_of_the_preset() -> None:

@@ -3,7 +3,6 @@
 import ast
 import json
 import re
-from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
@@ -52,8 +51,3 @@ def test_every_cell_runs(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     found = re.search(r"Coulomb friction: \+(\d+\.\d) %", capsys.readouterr().out)
     assert found is not None
     assert float(found[1]) == pytest.approx(10.0, abs=3.0)
-
-
-def test_the_documentation_links_to_it() -> None:
-    for page in (DOCS / "python.md", Path(DOCS).parent / "README.md"):
-        assert "notebook.ipynb" in page.read_text(), page.name

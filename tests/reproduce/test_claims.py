@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.reproduce.arm import SLOPE_BOUND, cyclic_energies, slope_ratios
+from friction_audit.reproduce.arm import SLOPE_BOUND
 from friction_audit.reproduce.one_joint import off_ellipse, plateau_nm
 from friction_audit.reproduce.viscous import minima, tolerance_j
 from tests.reproduce.conftest import Check, simulated
@@ -70,14 +70,6 @@ def test_the_peak_falls(claims: Check) -> None:
     # 19 of 20 persons stay below it, and none is far above.
     assert 0.4 < claim.value < 0.52
     assert claim.holds == (claim.value < 0.5)
-
-
-def test_cycles_of_the_arm_end_together_and_often() -> None:
-    t, energies = cyclic_energies(simulated("12")["fig12"][0])
-    assert energies.shape == (len(t), 7)
-    assert len(t) > 5
-    by_hand = np.array([[1.0, 1.0], [2.0, 2.0], [2.0, 3.0], [2.0, 4.0]])
-    assert slope_ratios((np.array([1.0, 2.0, 3.0, 4.0]), by_hand)) == pytest.approx([0.0, 1.0], abs=1e-12)
 
 
 def made(dq: np.ndarray, interaction_nm: np.ndarray) -> Course:

@@ -153,16 +153,13 @@ def command_line(context: typer.Context, *, leave_out: Collection[str]) -> str:
         source = context.get_parameter_source(name)
         if name not in leave_out and source is not None and source.name != "DEFAULT":
             option = max(parameter.opts, key=len) if parameter.param_type_name == "option" else ""
-            words += _words(option, context.params[name])
+            value = context.params[name]
+            if isinstance(value, bool):
+                words += [option] if value else []
+                continue
+            for item in value if isinstance(value, list | tuple) else [value]:
+                words += [option, str(item)] if option else [str(item)]
     return shlex.join(["friction-audit", str(context.command.name), *words])
-
-
-def _words(option: str, value: object) -> list[str]:
-    """Return an option, or an argument if it has no name, as it is typed."""
-    if isinstance(value, bool):
-        return [option] if value else []
-    values = value if isinstance(value, list | tuple) else [value]
-    return [word for item in values for word in ([option, str(item)] if option else [str(item)])]
 
 
 def load_config(context: typer.Context, path: Path | None) -> Path | None:

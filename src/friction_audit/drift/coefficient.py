@@ -89,7 +89,10 @@ def describe_series(
     y = series.y
     if series.temperature is not None and counted.temperature is not None:
         y = y - fit.value[-1] * (series.temperature - np.mean(counted.temperature))
-    change = _change(counted, found.model, fit, reference, inflation)
+    # Where the model has the reference and the last sessions on one level, the sessions themselves give the change.
+    ends = found.model if np.any(found.model.change) else ends_model(counted, reference)
+    last = fit if ends is found.model else fit_model(counted, ends.columns, inflation)
+    change = last.interval(ends.change) if np.any(ends.change) else UNDETERMINED
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
     least = Coefficient(value=smallest, low=smallest, high=smallest)
     relative_scatter = not series.logarithmic and not is_near_zero(level)
@@ -119,17 +122,6 @@ def describe_series(
         by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
         speed_ratio=_speed_ratio(warm, found.model) if verdict.p_value <= settings.alpha else float("nan"),
     )
-
-
-def _change(series: Series, model: Model, fit: Fit, reference: Collection[int], inflation: float) -> Coefficient:
-    """Return the change of y from the reference to the last sessions.
-
-    By the model; where it has them on one level, by the sessions themselves; NaN if all are of the reference.
-    """
-    if np.any(model.change):
-        return fit.interval(model.change)
-    ends = ends_model(series, reference)
-    return fit_model(series, ends.columns, inflation).interval(ends.change) if np.any(ends.change) else UNDETERMINED
 
 
 def _find_shape(series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings) -> _Described:

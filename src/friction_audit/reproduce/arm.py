@@ -73,7 +73,8 @@ def _joints_stop(arms: Sequence[Simulation]) -> Claim:
 
 
 def _keeps_value(arms: Sequence[Simulation]) -> Claim:
-    leaves = each(arms, arm_leaves_by)
+    energies = [of_the_arm(arm)[1][:, 0] for arm in arms]
+    leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for energy in energies])
     negative = np.mean([negative_share(arm) for arm in arms])
     return Claim(
         figure="12b",
@@ -97,12 +98,6 @@ def of_the_arm(simulation: Simulation) -> tuple[Float, Float]:
     """Return the same for all joints together, shape (m, 1). [J]"""
     t, energies = cyclic_energies(simulation)
     return t, energies.sum(axis=1, keepdims=True)
-
-
-def arm_leaves_by(simulation: Simulation) -> float:
-    """Return how far the energy of the arm at later ends of cycles is from that of the second, over that."""
-    energy = of_the_arm(simulation)[1][:, 0]
-    return float(np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max())
 
 
 def negative_share(simulation: Simulation) -> float:
