@@ -24,7 +24,7 @@ from friction_audit.compensation.counterfactual import make_scene, recording_of,
 from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
 from friction_audit.compensation.hand_cycles import hand_cuts
 from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error, read_history
-from friction_audit.compensation.records import TRACE, fresh_memory, pack
+from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack
 from friction_audit.compensation.result import JointReplay, Replay, Signals, missing_estimate
 from friction_audit.compensation.settings import (
     FEED_BACK,
@@ -230,8 +230,8 @@ def run(
     rate = (len(t) - 1) / (t[-1] - t[0])
     settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)
     cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
-    seen, words = np.empty((len(t), len(TRACE)), np.int64), memory.view(np.int64)
+    seen, words = np.empty((len(t), FIELDS), np.int64), memory.view(np.int64)
     for i, dt in enumerate(np.diff(t, prepend=t[0])):
         step(settings, memory[0], dq[i], interaction_nm[i], dt, cut[i])
-        seen[i] = words[: len(TRACE)]
+        seen[i] = words[:FIELDS]
     return seen.view(TRACE)[:, 0]
