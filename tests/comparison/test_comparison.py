@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.experiment import choose_best, find_margin
-from friction_audit.compensation.comparison.methods import BEST, OBSERVED_SHARE, Joint, Method, Scene, Tuning
+from friction_audit.compensation.comparison.methods import BEST, Joint, Method, Scene, Tuning
 from friction_audit.compensation.comparison.result import Curve, Point, mean_interval, median_interval
 from friction_audit.compensation.comparison.trial import (
     Reference,
@@ -21,7 +21,6 @@ from friction_audit.compensation.comparison.trial import (
     find_reference,
     make_course,
     measure,
-    vibration_nm,
 )
 from friction_audit.compensation.compensators import (
     Compensator,
@@ -158,15 +157,6 @@ def test_joints_have_the_limits_of_a_panda() -> None:
     assert compensator.torque_gain == pytest.approx(1.0)
 
 
-def test_the_two_named_settings_differ_in_the_share_of_the_observer_alone() -> None:
-    (method,) = (one for one in METHODS if one.full is not None)
-    assert method.full is not None
-    partly, fully = method.paper.make(joint_six()), method.full.make(joint_six())
-    assert isinstance(fully, DisturbanceObserver)
-    assert fully.compensation_gain == 1.0
-    assert partly == replace(fully, compensation_gain=OBSERVED_SHARE)
-
-
 def joint_six() -> Joint:
     return SCENES[1].joints[5]
 
@@ -214,13 +204,6 @@ def test_slope_is_read_at_the_ends_of_cycles() -> None:
     reference = Reference(ends=ends, resting=np.zeros((401, 1), bool), rms_torque_nm=np.ones(1))
     rising = np.where(t < 2.0, 5.0 * t, 10.0 + 0.5 * (t - 2.0)) + np.sin(np.pi * t) ** 2
     assert energy_slope_w(rising, t, reference) == pytest.approx(0.5)
-
-
-def test_vibration_is_what_is_fast() -> None:
-    t = np.arange(0.0, 4.0, 1e-3)[:, None]
-    assert np.abs(vibration_nm(np.sin(2 * np.pi * 0.5 * t))[500:-500]).max() < 0.01
-    fast = vibration_nm(np.sin(2 * np.pi * 60.0 * t))[500:-500]
-    assert np.sqrt(np.mean(fast**2)) == pytest.approx(np.sqrt(0.5), rel=0.1)
 
 
 def test_too_short_a_trial_is_refused() -> None:
@@ -308,17 +291,6 @@ def test_best_is_what_no_tuning_person_loses(
     chosen = choose_best(points)
     assert chosen is points[best]
     assert chosen.losses == losses
-
-
-def test_margins_are_looked_for_as_told() -> None:
-    joint = short_joint()
-    one = compare(replace(joint, plan=replace(joint.plan, margin_seeds=1)), SEEDS, METHODS[:1])
-    assert one.margin_seeds == (0,)
-    assert one.rows[0].margins == (inf,)
-    none = compare(replace(joint, plan=replace(joint.plan, margin_seeds=0)), SEEDS, METHODS[:1])
-    assert none.rows[0].margins == ()
-    assert np.isnan(none.rows[0].margin.value)
-    assert "margin:" not in table_of(none)
 
 
 @pytest.mark.parametrize(

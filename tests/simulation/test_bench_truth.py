@@ -171,22 +171,6 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
     assert_allclose(sensor, hand, atol=5e-3 if ringing else 5e-4)
 
 
-@pytest.mark.parametrize("name", HIDDEN)
-def test_sensor_under_a_load_reads_gravity_less_the_interaction(name: str) -> None:
-    """tau_J = g(q) - F_m, F_m the hand's torque less the hand's inertia; the motor bears g(q)."""
-    settings = replace(LOADED, hidden=(HIDDEN[name],))
-    simulation = simulate_bench(settings, PORT_SEED)
-    log, motion = simulation.log, simulation.truth.motion
-    assert log.tau_J is not None
-    assert log.gravity is not None
-    weight = GRAVITY_NM * np.sin(log.q + PHASE_RAD)
-    assert_allclose(log.gravity, weight, atol=1e-6)
-    assert_allclose(motion.support_nm, weight, atol=2e-3)
-    hand = impulse(log.t, drive_torque(settings, log.q[:, 0], log.dq[:, 0])) - 0.3 * log.dq[:, 0]
-    ringing = name in ("elastic", "backlash")
-    assert_allclose(impulse(log.t, (weight - log.tau_J)[:, 0]), hand, atol=2e-2 if ringing else 1e-3)
-
-
 @pytest.mark.parametrize("name", ["rigid", "elastic", "presliding"])
 def test_sensor_of_a_driven_joint_carries_inertia_gravity_and_friction_of_the_link(name: str) -> None:
     """tau_J = J ddq + g(q) + tau_f."""

@@ -37,12 +37,6 @@ def test_parameters_form_and_joints() -> None:
     ]
 
 
-def test_several_effects_and_one_effect_in_several_ways() -> None:
-    hidden = hide(SEVEN, ["stribeck:excess_nm=0.2@2", "time_delay", "stribeck@3"]).hidden
-    assert [groups.stribeck.excess_nm for groups in hidden[:3]] == [SEVEN.hidden[0].stribeck.excess_nm, 0.2, 0.15]
-    assert all(groups.time_delay.delay_s > 0 for groups in hidden)
-
-
 def test_without_joints_an_effect_goes_where_there_is_motion() -> None:
     assert [one.joint for one in hidden_effects(hide(ONE_OF_SEVEN, ["stribeck"]))] == [1]
 

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.compensation.compensators import FixedCompensation
 from friction_audit.errors import UsageError
 from friction_audit.simulation import (
     IDEAL_SENSORS,
@@ -53,15 +52,6 @@ def test_motion_and_noise_are_those_of_the_single_joint() -> None:
     noise = [simulate(SHORT, seed).log.dq[:500, 0] for seed in (2, 2, 3)]
     assert_array_equal(noise[0], noise[1])
     assert (noise[0] != noise[2]).mean() > 0.9
-
-
-def test_compensator_is_logged_on_its_joint() -> None:
-    helper = FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.0)
-    log = simulate(replace(SHORT, joint=2, compensator=helper), 5).log
-    assert log.tau_compensation is not None
-    assert log.tau_J_d is not None
-    assert np.abs(log.tau_compensation).max(axis=0).tolist() == [0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.0]
-    assert_array_equal(log.tau_J_d, log.tau_compensation)
 
 
 def test_faults_of_the_sensors_are_those_of_every_joint() -> None:

@@ -1,6 +1,7 @@
 """A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +19,16 @@ from friction_audit.compensation.closed_loop import (
 )
 from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
 from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, no_feed, past_refusal, refusal, straighten
-from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedOperator, fit_joint
+from friction_audit.compensation.operator_fit import (
+    LEAST_INERTIA_KG_M2,
+    FittedOperator,
+    fit_joint,
+    fit_operator,
+    given_operator,
+)
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import Signals
+from friction_audit.compensation.settings import SAME_MOTION, SAME_OPERATOR, ReplaySettings
 from friction_audit.compiled import Record
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
@@ -60,8 +68,7 @@ class Scene:
     restart: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Run:
+class Run(NamedTuple):
     """What came out."""
 
     signals: Signals  # up to where it diverged, if it did
@@ -128,20 +135,31 @@ def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str
     return MovedJoint(model=model, tables=tables)
 
 
-def other_motion(
+def make_scene(
+    interaction: Interaction,
     cycles: EnergyCycles,
-    column: int,
+    friction: JointFriction,
+    settings: ReplaySettings,
     recorded: Recorded,
     cuts: NDArray[np.int64],
-    motion: Motion,
-    joint: MovedJoint,
-    operator: FittedOperator | None,
-) -> Scene:
-    """Return the scene of the recorded torque, cycle by cycle, or with an operator that of the recorded intention.
+    modelled: bool,  # whether the compensator goes by the joint's model
+) -> Scene | str:
+    """Return what the compensator meets, or why it is not known.
 
-    What the model lacks of the recorded torque is a constant for each cycle: offsets and errors of gravity are about
-    constant over a stroke, and would set the joint going by themselves.
+    The torque is the recorded one, cycle by cycle, or with an operator that of the recorded intention. What the model
+    lacks of it is a constant for each cycle: offsets and errors of gravity are about constant over a stroke, and would
+    set the joint going by themselves.
     """
+    column = interaction.joint_numbers.index(friction.joint)
+    if settings.assume == SAME_MOTION.name:
+        return Scene(recorded=recorded, cuts=cuts, motion=recorded_motion(interaction, column) if modelled else None)
+    motion, file = recorded_motion(interaction, column), settings.joint_model
+    joint = fitted_joint(friction, motion) if file is None else modelled_joint(file.joint(friction.joint), motion)
+    if isinstance(joint, str):
+        return joint
+    operator = _operator(interaction, settings, recorded, motion)
+    if isinstance(operator, str):
+        return operator
     own, restart = cycles.of_joint(column), np.zeros(len(recorded.t), np.bool_)
     if operator is None:
         restart[own.start] = restart[own.stop] = True
@@ -156,6 +174,22 @@ def other_motion(
     return Scene(
         recorded=recorded, cuts=cuts, motion=motion, joint=joint, operator=operator, lacking=lacking, restart=restart
     )
+
+
+def _operator(
+    interaction: Interaction, settings: ReplaySettings, recorded: Recorded, motion: Motion
+) -> FittedOperator | str | None:
+    """Return the impedance of the person, None where the recorded torque stays, or why it is not known."""
+    if settings.assume != SAME_OPERATOR.name:
+        return None
+    if settings.operator is not None:
+        return given_operator(settings.operator)
+    if interaction.choice.drive != "hand":
+        return (
+            "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "
+            "--assume same-motion or same-torque"
+        )
+    return fit_operator(recorded, motion.q)
 
 
 def run_scene(scene: Scene, compensator: Compensator | None) -> Run:

@@ -59,6 +59,7 @@ TRACE = np.dtype(
         ("observed_friction_nm", "f8"),
     ]
 )
+FIELDS = len(TRACE.names or ())
 MEMORY = np.dtype(
     [
         *TRACE.descr,

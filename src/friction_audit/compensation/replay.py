@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.cautions import cautions_of, log_cautions, seems_compensated
-from friction_audit.compensation.closed_loop import Recorded
 from friction_audit.compensation.compensators import (
     Coefficients,
     Compensator,
@@ -21,27 +20,16 @@ from friction_audit.compensation.compensators import (
 )
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, step
-from friction_audit.compensation.counterfactual import (
-    Scene,
-    fitted_joint,
-    modelled_joint,
-    other_motion,
-    recorded_motion,
-    recording_of,
-    run_scene,
-)
+from friction_audit.compensation.counterfactual import make_scene, recording_of, run_scene
 from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
 from friction_audit.compensation.hand_cycles import hand_cuts
 from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error, read_history
-from friction_audit.compensation.operator_fit import fit_operator, given_operator
-from friction_audit.compensation.records import TRACE, fresh_memory, pack
+from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack
 from friction_audit.compensation.result import JointReplay, Replay, Signals, missing_estimate
 from friction_audit.compensation.settings import (
     FEED_BACK,
     MODEL,
     PANDAS,
-    SAME_MOTION,
-    SAME_OPERATOR,
     Competitor,
     Limits,
     ReplaySettings,
@@ -131,7 +119,7 @@ def _replay_joint(
     chosen = _in_force(wanted, cycles, column, limits, median_step(recorded.t))
     joint = replace(joint, compensator=chosen)
     modelled = isinstance(chosen, JointModelCompensation)
-    scene = _scene(interaction, cycles, found, settings, recorded, cuts, modelled)
+    scene = make_scene(interaction, cycles, found, settings, recorded, cuts, modelled)
     if isinstance(scene, str):
         return replace(joint, reason=scene)
     run = run_scene(scene, chosen)
@@ -200,40 +188,6 @@ def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator |
     return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)
 
 
-def _scene(
-    interaction: Interaction,
-    cycles: EnergyCycles,
-    friction: JointFriction,
-    settings: ReplaySettings,
-    recorded: Recorded,
-    cuts: NDArray[np.int64],
-    modelled: bool,  # whether the compensator goes by the joint's model
-) -> Scene | str:
-    """Return what the compensator meets, or why it is not known."""
-    column = interaction.joint_numbers.index(friction.joint)
-    if settings.assume == SAME_MOTION.name:
-        return Scene(recorded=recorded, cuts=cuts, motion=recorded_motion(interaction, column) if modelled else None)
-    motion = recorded_motion(interaction, column)
-    if settings.joint_model is None:
-        joint = fitted_joint(friction, motion)
-    else:
-        joint = modelled_joint(settings.joint_model.joint(friction.joint), motion)
-    if isinstance(joint, str):
-        return joint
-    if settings.assume != SAME_OPERATOR.name:
-        return other_motion(cycles, column, recorded, cuts, motion, joint, None)
-    given = settings.operator
-    if given is None and interaction.choice.drive != "hand":
-        return (
-            "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "
-            "--assume same-motion or same-torque"
-        )
-    operator = fit_operator(recorded, motion.q) if given is None else given_operator(given)
-    if isinstance(operator, str):
-        return operator
-    return other_motion(cycles, column, recorded, cuts, motion, joint, operator)
-
-
 def _in_force(
     compensator: Compensator, cycles: EnergyCycles, column: int, limits: Limits, step_s: float
 ) -> Compensator:
@@ -276,8 +230,8 @@ def run(
     rate = (len(t) - 1) / (t[-1] - t[0])
     settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)
     cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
-    seen, words = np.empty((len(t), len(TRACE)), np.int64), memory.view(np.int64)
+    seen, words = np.empty((len(t), FIELDS), np.int64), memory.view(np.int64)
     for i, dt in enumerate(np.diff(t, prepend=t[0])):
         step(settings, memory[0], dq[i], interaction_nm[i], dt, cut[i])
-        seen[i] = words[: len(TRACE)]
+        seen[i] = words[:FIELDS]
     return seen.view(TRACE)[:, 0]

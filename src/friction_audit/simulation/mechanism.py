@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from friction_audit.compensation.records import TRACE, fresh_memory
+from friction_audit.compensation.records import FIELDS, fresh_memory
 from friction_audit.compensation.records import pack as pack_compensators
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -88,7 +88,7 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
         loop=make_loop(settings, ticks, streams),
         clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
         out=np.zeros((ticks + 1, ROWS, n)),
-        traced=np.zeros((ticks + 1, n, len(TRACE) if settings.compensator is not None else 0), np.int64),
+        traced=np.zeros((ticks + 1, n, FIELDS if settings.compensator is not None else 0), np.int64),
     )
 
 

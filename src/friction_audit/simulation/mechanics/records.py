@@ -79,7 +79,8 @@ BODY = np.dtype(
         ("friction", "f8", (MOST,)),  # friction torque, (n,) [N m]
         ("system", "f8", (MOST, MOST)),  # scratch: matrix of the linear equations, (c, c)
         ("right", "f8", (MOST,)),  # scratch: their right-hand side, (c,)
-        ("active", "i8", (MOST,)),  # scratch: the coordinates that are not stuck, (c,)
+        ("free", "i8"),  # scratch: number of coordinates that are not stuck
+        ("active", "i8", (MOST,)),  # scratch: those coordinates, (c,)
     ],
     align=True,
 )

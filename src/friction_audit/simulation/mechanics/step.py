@@ -17,9 +17,9 @@ from friction_audit.simulation.mechanics.records import FREE
 
 
 @compiled()
-def solve(body: Record, count: int) -> None:
-    """Solve the first ``count`` equations, symmetric and positive definite, in place (Cholesky)."""
-    system, right = body.system, body.right
+def solve(body: Record) -> None:
+    """Solve the equations of the coordinates that are not stuck, in place; they are positive definite (Cholesky)."""
+    system, right, count = body.system, body.right, body.free
     for i in range(count):
         for j in range(i + 1):
             rest = system[i, j]
@@ -54,7 +54,8 @@ def _move_the_active(body: Record, h: float) -> None:
         for j in range(i + 1):
             column = body.active[j]
             body.system[i, j] = body.mass[row, column] + 0.5 * h * body.damping[row, column]
-    solve(body, count)
+    body.free = count
+    solve(body)
     for i in range(count):
         body.a[body.active[i]] = body.right[i]
 

@@ -205,7 +205,8 @@ def run_bench(mechanism: Record, push: Float, gravity: Float, driven: bool, firs
     ``push`` is the torque of the drive with the joint at zero, ``gravity`` amplitude and phase of the load's gravity
     torque.
     """
-    body, dt, nothing, by_hand = mechanism.body, mechanism.clock.dt, np.zeros((1, 1)), False
+    body, dt, nothing = mechanism.body, mechanism.clock.dt, np.zeros((1, 1))
+    by_hand = last < first  # no hand; a constant would make numba compile ``tick`` a second time
     link = body.inner[0] if driven else 0
     for k in range(first, last):
         place = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
