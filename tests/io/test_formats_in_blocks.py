@@ -43,7 +43,7 @@ def log() -> JointLog:
 
 def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
     """Read logs of any size in blocks of about so many rows."""
-    for module in ("table", "messages"):
+    for module in ("table", "csv", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}.IN_BLOCKS_BYTES", 0)
     for module in ("npz", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}._BLOCK_ROWS", rows)
@@ -101,6 +101,12 @@ def test_a_text_table_with_a_fault_is_read_at_once(
     assert not isinstance(found, LogInBlocks)
     assert found.source == usual.source
     np.testing.assert_array_equal(found.dq, usual.dq)
+
+
+def test_a_table_of_libfranka_is_read_at_once(log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cut_into(1000, monkeypatch)
+    write_log(log, tmp_path / "run.csv", dialect="csv-libfranka")
+    assert read_log(tmp_path / "run.csv", InBlocks()).source == read_log(tmp_path / "run.csv").source
 
 
 def test_the_numbers_of_a_damaged_archive_are_refused(
