@@ -103,6 +103,22 @@ def test_a_text_table_with_a_fault_is_read_at_once(
     np.testing.assert_array_equal(found.dq, usual.dq)
 
 
+@pytest.mark.parametrize("name", ["run.csv", "run.npz"])
+def test_a_file_that_changes_between_passes(
+    log: JointLog, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cut_into(1000, monkeypatch)
+    write_log(log, tmp_path / name)
+    found = read_log(tmp_path / name, InBlocks())
+    assert isinstance(found, LogInBlocks)
+    (tmp_path / name).write_bytes((tmp_path / name).read_bytes()[:90_000])
+    with pytest.raises(InputError, match="changed while it was read"):
+        list(found.blocks())
+    (tmp_path / name).unlink()
+    with pytest.raises(InputError, match="changed while it was read"):
+        list(found.blocks())
+
+
 def test_a_table_of_libfranka_is_read_at_once(log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cut_into(1000, monkeypatch)
     write_log(log, tmp_path / "run.csv", dialect="csv-libfranka")

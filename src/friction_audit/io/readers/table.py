@@ -133,16 +133,20 @@ def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Piec
     time = columns.time
     first = _stamps(next(pieces(time.cells)), time)
     origin = first[np.isfinite(first).argmax()].item()
-    clock = to_clock(first, unit, path=path)
+    clock, is_sound = to_clock(first, unit, path=path), False
 
     def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+        nonlocal is_sound
         wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
         try:
             for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
                 t = to_clock(_stamps(piece, time), clock.unit, path=path, origin=origin).t
                 yield t, {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
-        except InputError as error:  # where all is read at once, it says what is wrong, or leaves it out
-            raise WholeLogError from error
+        except (InputError, WholeLogError, OSError) as error:
+            if is_sound:
+                raise InputError(f"{path}: changed while it was read; read it again when it is finished") from error
+            raise WholeLogError from error  # where all is read at once, it says what is wrong, or leaves it out
+        is_sound |= len(wanted) == len(columns.channels)
 
     nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
     blocks = Blocks(rows=rows, read=read)
