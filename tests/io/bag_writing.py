@@ -106,6 +106,46 @@ def joint_states(
     return topic, "sensor_msgs/msg/JointState", messages
 
 
+def fill(store: Typestore, typename: str, **fields: Any) -> Any:
+    """Make a message with zeros in all fields but those given."""
+    kind: Any = store.types[typename]
+    values = {name: _zero(store, description) for name, description in store.fielddefs[typename][1]}
+    return kind(**{**values, **{name: value for name, value in fields.items() if name in values}})
+
+
+def _zero(store: Typestore, description: Any) -> Any:
+    node, detail = int(description[0]), description[1]
+    if node == 1:
+        return "" if detail[0] == "string" else 0
+    if node == 2:
+        return fill(store, detail)
+    (_, inner), size = detail
+    return [] if inner[0] == "string" else np.zeros(size if node == 3 else 0, np.dtype(inner[0]))
+
+
+def franka_messages(store: Typestore, typename: str, values: Samples, names: Sequence[str] = JOINTS) -> Stream:
+    """Messages of any generation of franka_msgs; their own time runs from 3 s on."""
+    messages = []
+    for i in range(len(values["q"])):
+        state = joint_state(store, i, values, names=names)
+        desired = joint_state(store, i, {**values, "tau_J": -values["tau_J"]}, names=names)
+        external = joint_state(store, i, {**values, "tau_J": 2 * values["tau_J"]}, names=names, empty=["q", "dq"])
+        flat = "q" in {name for name, _ in store.fielddefs[typename][1]}
+        fields = {
+            "header": header(store, i),
+            "q": values["q"][i],
+            "dq": values["dq"][i],
+            **dict.fromkeys(("tau_j", "tau_J"), values["tau_J"][i]),
+            **dict.fromkeys(("tau_j_d", "tau_J_d"), -values["tau_J"][i]),
+            "tau_ext_hat_filtered": 2 * values["tau_J"][i] if flat else external,
+            "measured_joint_state": state,
+            "desired_joint_state": desired,
+            "time": 3.0 + i / 1000,
+        }
+        messages.append((stamp_ns(i), fill(store, typename, **fields)))
+    return "/franka_state_controller/franka_states", typename, messages
+
+
 def write_rosbag1(path: Path, store: Typestore, streams: Sequence[Stream], compression: str | None = None) -> Path:
     writer = Rosbag1Writer(path)
     if compression:

@@ -105,13 +105,6 @@ def test_layout_of_a_cdr_message_known_by_hand() -> None:
     assert layout.strings["name"] == ("a_joint1", "a_joint2")
 
 
-def test_padding_is_not_guarded() -> None:
-    payload = bytearray(joint_state_payload())
-    payload[21] = 0xAA  # behind "base\0", before the count of names
-    decoder = block_decoder("cdr", joint_state_payload())
-    assert decoder.decode(block_of_payloads(0, [0], [bytes(payload)])) is not None
-
-
 @pytest.mark.parametrize(
     "payload",
     [b"", b"\x00\x01\x00\x00", joint_state_payload()[:-9], joint_state_payload() + bytes(4)],
@@ -119,13 +112,4 @@ def test_padding_is_not_guarded() -> None:
 )
 def test_payload_that_does_not_fit_has_no_layout(payload: bytes) -> None:
     with pytest.raises(LayoutError):
-        find_layout(payload, KIND, STORES["cdr"].fielddefs, encoding="cdr")
-
-
-def test_big_endian_has_no_layout() -> None:
-    kind: Any = STORES["cdr"].types[KIND]
-    values = np.arange(2.0)
-    message = kind(header(STORES["cdr"], 0), ["a", "b"], values, values, values)
-    payload = bytes(STORES["cdr"].serialize_cdr(message, KIND, little_endian=False))
-    with pytest.raises(LayoutError, match="little-endian"):
         find_layout(payload, KIND, STORES["cdr"].fielddefs, encoding="cdr")

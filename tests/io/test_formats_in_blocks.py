@@ -43,7 +43,7 @@ def log() -> JointLog:
 
 def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
     """Read logs of any size in blocks of about so many rows."""
-    for module in ("table", "messages"):
+    for module in ("table", "csv", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}.IN_BLOCKS_BYTES", 0)
     for module in ("npz", "messages"):
         patch.setattr(f"friction_audit.io.readers.{module}._BLOCK_ROWS", rows)
@@ -84,7 +84,7 @@ def test_an_archive_that_is_not_compressed(
     assert_in_blocks(tmp_path / "run.npz", blocks=5)
 
 
-@pytest.mark.parametrize("fault", ["word", "missing", "blank line", "cut"])
+@pytest.mark.parametrize("fault", ["word", "blank line", "cut"])
 def test_a_text_table_with_a_fault_is_read_at_once(
     log: JointLog, tmp_path: Path, fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -93,7 +93,7 @@ def test_a_text_table_with_a_fault_is_read_at_once(
     write_log(log, path)
     lines = path.read_text().splitlines()
     line = lines[4000].split(",")
-    faults = {"word": [*line[:3], "oops", *line[4:]], "missing": [*line[:3], "", *line[4:]], "blank line": []}
+    faults = {"word": [*line[:3], "oops", *line[4:]], "blank line": []}
     lines[4000] = ",".join(faults.get(fault, line))
     lines[-1] = ",".join(lines[-1].split(",")[:5]) if fault == "cut" else lines[-1]
     path.write_text("\n".join(lines) + "\n")
@@ -101,6 +101,28 @@ def test_a_text_table_with_a_fault_is_read_at_once(
     assert not isinstance(found, LogInBlocks)
     assert found.source == usual.source
     np.testing.assert_array_equal(found.dq, usual.dq)
+
+
+@pytest.mark.parametrize("name", ["run.csv", "run.npz"])
+def test_a_file_that_changes_between_passes(
+    log: JointLog, tmp_path: Path, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cut_into(1000, monkeypatch)
+    write_log(log, tmp_path / name)
+    found = read_log(tmp_path / name, InBlocks())
+    assert isinstance(found, LogInBlocks)
+    (tmp_path / name).write_bytes((tmp_path / name).read_bytes()[:90_000])
+    with pytest.raises(InputError, match="changed while it was read"):
+        list(found.blocks())
+    (tmp_path / name).unlink()
+    with pytest.raises(InputError, match="changed while it was read"):
+        list(found.blocks())
+
+
+def test_a_table_of_libfranka_is_read_at_once(log: JointLog, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cut_into(1000, monkeypatch)
+    write_log(log, tmp_path / "run.csv", dialect="csv-libfranka")
+    assert read_log(tmp_path / "run.csv", InBlocks()).source == read_log(tmp_path / "run.csv").source
 
 
 def test_the_numbers_of_a_damaged_archive_are_refused(

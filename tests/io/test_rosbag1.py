@@ -13,9 +13,8 @@ from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.readers.rosbag1 import Rosbag1Stream
 from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
-    Samples,
-    Stream,
     assert_read,
+    franka_messages,
     header,
     joint_state,
     joint_states,
@@ -60,26 +59,6 @@ def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
     assert codes(recording) == {"joints_left_out"}
 
 
-def franka_states(store: Any, values: Samples, topic: str, **changes: Any) -> Stream:
-    kind: Any = store.types[FRANKA_STATE]
-    messages = []
-    for i in range(len(values["q"])):
-        fields: dict[str, Any] = {
-            "header": header(store, i),
-            "q": values["q"][i],
-            "q_d": np.zeros(7),
-            "dq": values["dq"][i],
-            "tau_J": values["tau_J"][i],
-            "tau_J_d": -values["tau_J"][i],
-            "tau_ext_hat_filtered": 2 * values["tau_J"][i],
-            "time": 17.5 + 0.001 * i,
-            "robot_mode": i % 5,
-            "errors": np.zeros(3, bool),
-        }
-        messages.append((stamp_ns(i), kind(**{**fields, **{name: f(i) for name, f in changes.items()}})))
-    return topic, FRANKA_STATE, messages
-
-
 def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
     store = ros1_store((FRANKA_STATE, FRANKA_DEFINITION))
     values = samples(90)
@@ -87,7 +66,7 @@ def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
         joint_states(store, values, every=30),
         joint_states(store, values, "/franka_state_controller/joint_states", every=10),
         joint_states(store, values, "/franka_state_controller/joint_states_desired", every=10),
-        franka_states(store, values, "/franka_state_controller/franka_states"),
+        franka_messages(store, FRANKA_STATE, values),
     ]
     recording = read(write_rosbag1(tmp_path / "a.bag", store, streams))
     assert recording.topic == "/franka_state_controller/franka_states"

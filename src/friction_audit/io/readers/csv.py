@@ -25,8 +25,8 @@ from friction_audit.io.readers.csv_lines import (
     value_of,
     without_cut_line,
 )
-from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
-from friction_audit.io.readers.table import Part, Table, may_be_in_blocks, part_in_blocks, read_table
+from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
+from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
@@ -65,10 +65,9 @@ def read(path: Path, options: ReadOptions) -> Recording:
             f"{path}: no header: line 1 holds {dialect.width} numbers; expected names of columns; say which column is "
             "what by its number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
         )
-    recording = read_table(CsvTable(path, dialect), options)
-    second = dialect.names[1].strip().lower() if len(dialect.names) > 1 else ""
-    is_libfranka = second in ("success rate", "success_rate")
-    return _check_libfranka(recording, path, options) if is_libfranka else recording
+    table = CsvTable(path, dialect)
+    recording = read_table(table, options)
+    return _check_libfranka(recording, path, options) if table.is_libfranka else recording
 
 
 class CsvTable(Table):
@@ -77,6 +76,10 @@ class CsvTable(Table):
     def __init__(self, path: Path, dialect: Dialect) -> None:
         super().__init__(path, dialect.names[: dialect.width])
         self._dialect = dialect
+        self.is_libfranka = [name.strip().lower() for name in dialect.names[1:2]] in (
+            ["success rate"],
+            ["success_rate"],
+        )
         first = zip(range(dialect.width), dialect.rows[0], strict=False)
         # rostopic echo -p writes the joints' names into every line
         self._labels = {cell: text.strip() for cell, text in first if text.strip() and is_label(dialect.names[cell])}
@@ -97,12 +100,11 @@ class CsvTable(Table):
         kind = _time_kind(dialect, time)
         self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
         unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
-        if may_be_in_blocks(columns, options, 8 * (rows := count_lines(self.path, dialect)) * (len(cells) + 1)):
-            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
-        unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
         rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
         size = 8 * rows * (len(cells) + 1)
-        if kind is not str and may_be_in_blocks(columns, options, size // _SLOWER):
+        plain = options.as_recorded and not columns.degrees and columns.joint is None
+        plain &= kind is not str and not self.is_libfranka  # whose first row may hold no numbers
+        if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
             rows = count_lines(self.path, dialect)
             return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
         part = _PartOfClock(options, unit, self.path) if options.reads_part(8 * rows * len(self._kinds)) else None

@@ -57,22 +57,16 @@ def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ..
         SeveralLogsError: If there are several arms and the user named none.
     """
     arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
+    choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
     if wanted and wanted not in arms:
-        choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
         raise InputError(
             f"{path}: no arm {wanted!r} in this table; it has {', '.join(arms) or 'no joints by name'}; "
             f"{f'choose with {choices}' if arms else 'leave --topic out'}"
         )
     if not wanted and len(arms) > 1:
-        raise several_arms(f"{path}: several arms in one log", arms)
+        message = f"{path}: several arms in one log; choose one with {choices}"
+        raise SeveralLogsError(message, [f"#{arm}" for arm in arms])
     return arms[wanted] if wanted else next(iter(arms.values()), ())
-
-
-def several_arms(what: str, arms: Iterable[str]) -> SeveralLogsError:
-    """Return the error of a table with several arms, with the choices for ``--topic``."""
-    topics = [f"#{arm}" for arm in arms]
-    choices = " or ".join(f"--topic '{topic}'" for topic in topics)
-    return SeveralLogsError(f"{what}; choose one with {choices}", topics)
 
 
 def arm_name(prefix: str) -> str:

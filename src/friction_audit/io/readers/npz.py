@@ -28,7 +28,6 @@ from friction_audit.joint_log import Finding
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time")
 _ZIP_MAGIC = b"PK"
-_CHUNK_BYTES = 8 << 20
 _NAMES_BYTES = 1 << 20
 _BLOCK_ROWS = 1 << 16
 _NAME_LENGTHS = 26  # where they are in the header of an entry
@@ -96,9 +95,8 @@ class NpzTable(ArrayTable):
         wanted = {self._cells[cell][0]: self._entries[self._cells[cell][0]] for cell in cells}
         for entry in wanted.values():
             if entry.is_mapped:
-                with self._archive.open(entry.info) as stream:  # a map says nothing of a wrong checksum
-                    while stream.read(_CHUNK_BYTES):
-                        pass
+                for _ in _pieces(self._archive, entry):  # a map says nothing of a wrong checksum
+                    pass
             elif entry.by_column:
                 return None
 
@@ -166,46 +164,40 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
 
 def _array(archive: zipfile.ZipFile, entry: Entry, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
     """Return the rows of a mask, or all, of an array: (n,) or (n, k); all of it goes by, to verify its checksum."""
-    samples, width = entry.shape[0], entry.width
-    count = samples if rows is None else int(np.count_nonzero(rows))
-    numbers = np.empty((count, width), entry.dtype, order="F" if entry.by_column else "C")
-    # Rows of all columns follow each other, or, stored by column, the rows of one column.
-    runs = numbers.T[:, :, np.newaxis] if entry.by_column else numbers[np.newaxis]
+    count, filled = entry.shape[0] if rows is None else int(np.count_nonzero(rows)), 0
+    numbers = np.empty((count, entry.width), entry.dtype, order="F" if entry.by_column else "C")
+    for first, columns, chunk in _pieces(archive, entry):
+        kept = chunk if rows is None else chunk[rows[first : first + len(chunk)]]
+        filled = filled if first else 0
+        numbers[filled : filled + len(kept), columns] = kept
+        filled += len(kept)
+    return numbers
+
+
+def _pieces(archive: zipfile.ZipFile, entry: Entry) -> Iterator[tuple[int, slice, NDArray[Any]]]:
+    """Yield an array as it lies in the file: number of the first row, which columns, and their numbers (m, k)."""
+    width = 1 if entry.by_column else entry.width
     with archive.open(entry.info) as stream:
         _read_exactly(stream, entry.offset)
-        row_bytes = runs.shape[2] * entry.dtype.itemsize
-        most = max(_CHUNK_BYTES // row_bytes, 1) if row_bytes else samples or 1
-        for run in runs:
-            filled = 0
-            for start in range(0, samples, most):
-                size = min(most, samples - start)
-                content = _read_exactly(stream, size * row_bytes)
-                chunk = np.frombuffer(content, entry.dtype).reshape(size, runs.shape[2])
-                chunk = chunk if rows is None else chunk[rows[start : start + size]]
-                run[filled : filled + len(chunk)] = chunk
-                filled += len(chunk)
-        while stream.read(_CHUNK_BYTES):
-            pass
-    return numbers
+        for column in range(0, entry.width, width or 1):
+            for first in range(0, entry.shape[0], _BLOCK_ROWS):
+                rows = min(_BLOCK_ROWS, entry.shape[0] - first)
+                content = _read_exactly(stream, rows * width * entry.dtype.itemsize)
+                yield first, slice(column, column + width), np.frombuffer(content, entry.dtype).reshape(rows, width)
+        stream.read(1)  # which verifies the checksum
 
 
 def _chunks(archive: zipfile.ZipFile, entry: Entry) -> Iterator[NDArray[Any]]:
     """Yield the rows of an array, (m, k), in pieces that are alike for all arrays of one length."""
-    samples, width = entry.shape[0], entry.width
-    starts = range(0, samples, _BLOCK_ROWS)
-    if entry.is_mapped:
-        with Path(str(archive.filename)).open("rb") as file:
-            file.seek(entry.info.header_offset + _NAME_LENGTHS)  # of the name and of the extra field that follow
-            place = file.tell() + 4 + sum(struct.unpack("<HH", file.read(4))) + entry.offset
-        numbers = np.memmap(str(archive.filename), entry.dtype, "r", place, (samples, width), order="F")
-        yield from (numbers[start : start + _BLOCK_ROWS] for start in starts)
+    if not entry.is_mapped:
+        yield from (chunk for _, _, chunk in _pieces(archive, entry))
         return
-    with archive.open(entry.info) as stream:
-        _read_exactly(stream, entry.offset)
-        for start in starts:
-            rows = min(_BLOCK_ROWS, samples - start)
-            content = _read_exactly(stream, rows * width * entry.dtype.itemsize)
-            yield np.frombuffer(content, entry.dtype).reshape(rows, width)
+    name, samples = str(archive.filename), entry.shape[0]
+    with Path(name).open("rb") as file:
+        file.seek(entry.info.header_offset + _NAME_LENGTHS)  # of the name and of the extra field that follow
+        place = file.tell() + 4 + sum(struct.unpack("<HH", file.read(4))) + entry.offset
+    numbers = np.memmap(name, entry.dtype, "r", place, (samples, entry.width), order="F")
+    yield from (numbers[first : first + _BLOCK_ROWS] for first in range(0, samples, _BLOCK_ROWS))
 
 
 def _read_exactly(stream: IO[bytes], size: int) -> bytes:

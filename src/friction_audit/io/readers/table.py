@@ -23,7 +23,7 @@ from friction_audit.io.readers.columns import (
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part, to_clock
-from friction_audit.io.recording import Blocks, Recording
+from friction_audit.io.recording import Blocks, Recording, WholeLogError
 from friction_audit.joint_log import Finding, Float
 
 _NANOSECONDS = 1_000_000_000
@@ -85,7 +85,8 @@ class ColumnTable(Table):
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
-        if may_be_in_blocks(columns, options, rows * row_bytes):
+        plain = options.as_recorded and not columns.degrees and columns.joint is None
+        if options.in_blocks and plain and rows * row_bytes > IN_BLOCKS_BYTES:
             refuse_bomb(self.path, rows * row_bytes, packed)
             part = self.in_blocks(columns)
             if part is not None:
@@ -123,12 +124,6 @@ class ColumnTable(Table):
         return self.read_rows(columns, self.read_clock(columns.time), None)
 
 
-def may_be_in_blocks(columns: ColumnMap, options: ReadOptions, size: int) -> bool:
-    """Return True if a table whose numbers take so many bytes is to be read in blocks, and its numbers are plain."""
-    plain = options.as_recorded and not columns.degrees and columns.joint is None
-    return options.in_blocks and plain and size > IN_BLOCKS_BYTES
-
-
 Pieces = Callable[[Sequence[int]], Iterator[dict[int, NDArray[Any]]]]
 """Yields some columns of a table, by position, in one piece after the other; the first stamps come first."""
 
@@ -137,15 +132,21 @@ def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Piec
     """Read the first stamps, which say what the clock is, and return how blocks are read."""
     time = columns.time
     first = _stamps(next(pieces(time.cells)), time)
-    origin = first[:1].tolist()[0]
-    clock = to_clock(first.copy(), unit, path=path)
+    origin = first[np.isfinite(first).argmax()].item()
+    clock, is_sound = to_clock(first, unit, path=path), False
 
     def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+        nonlocal is_sound
         wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
-        for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
-            t = to_clock(_stamps(piece, time), clock.unit, path=path, origin=origin).t
-            arrays = {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
-            yield t, arrays
+        try:
+            for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
+                t = to_clock(_stamps(piece, time), clock.unit, path=path, origin=origin).t
+                yield t, {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
+        except (InputError, WholeLogError, OSError) as error:
+            if is_sound:
+                raise InputError(f"{path}: changed while it was read; read it again when it is finished") from error
+            raise WholeLogError from error  # where all is read at once, it says what is wrong, or leaves it out
+        is_sound |= len(wanted) == len(columns.channels)
 
     nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
     blocks = Blocks(rows=rows, read=read)
