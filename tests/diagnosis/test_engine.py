@@ -271,6 +271,22 @@ def test_a_compensator_that_the_log_lacks_is_named_where_coulomb_friction_is_hel
     assert diagnosed(moved_joint(noise_nm=NOISE_NM), COMPENSATED, model=HELD).verdict == "adequate"
 
 
+def test_the_edge_of_a_dead_band_is_found_between_the_points_of_the_grid() -> None:
+    def torque(data: JointData) -> Float:
+        return np.asarray(-SHARE * COULOMB_NM * data.way * (np.abs(data.dq) > 0.17))
+
+    (effect,) = diagnosed(moved_joint(torque, noise_nm=NOISE_NM), COMPENSATED, model=HELD).effects
+    assert effect.parameters["unlogged_form"].value == 1.0
+    assert effect.parameters["unlogged_width_rad_s"].value == pytest.approx(0.17, rel=0.02)
+
+
+def test_a_step_of_friction_is_found_at_its_moment() -> None:
+    data = moved_joint(lambda one: 0.1 * one.way * (one.t >= 31.3), noise_nm=NOISE_NM)
+    (effect,) = diagnosed(data, [effect_of("friction_step")]).effects
+    assert effect.parameters["step_time_s"].value == pytest.approx(31.3, abs=0.05)
+    assert effect.parameters["step_coulomb_nm"].value == pytest.approx(0.1, rel=0.1)
+
+
 def test_a_compensator_cannot_be_shown_where_friction_is_fitted() -> None:
     found = diagnosed(moved_joint(helped, noise_nm=NOISE_NM), COMPENSATED)
     assert "unlogged_compensation" not in names(found)

@@ -236,15 +236,15 @@ def _ladder(state: State, estimates: intervals.Estimates, standing: Sequence[_St
     for one, before, after in zip(standing, steps, steps[1:], strict=False):
         name, effect, torque = one.block.name, one.block.effect, torques[one.block.name]
         competing = selection.competing_effects(state.search, active, one.block)
-        rivals = [(name, 0.0, 1.0), *((c.name, c.deficit, c.correlation) for c in competing[:COMPETING_SHOWN])]
+        itself = Evidence(name=name, two_ln_bayes_factor=0.0, correlation=1.0)
         found.append(
             NamedEffect(
                 name=name,
                 label=effect.label,
-                alternatives=selection.indistinguishable(competing, one.block, active),
+                alternatives=selection.indistinguishable(gram, competing, one.block, active),
                 parameters=numbers[name][0],
                 p_value=one.gain.p_value,
-                evidence=tuple(Evidence(name=n, two_ln_bayes_factor=d, correlation=r) for n, d, r in rivals),
+                evidence=(itself, *competing[:COMPETING_SHOWN]),
                 axis=effect.axis,
                 gap_before_nm=before,
                 gap_after_nm=after,

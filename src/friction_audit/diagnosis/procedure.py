@@ -24,7 +24,6 @@ REPEATS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
-CYCLES_BESIDE_CHANGE = 4
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that need it are built again
 
 
@@ -88,11 +87,11 @@ def _change_point(state: State) -> list[Block]:
     (effects_friction_step_70004: a ramp, and a contact in its place).
     """
     steps = [b for b in state.dictionary.blocks if b.name == "friction_step"]
-    cycles, cycle = np.unique(state.problem.samples.cycle, return_inverse=True)
-    inside = (cycle >= CYCLES_BESIDE_CHANGE) & (cycle < len(cycles) - CYCLES_BESIDE_CHANGE)
-    if not steps or not inside.any():
+    data, samples, gram = state.problem.data, state.problem.samples, state.gram
+    moments = [b.shape["step_time_s"] for b in steps]
+    inside = (samples.t >= min(moments, default=np.inf)) & (samples.t <= max(moments, default=-np.inf))
+    if not inside.any():
         return []
-    data, gram = state.problem.data, state.gram
     given = selection.Projected(state.search.training, [b for b in state.active if b.name != "friction_step"])
     white = gram.whiten(state.problem.columns(np.column_stack([data.way, data.dq])))
     rows = np.vstack([given.left, given.basis, white])[:, np.argsort(gram.order)]
@@ -101,11 +100,11 @@ def _change_point(state: State) -> list[Block]:
     right, along, own = later[:, 0], later[:, 1:-2], later[:, -2:]
     free = (own - np.einsum("ibm,jbm->ijm", along, along)).transpose(2, 0, 1)[inside]
     gain = np.einsum("im,mij,jm->m", right[:, inside], np.linalg.pinv(free, hermitian=True), right[:, inside])
-    moment = float(state.problem.samples.t[inside][np.argmax(gain)])
+    moment = float(samples.t[inside][np.argmax(gain)])
     at_once = min(b.shape["step_length_s"] for b in steps)
     found = state.dictionary.build_blocks(steps[0].effect, [{"step_time_s": moment, "step_length_s": at_once}])
     for block in found:
-        block.log_prior, block.numbers = -float(np.log(len(cycles))), steps[0].numbers
+        block.log_prior, block.numbers = -float(np.log(len(np.unique(samples.cycle)))), steps[0].numbers
     return found
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gram import Fit, Gram, Training
+from friction_audit.diagnosis.result import Evidence
 from friction_audit.joint_log import Float
 
 PRIOR = 13.0  # 2 ln of the prior odds against any one effect
@@ -302,24 +303,7 @@ def alike(gram: Gram, one: Block, other: Block) -> bool:
     return bool(abs(torques[0] @ torques[1]) > ALIKE * max(size, 1e-300))
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Competing:
-    """An effect in the place of a selected one.
-
-    Attributes:
-        name: Its name.
-        deficit: How much less evidence there is for it.
-        correlation: Of the two torques given all else, 0..1.
-        exact: Whether its formula cannot be wrong, as that of a constant cannot.
-    """
-
-    name: str
-    deficit: float
-    correlation: float
-    exact: bool
-
-
-def competing_effects(search: Search, active: Sequence[Block], block: Block) -> tuple[Competing, ...]:
+def competing_effects(search: Search, active: Sequence[Block], block: Block) -> tuple[Evidence, ...]:
     """Effects in the place of a selected one, the closest first."""
     rest = [b for b in active if b is not block]
     given = Projected(search.training, rest)
@@ -337,16 +321,19 @@ def competing_effects(search: Search, active: Sequence[Block], block: Block) -> 
         other = torque(score.block)
         size = float(np.sqrt((own @ own) * (other @ other)))
         correlation = float(own @ other) / max(size, 1e-300)
-        deficit, exact = mine - score.evidence, score.block.effect.exact
-        found.append(Competing(name=name, deficit=deficit, correlation=correlation, exact=exact))
-    return tuple(sorted(found, key=lambda one: round(one.deficit, 6)))
+        found.append(Evidence(name=name, two_ln_bayes_factor=mine - score.evidence, correlation=correlation))
+    return tuple(sorted(found, key=lambda one: round(one.two_ln_bayes_factor, 6)))
 
 
-def indistinguishable(competing: Sequence[Competing], block: Block, active: Sequence[Block]) -> tuple[str, ...]:
+def indistinguishable(
+    gram: Gram, competing: Sequence[Evidence], block: Block, active: Sequence[Block]
+) -> tuple[str, ...]:
     """Names that the log cannot separate from a selected effect."""
-    names = [c.name for c in competing if c.deficit < INDISTINGUISHABLE and c.correlation > ALIKE]
+    close = (c for c in competing if c.two_ln_bayes_factor < INDISTINGUISHABLE)
+    names = [c.name for c in close if c.correlation > ALIKE]
+    exact = {b.name for b in gram.blocks if b.effect.exact}
     # A curve that bends little over the range contains a constant: an offset may be most of it.
-    names += [c.name for c in competing if c.exact and c.correlation > SAME and c.name not in names]
+    names += [c.name for c in competing if c.name in exact and c.correlation > SAME and c.name not in names]
     names += [name for name in block.effect.indistinguishable if name not in names]
     others = {b.name for b in active if b is not block}
     names += [name for name in block.effect.part_of if name in others and name not in names]
