@@ -117,12 +117,15 @@ def _draw_coefficients(panels: "Sequence[Axes]", estimate: "Estimate", friction:
     window = min(friction.window, friction.cycles)
     panels[-1].set_title(f"window: {window} cycle{'s' if window > 1 else ''}", loc="right", color=theme.MUTED)
     t = np.maximum.accumulate(np.append(history.stop_s, series.t[-1]))
-    for axes, values, whole in zip(panels, (coulomb, viscous), (friction.coulomb, friction.viscous), strict=True):
+    pairs = (("coulomb", coulomb, friction.coulomb), ("viscous", viscous, friction.viscous))
+    for axes, (name, values, whole) in zip(panels, pairs, strict=True):
         axes.set_xlim(series.t[0], series.t[-1])
         ends = y_limits(*values, whole)
         if ends is None:
             axes.set_yticks([])
-            parts.write_message(axes, series.not_determined or _absence(friction, axes.get_ylabel()))
+            fitted = friction.model in ("combined", name)
+            absence = "not determined" if fitted else f"not in the {friction.model} model"
+            parts.write_message(axes, series.not_determined or absence)
             continue
         axes.set_ylim(*ends)
         if np.isfinite(values[0]).any():
@@ -147,12 +150,6 @@ def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple
     largest = float(np.nanmax(np.abs(shown), initial=0.0))
     smallest = max(SMALLEST_SHARE * largest, SMALLEST_RANGE)
     return parts.limits(shown, np.concatenate([low, high]), near=NEAR, smallest=smallest)
-
-
-def _absence(friction: JointFriction, label: str) -> str:
-    """Return why one coefficient is missing where the other is there."""
-    fitted = friction.model == "combined" or label.lower().startswith(friction.model)
-    return "not determined" if fitted else f"not in the {friction.model} model"
 
 
 COEFFICIENTS = parts.Layout(
