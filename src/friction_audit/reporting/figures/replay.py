@@ -9,7 +9,7 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.series import MOST_SHADED
+from friction_audit.reporting.figures.over_time import MOST_SHADED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
