@@ -1,6 +1,6 @@
 """LogReplay -> the paper's Fig. 10 for any log: signals, net energy, coefficients, with and without a compensator."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -102,7 +102,7 @@ def _draw_coefficient(axes: "Axes", joint: "JointReplay", name: str, colour: str
         axes.step(t, value, where="post", color=colour, lw=0.9, zorder=3)
 
 
-PANELS = {
+PANELS: dict[str, Callable[..., None]] = {
     "Velocity\n[rad/s]": _draw_velocity,
     "Torque\n[N m]": _draw_torque,
     "Energy [J]": _draw_energy,
