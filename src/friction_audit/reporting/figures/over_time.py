@@ -1,20 +1,80 @@
-"""Estimate -> figures over time: signals, net energy, friction coefficients."""
+"""Estimate -> the series of a joint, and its figures over time: signals, net energy, friction coefficients."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.series import JointSeries, moved, series_of, shade_cycles
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from friction_audit.pipeline import Estimate
+
+MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointSeries:
+    """One joint's signals of shape (n,), its cycles, whose start and stop are indices into them, and its friction."""
+
+    title: str  # what a panel is called: the joint's number, and its name where that says more
+    t: Float  # [s]
+    dq: Float  # velocity [rad/s]
+    torque: Float  # interaction torque F_m [N m]
+    driving: Float  # what acts against friction and inertia: F_m and the torque of a logged compensator [N m]
+    cycles: EnergyCycles
+    friction: JointFriction
+    not_determined: str  # the words for a panel without an estimate, without advice; empty if there is one
+
+
+def moved(_: "Estimate", friction: JointFriction) -> bool:
+    """Return whether there is motion to draw."""
+    return friction.moving_s > 0.0 or not friction.reason
+
+
+def series_of(estimate: "Estimate", friction: JointFriction) -> JointSeries:
+    """Return the series of a joint."""
+    interaction = estimate.interaction
+    column = interaction.joint_numbers.index(friction.joint)
+    torque, compensation = interaction.torque[:, column], interaction.compensation
+    return JointSeries(
+        title=parts.joint_title(friction.joint, interaction.joint_names[column]),
+        t=interaction.t,
+        dq=interaction.dq[:, column],
+        torque=torque,
+        driving=torque if compensation is None else torque + compensation[:, column],
+        cycles=estimate.cycles.of_joint(column),
+        friction=friction,
+        not_determined=f"not determined: {friction.reason.partition(';')[0]}" if friction.reason else "",
+    )
+
+
+def shade_cycles(axes: "Axes", series: JointSeries) -> None:
+    """Shade every other cycle of a joint and hatch the rejected ones; end the axis with the signals."""
+    cycles = series.cycles
+    axes.set_xlim(series.t[0], series.t[-1])
+    if len(cycles.joint) > MOST_SHADED:
+        axes.plot([], [], " ", label=f"more than {MOST_SHADED} cycles are not shaded")
+        return
+    for row, (start, stop, reason) in enumerate(zip(cycles.start_s, cycles.stop_s, cycles.reason, strict=True)):
+        if reason:
+            look: theme.Look = {
+                "facecolor": "none",
+                "edgecolor": theme.REJECTED,
+                "hatch": "/////",
+                "label": "rejected cycle",
+            }
+            axes.axvspan(start, stop, linewidth=0, zorder=0, **look)
+        elif row % 2 == 0:
+            axes.axvspan(start, stop, facecolor=theme.SHADE, linewidth=0, zorder=0, label="every other cycle")
+
 
 POINTS = 6000  # of a curve: a page is 2100 dots wide at 300 dots per inch, so nothing can be lost
 GAP_PERIODS = 20  # sampling periods without a sample after which no line is drawn
@@ -117,12 +177,15 @@ def _draw_coefficients(panels: "Sequence[Axes]", estimate: "Estimate", friction:
     window = min(friction.window, friction.cycles)
     panels[-1].set_title(f"window: {window} cycle{'s' if window > 1 else ''}", loc="right", color=theme.MUTED)
     t = np.maximum.accumulate(np.append(history.stop_s, series.t[-1]))
-    for axes, values, whole in zip(panels, (coulomb, viscous), (friction.coulomb, friction.viscous), strict=True):
+    pairs = (("coulomb", coulomb, friction.coulomb), ("viscous", viscous, friction.viscous))
+    for axes, (name, values, whole) in zip(panels, pairs, strict=True):
         axes.set_xlim(series.t[0], series.t[-1])
         ends = y_limits(*values, whole)
         if ends is None:
             axes.set_yticks([])
-            parts.write_message(axes, series.not_determined or _absence(friction, axes.get_ylabel()))
+            fitted = friction.model in ("combined", name)
+            absence = "not determined" if fitted else f"not in the {friction.model} model"
+            parts.write_message(axes, series.not_determined or absence)
             continue
         axes.set_ylim(*ends)
         if np.isfinite(values[0]).any():
@@ -147,12 +210,6 @@ def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple
     largest = float(np.nanmax(np.abs(shown), initial=0.0))
     smallest = max(SMALLEST_SHARE * largest, SMALLEST_RANGE)
     return parts.limits(shown, np.concatenate([low, high]), near=NEAR, smallest=smallest)
-
-
-def _absence(friction: JointFriction, label: str) -> str:
-    """Return why one coefficient is missing where the other is there."""
-    fitted = friction.model == "combined" or label.lower().startswith(friction.model)
-    return "not determined" if fitted else f"not in the {friction.model} model"
 
 
 COEFFICIENTS = parts.Layout(

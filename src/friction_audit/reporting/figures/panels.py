@@ -233,11 +233,8 @@ def band(axes: "Axes", x: Float, low: Float, high: Float, colour: str, label: st
 def limits(shown: Float, others: Float, *, near: float, smallest: float) -> tuple[float, float] | None:
     """Return the ends of an axis that hold all numbers shown and of others what is near; None without any number.
 
-    Args:
-        shown: Seen whole; NaN where there is none, shape (n,).
-        others: One wild number of these must not flatten the panel, shape (m,).
-        near: Others may extend the axis by so many times the range of what is shown.
-        smallest: Range below which the axis is not resolved.
+    Others may extend the axis by ``near`` times the range of what is shown, which is at least ``smallest``: one wild
+    number of them must not flatten the panel. NaN is no number.
     """
     shown, others = (values[np.isfinite(values)] for values in (shown, others))
     if not len(shown):

@@ -36,9 +36,8 @@ def wave_of(effect: NamedEffect) -> OwnAxis | None:
 
 
 class Row(NamedTuple):
-    """A row of the figure: a joint and its residual before and after; None where there is nothing."""
+    """The residual of a joint along an axis, before and after; None where there is nothing."""
 
-    joint: JointDiagnosis
     before: Profile | None
     after: Profile | None
     own: OwnAxis | None = None
@@ -50,30 +49,30 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
     def along(axis: str) -> Row:
         both = (joint.profiles, joint.remaining)
         before, after = (next((one for one in found if one.axis == axis), None) for found in both)
-        return Row(joint, before, after)
+        return Row(before, after)
 
     rows: dict[str, Row] = {}
     for effect in joint.added:
         own = wave_of(effect)
-        row = along(effect.curve.axis) if own is None else Row(joint, own.before, own.after, own)
+        row = along(effect.curve.axis) if own is None else Row(own.before, own.after, own)
         rows.setdefault(own.label if own else effect.curve.axis, row)
     found = list(rows.values())
     if joint.verdict == "unexplained" and joint.added and joint.remaining:
         found.append(along(joint.remaining[0].axis))
-    return found or [Row(joint, joint.profiles[0] if joint.profiles else None, None)]
+    return found or [Row(joint.profiles[0] if joint.profiles else None, None)]
 
 
 def _draw_residual(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosis) -> None:
     """Draw the residual before and after along every axis that shows an effect; on a sheet of the largest alone."""
     narrow, left = parts.is_narrow(panels[0]), iter(panels)
     for row in rows_of(joint) if narrow else rows_of(joint)[:1]:
-        _draw_row([next(left) for _ in range(2 if row.after is not None else 1)], row)
+        _draw_row([next(left) for _ in range(2 if row.after is not None else 1)], joint, row)
     for axes in left:
         axes.set_axis_off()
 
 
-def _draw_row(panels: "list[Axes]", row: Row) -> None:
-    joint, traces = row.joint, row.joint.traces
+def _draw_row(panels: "list[Axes]", joint: JointDiagnosis, row: Row) -> None:
+    traces = joint.traces
     if row.before is None or traces is None:
         write_verdict(panels[0], joint)
         return

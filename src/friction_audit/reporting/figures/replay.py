@@ -1,6 +1,7 @@
 """LogReplay -> the paper's Fig. 10 for any log: signals, net energy, coefficients, with and without a compensator."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.series import MOST_SHADED
+from friction_audit.reporting.figures.over_time import MOST_SHADED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,14 +23,12 @@ SMALLEST_TORQUE_NM = 0.5  # half height of the torque panel of a joint at rest, 
 SMALLEST_SPEED_RAD_S = 0.1  # half width of the panel of a joint that stands still
 MOST_OF_WITHOUT = 3.0  # times the largest speed and torque without a compensator beyond which a diverging one is cut
 WITHOUT: dict[str, Any] = {"color": theme.FITTED, "ls": theme.DASHED}
-NAMES = ("Velocity\n[rad/s]", "Torque\n[N m]", "Energy [J]", "Viscous\n[N m s/rad]", "Coulomb\n[N m]")
 
 
 def _draw_over_time(panels: "Sequence[Axes]", _: "LogReplay", joint: "JointReplay") -> None:
     """Draw velocity, torque, energy and coefficients; on a sheet without the velocity."""
     narrow, title = parts.is_narrow(panels[0]), parts.joint_title(joint.joint, joint.name)
-    draws = (_draw_velocity, _draw_torque, _draw_energy, _draw_viscous, _draw_coulomb)[-len(panels) :]
-    for axes, draw, name in zip(panels, draws, NAMES[-len(panels) :], strict=True):
+    for axes, (name, draw) in zip(panels, list(PANELS.items())[-len(panels) :], strict=True):
         draw(axes, joint)
         heads = axes is panels[0] if narrow else axes.get_subplotspec().is_first_row()  # type: ignore[union-attr]
         head = title if narrow else name.replace("\n", " ")
@@ -94,14 +93,6 @@ def _draw_energy(axes: "Axes", joint: "JointReplay") -> None:
     axes.plot(history.stop_s, energy[history.stop], "o", **dots)
 
 
-def _draw_viscous(axes: "Axes", joint: "JointReplay") -> None:
-    _draw_coefficient(axes, joint, "viscous_nms_per_rad", theme.FILTERED)
-
-
-def _draw_coulomb(axes: "Axes", joint: "JointReplay") -> None:
-    _draw_coefficient(axes, joint, "coulomb_nm", theme.DISSIPATED)
-
-
 def _draw_coefficient(axes: "Axes", joint: "JointReplay", name: str, colour: str) -> None:
     """Draw the coefficient compensated over time."""
     parts.mark_zero(axes)
@@ -109,6 +100,15 @@ def _draw_coefficient(axes: "Axes", joint: "JointReplay", name: str, colour: str
         t, value = applied(joint, name)
         axes.update_datalim([(t[0], LEAST_COEFFICIENT)])
         axes.step(t, value, where="post", color=colour, lw=0.9, zorder=3)
+
+
+PANELS: dict[str, Callable[..., None]] = {
+    "Velocity\n[rad/s]": _draw_velocity,
+    "Torque\n[N m]": _draw_torque,
+    "Energy [J]": _draw_energy,
+    "Viscous\n[N m s/rad]": partial(_draw_coefficient, name="viscous_nms_per_rad", colour=theme.FILTERED),
+    "Coulomb\n[N m]": partial(_draw_coefficient, name="coulomb_nm", colour=theme.DISSIPATED),
+}
 
 
 def applied(joint: "JointReplay", name: str) -> tuple[Float, Float]:

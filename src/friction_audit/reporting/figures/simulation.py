@@ -11,8 +11,8 @@ from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures.over_time import series_of
 from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, write_verdict
-from friction_audit.reporting.figures.series import series_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures.series import JointSeries, moved, series_of
+from friction_audit.reporting.figures.over_time import JointSeries, moved, series_of
 from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW
 
 if TYPE_CHECKING:

@@ -213,7 +213,7 @@ def _effects(report: LogReport, one: JointReport) -> Iterator[Part]:
 
 
 def _of_one_joint(table: Table) -> Table:
-    return replace(table, columns=[column for column in table.columns if column.name != "joint"])
+    return replace(table, columns=[column for column in table.filled().columns if column.name != "joint"])
 
 
 def _friction(report: LogReport, drawn: Drawn) -> Section:

@@ -191,7 +191,7 @@ FINE = re.compile(r"\d+\.\d{3,}")
 CURVE = "curve of "  # what the id of a curve begins with while it is drawn
 CURVED = 33  # values that stand for an axis that is not linear
 # Words as text: small, searchable and read aloud; clouds of dots, which are images, as fine as a screen shows them.
-IN_PAGE: dict[str, Any] = {"svg.fonttype": "none", "savefig.dpi": 120}
+IN_PAGE: dict[Any, Any] = {"svg.fonttype": "none", "savefig.dpi": 120}
 
 
 def draw_inline(figure: "Drawing", prefix: str, *, title: str, caption: str, description: str) -> Figure:
