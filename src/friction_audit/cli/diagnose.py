@@ -52,10 +52,10 @@ class DiagnosisOptions:
         float,
         option(
             DIAGNOSIS,
-            "Of a longer log the part is diagnosed in which the friction is determined best [min].",
+            "Of a longer log, so much is diagnosed, in parts spread over it [min].",
             metavar="MINUTES",
         ),
-    ] = 10.0
+    ] = 5.0
     joint_model: Annotated[
         Path | None,
         opt.joint_model_option(
