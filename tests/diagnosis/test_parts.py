@@ -5,8 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_audit import estimate_log, simulate_log
 from friction_audit.diagnosis.prepare import BRIDGE_S, FORGOTTEN_S, parts_of, spread_parts
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.dynamics.motion import RigidBody
+from friction_audit.effects.joint_data import duration
+from friction_audit.pipeline import diagnosis_subjects
 from tests.effects.joint_data_by_hand import STEP_S, two_sines
 
 WHOLE = two_sines(400.0)
@@ -52,3 +56,10 @@ def test_the_model_of_the_arm_stays_at_its_times() -> None:
     # As far from other samples as a filter reaches.
     far = np.convolve(parts.valid, np.ones(41), mode="same") == 41.0
     np.testing.assert_allclose(fine.inertial[far], np.cos(parts.t[far]), atol=1e-6)
+
+
+def test_of_a_much_longer_log_a_window_of_twice_the_length_is_prepared() -> None:
+    estimate = estimate_log(simulate_log("joint", duration_s=60.0).log)
+    (subject,) = diagnosis_subjects(estimate, DiagnosisSettings(at_most_s=20.0))
+    assert duration(subject.data) == pytest.approx(40.0, abs=0.01)
+    assert "only 20 s of 60 s are diagnosed, in parts from" in subject.findings[0].message
