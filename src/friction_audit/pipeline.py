@@ -270,14 +270,17 @@ def diagnose_estimate(
 def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tuple[Subject, ...]":
     """Prepare the joints of a log that was estimated before, or of the part of a long one that tells most."""
     from friction_audit.diagnosis.data_audit import audit_part
-    from friction_audit.diagnosis.diagnose import best_window, subjects_of
+    from friction_audit.diagnosis.diagnose import PREPARED, best_window, subjects_of
+    from friction_audit.diagnosis.prepare import parts_of
 
     part, whole_s = estimate, estimate.log.duration_s
     findings: tuple[DataFinding, ...] = ()
-    if whole_s > settings.at_most_s:
-        part_s = best_window(estimate.cycles, whole_s, settings.at_most_s)
-        part = estimate_log(estimate.log, replace(estimate.settings, t_start_s=part_s[0], t_stop_s=part_s[1]))
-        findings = (audit_part(part_s, whole_s),)
+    if parts_of(whole_s, settings.at_most_s) > 1:
+        part_s = 0.0, whole_s
+        if whole_s > (longest_s := PREPARED * settings.at_most_s):
+            part_s = best_window(estimate.cycles, whole_s, longest_s)
+            part = estimate_log(estimate.log, replace(estimate.settings, t_start_s=part_s[0], t_stop_s=part_s[1]))
+        findings = (audit_part(part_s, whole_s, settings.at_most_s),)
     arm = known_arm(part.log, part.settings.torque, part.interaction.choice)
     subjects = subjects_of(part.log, part.interaction, part.cycles, estimate.friction, settings, arm)
     return tuple(replace(subject, findings=findings + subject.findings) for subject in subjects)

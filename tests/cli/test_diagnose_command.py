@@ -111,7 +111,6 @@ def test_wrong_usage(options: list[str], code: int, message: str, run: Run, logs
 def test_of_a_long_log_a_part_is_diagnosed_and_that_is_said(run: Run, logs: Path) -> None:
     found = run("diagnose", logs / "moved1.csv", "--at-most", "0.5", "--json").document()
     (said,) = [one["message"] for one in found["warnings"] if one["code"] == "part"]
-    start, stop, whole = (float(word) for word in re.findall(r"(\d+) (?:to|s of|s are)", said)[:3])
-    assert (stop - start, whole) == (30.0, 42.0)
+    assert said.startswith("only 30 s of 42 s are diagnosed, in parts from 0 to 42 s")
     assert found["joints"][0]["verdict"] == "adequate"
     assert run("diagnose", logs / "moved1.csv", "--at-most", "0").code == 2

@@ -53,8 +53,8 @@ class DiagnosisOptions:
     )
     at_most: float = option(
         DIAGNOSIS,
-        "Of a longer log the part is diagnosed in which the friction is determined best [min].",
-        default=10.0,
+        "Of a longer log, so much is diagnosed, in parts spread over it [min].",
+        default=5.0,
         metavar="MINUTES",
     )
     joint_model: Path | None = opt.joint_model_option(

@@ -59,7 +59,7 @@ RULES = {
     "part": _Rule(
         0.0,
         "limit",
-        "only {start:.0f} to {stop:.0f} s of {value:.0f} s are diagnosed, where friction is determined best; times "
+        "only {bound:.0f} s of {value:.0f} s are diagnosed, in parts from {start:.0f} to {stop:.0f} s; times "
         "count from {start:.0f} s; for the whole log: --at-most {minutes:.0f}",
         "s",
     ),
@@ -137,10 +137,10 @@ def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
     return tuple(finding for finding in findings if finding.verdict == "fault")
 
 
-def audit_part(part_s: tuple[float, float], whole_s: float) -> DataFinding:
-    """Say which part of a log is diagnosed, from its first sample on. [s]"""
+def audit_part(part_s: tuple[float, float], whole_s: float, most_s: float) -> DataFinding:
+    """Say how much of a log is diagnosed, and where that lies, from its first sample on. [s]"""
     start, stop = part_s
-    return _judged("part", whole_s, stop - start, start=start, stop=stop, minutes=np.ceil(whole_s / 60.0))
+    return _judged("part", whole_s, most_s, start=start, stop=stop, minutes=np.ceil(whole_s / 60.0))
 
 
 def _judged(code: str, value: float, bound: float | None = None, **words: object) -> DataFinding:

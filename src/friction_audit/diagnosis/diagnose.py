@@ -10,7 +10,7 @@ import numpy as np
 from friction_audit.diagnosis.data_audit import audit_joints
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
-from friction_audit.diagnosis.prepare import prepare
+from friction_audit.diagnosis.prepare import prepare, spread_parts
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effects
@@ -24,6 +24,7 @@ from friction_audit.robot import Arm
 
 WORKING_BYTES = 1000  # of a process per sample of the fine grid (benchmarks/bench_diagnose.py)
 
+PREPARED = 2.0  # times as long as what is diagnosed is a window in which that is spread
 WINDOWS = 10  # that are tried per window's length
 SMALL = 1e-6  # of the information in the whole log: of a joint without any in a window
 
@@ -96,7 +97,8 @@ def diagnose_subjects(
         last = k == joints - 1 and joints % (workers if workers > 1 else WORKERS) == 1
         try:
             with nullcontext() if last else one_joint_at_a_time():
-                return diagnose_joint(subject, candidates, settings)
+                data = spread_parts(subject.data, settings.at_most_s)
+                return diagnose_joint(replace(subject, data=data), candidates, settings)
         except AnalysisError as error:
             return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run

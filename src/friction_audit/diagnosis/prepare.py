@@ -6,14 +6,15 @@ Elsewhere they come from the mean of both velocities. Position and torque were s
 them would look like a delay.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.known_load import know_load
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
-from friction_audit.effects.joint_data import JointData, grid_noise
+from friction_audit.effects.joint_data import JointData, duration, grid_noise
 from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
@@ -24,6 +25,9 @@ from friction_audit.preprocessing.torque_source import CHANNELS
 from friction_audit.preprocessing.velocity import complementary_mean, crossover_of, find_lag
 from friction_audit.robot import Arm
 
+# Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
+PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
+Index = NDArray[np.int64]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
 TINY_SPEED = 1e-6
@@ -103,6 +107,71 @@ def prepare(
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
+
+
+def parts_of(whole_s: float, most_s: float) -> int:
+    """Return in how many parts a recording is diagnosed: one where it is hardly longer than all of them may be."""
+    many = max(round(most_s / PART_S), 2)
+    return many if whole_s > most_s + many * BRIDGE_S else 1
+
+
+def spread_parts(data: JointData, most_s: float) -> JointData:
+    """Return so much of a longer recording, in parts that are spread over it evenly from its first sample to its last.
+
+    A window would lose slow effects. From one part to the next the joint moves on along a cubic; that, what follows
+    right after it and cycles that are not whole do not count.
+    """
+    if (many := parts_of(duration(data), most_s)) == 1:
+        return data
+    rigid = data.rigid
+    # The model of the arm is evaluated at every so many samples, of which each part begins with one.
+    every = 1 if rigid is None else round((rigid.t[1] - rigid.t[0]) / data.step_s)
+    lengths_s = (most_s / many, BRIDGE_S, FORGOTTEN_S)
+    length, gap, forgotten = (every * max(round(one / data.step_s / every), 1) for one in lengths_s)
+    starts = every * np.linspace(0, (len(data.t) - length) // every, many).astype(int)
+
+    def joined(values: NDArray[Any], each: int = 1, bridges: Float | None = None) -> NDArray[Any]:
+        """Parts of values at every so many samples, shape (n, ...); straight lines between them, or bridges."""
+        inside = values[starts[:, None] // each + np.arange(length // each)]
+        if bridges is None:
+            rise = np.linspace(0.0, 1.0, gap // each + 2)[1:-1].reshape(-1, *[1] * (values.ndim - 1))
+            bridges = inside[:-1, -1:] + rise * (inside[1:, :1] - inside[:-1, -1:])
+        front = np.concatenate([inside[:-1], bridges], axis=1).reshape(-1, *values.shape[1:])
+        return np.concatenate([front, inside[-1]]).astype(values.dtype)
+
+    inside = np.zeros(len(data.t), bool)
+    for start in starts.tolist():
+        inside[start + (forgotten if start else 0) : start + length] = True
+    counts = joined(inside.astype(np.float64)) == 1.0
+    whole = np.where(np.isin(data.cycle, data.cycle[~inside]), -1, data.cycle)
+    known: dict[str, Any] = {
+        name: None if (own := getattr(data, name)) is None else joined(own)
+        for name in ("t", "torque", "load", "temperature", "others_dq", "others_ddq", "others_torque")
+    }
+    if rigid is not None:
+        model = {name: getattr(rigid, name) for name in ("t", "weight", "tilt", "inertial", "tip")}
+        model = {name: None if own is None else joined(own, every) for name, own in model.items()}
+        known["rigid"] = replace(rigid, **model)
+    ways = _cubics(data, starts[:-1] + length - 1, starts[1:], gap)
+    motion = {name: joined(getattr(data, name), 1, way) for name, way in zip(("q", "dq", "ddq"), ways, strict=True)}
+    return replace(
+        data,
+        cycle=np.where(counts, joined(whole), -1),
+        moving=joined(data.moving.astype(np.float64)) == 1.0,
+        valid=counts & (joined(data.valid.astype(np.float64)) == 1.0),
+        logged_dq=None,
+        **motion,
+        **known,
+    )
+
+
+def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Float, Float, Float]:
+    """Position, velocity and acceleration at samples between the ends of parts and the next begins, (k, samples)."""
+    x, time_s = np.linspace(0.0, 1.0, samples + 2)[1:-1], (samples + 1) * data.step_s
+    way, first, last = data.q[begin] - data.q[end], time_s * data.dq[end], time_s * data.dq[begin]
+    three, two, one = (np.array([each]).T for each in (first + last - 2.0 * way, 3.0 * way - 2.0 * first - last, first))
+    q = ((three * x + two) * x + one) * x + data.q[end][:, None]
+    return q, ((3.0 * three * x + 2.0 * two) * x + one) / time_s, (6.0 * three * x + 2.0 * two) / time_s**2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

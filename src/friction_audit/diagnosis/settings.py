@@ -16,7 +16,8 @@ class DiagnosisSettings:
         candidates: Names of the effects that may be named; None for the whole catalogue.
         min_effect_nm: Effects whose rms torque is below it are negligible. [N m]
         seed: Seed of the bootstrap of the screening test; no verdict depends on it.
-        at_most_s: Of a longer log the part is diagnosed in which the friction is determined best. [s]
+        at_most_s: Of a longer log, so much is diagnosed, in parts that are spread over it, or over the window of twice
+            that length in which the friction is determined best. [s]
         model: Nominal model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
 
     Raises:
@@ -26,7 +27,7 @@ class DiagnosisSettings:
     candidates: tuple[str, ...] | None = None
     min_effect_nm: float = 0.0
     seed: int = 0
-    at_most_s: float = 600.0
+    at_most_s: float = 300.0
     model: ArmModel | None = None
 
     def __post_init__(self) -> None:

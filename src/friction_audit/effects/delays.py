@@ -97,7 +97,7 @@ class TimeDelay(BatchedEffect):
             rest = simple_torque(motion)
             if loaded and motion.load is not None:
                 rest = rest + motion.load
-            spline, spacing = EvenSpline(rest, held=True), float(motion.t[-1] - motion.t[0]) / (len(motion.t) - 1)
+            spline, spacing = EvenSpline(rest, held=True), float(motion.t[1] - motion.t[0])
             for place, (step, with_load) in enumerate(many):
                 if bool(round(with_load)) is loaded:
                     yield place, (spline.ahead(-step / spacing) - rest)[:, None] / step
