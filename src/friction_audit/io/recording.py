@@ -43,17 +43,22 @@ class Marks:
     """Marks on rows of a recording, one bit each: those of a day at 1 kHz take 11 MB."""
 
     def __init__(self, rows: int) -> None:
-        self._bits, self.count = np.zeros(rows // 8 + 2, np.uint8), 0
+        self._rows, self._bits, self.count = rows, np.empty(0, np.uint8), 0
 
     def add(self, first: int, marked: NDArray[np.bool_]) -> None:
         """Mark some of the rows from a first one on."""
+        if not marked.any():
+            return
+        if not self.count:
+            self._bits = np.zeros(self._rows // 8 + 2, np.uint8)
+        self.count += int(np.count_nonzero(marked & ~self.of(first, len(marked))))
         packed = np.packbits(np.append(np.zeros(first % 8, np.bool_), marked))
-        before = self.of(first, len(marked))
         self._bits[first // 8 : first // 8 + len(packed)] |= packed
-        self.count += int(np.count_nonzero(marked & ~before))
 
     def of(self, first: int, count: int) -> NDArray[np.bool_]:
         """Return which of so many rows from a first one on are marked."""
+        if not len(self._bits):
+            return np.zeros(count, np.bool_)
         bits = np.unpackbits(self._bits[first // 8 : (first + count) // 8 + 1])
         return bits[first % 8 : first % 8 + count].view(np.bool_)
 

@@ -30,7 +30,8 @@ from friction_audit.io.checks.motion import (
     turn_degrees,
 )
 from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
-from friction_audit.io.checks.values import TO_ZERO, Missing, leave_out_columns, leave_out_rows, leave_out_wild
+from friction_audit.io.checks.values import Missing, leave_out_columns, leave_out_rows
+from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float
 from friction_audit.log_in_blocks import Means

@@ -24,7 +24,7 @@ class Clock:
     def __init__(self, recording: Recording) -> None:
         self.rows = rows = recording.rows
         self.finite, self.backwards, self.places = True, 0, list[int]()
-        self.late_s, self.latest, self.repeated = 0.0, 0, Marks(0)
+        self.late_s, self.latest, self.repeated = 0.0, 0, Marks(rows)
         reach, every = min(_LONGEST_BATCH, rows - 1), max(rows // _MOST_PLACES, 1)
         near, far = step_places(rows), np.arange(reach, rows, every)
         picked = [Picked(one) for one in (near, near + 1, far - reach, far)]
@@ -56,8 +56,6 @@ class Clock:
         late_s = np.maximum.accumulate(np.maximum(t, latest)) - t
         if late_s.max() > self.late_s:
             self.late_s, self.latest = float(late_s.max()), first + int(late_s.argmax())
-        if not self.repeated.count:
-            self.repeated = Marks(self.rows)
         self.repeated.add(first, steps == 0.0)
 
     @property

@@ -24,7 +24,7 @@ class Stale:
 
     def __init__(self, recording: Recording) -> None:
         self._names = [name for name in ("dq", "q", *TORQUE_CHANNELS) if name in recording.channels]
-        self.rows, self.marks = recording.rows, Marks(0)
+        self.rows, self.marks = recording.rows, Marks(recording.rows)
         self.repeats, self._steps, self._fresh = 0, Thinned(), (0, 0.0)
 
     @property
@@ -46,10 +46,7 @@ class Stale:
             equal = equal[moving(channels["dq"], equal)]
         fresh = np.ones(len(t), np.bool_)
         fresh[equal] = False
-        if len(equal):
-            if not self.marks.count:
-                self.marks = Marks(self.rows)
-            self.marks.add(first, ~fresh)
+        self.marks.add(first, ~fresh)
         if self.marks.count:
             rows = np.flatnonzero(fresh)
             repeats = np.diff(rows + first, prepend=self._fresh[0]) - 1
