@@ -104,14 +104,15 @@ def assert_same_log(path: Path, own: dict[str, Any], settings: AuditSettings | N
     usual, log = read_log(path, ReadOptions(**own)), read_log(path, InBlocks(**own))
     assert isinstance(log, LogInBlocks)
     assert replace(log.source, findings=()) == replace(usual.source, findings=())
-    assert_same(*([asdict(one) for one in source.findings] for source in (log.source, usual.source)))
+    found, expected = ([asdict(one) for one in source.findings] for source in (log.source, usual.source))
+    assert_same(found, expected)
     parts = list(log.blocks())
     assert (log.samples, log.rate_hz) == (len(usual.t), usual.rate_hz)
     np.testing.assert_allclose(np.concatenate([part.t for part in parts]), usual.t, rtol=0, atol=1e-12)
     for name, array in usual.channels().items():
         np.testing.assert_allclose(np.concatenate([getattr(part, name) for part in parts]), array, rtol=1e-12)
     settings = settings or AuditSettings(t_start_s=own.get("t_start_s"), t_stop_s=own.get("t_end_s"))
-    assert_same(*(estimate_document(estimate_log(one, settings)) for one in (log, usual)))
+    assert_same(estimate_document(estimate_log(log, settings)), estimate_document(estimate_log(usual, settings)))
     return log
 
 
@@ -127,7 +128,7 @@ def put(names: list[str], value: Any, rows: Any = slice(None)) -> Change:
 
     def change(frame: pd.DataFrame) -> pd.DataFrame:
         frame = frame.copy()
-        frame.iloc[rows, [frame.columns.get_loc(name) for name in names]] = value
+        frame.loc[frame.index[rows], names] = value
         return frame
 
     return change

@@ -173,12 +173,15 @@ class ParquetTable(ColumnTable):
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], None)
         return Part(clock=self._to_clock(parts, columns.time), channels=channels, joint=joint)
 
-    def in_blocks(self, columns: ColumnMap) -> Part:
-        """Read the first stamps, which say what the clock is."""
+    def in_blocks(self, columns: ColumnMap) -> Part | None:
+        """Read the first stamps, which say what the clock is; None if they are damaged."""
         time, path = columns.time, str(self.path)
-        stamps = next((self._stamps(parts, time) for parts in self._batches(time.cells)), np.empty(0))
-        origin = stamps[np.isfinite(stamps).argmax() :][:1].tolist()
-        clock = to_clock(stamps, self._unit(time), path=path)
+        try:
+            stamps = next((self._stamps(parts, time) for parts in self._batches(time.cells)), np.empty(0))
+            origin = stamps[np.isfinite(stamps).argmax() :][:1].tolist()
+            clock = to_clock(stamps, self._unit(time), path=path)
+        except InputError:  # damaged row groups are left out where all is read at once, or refused
+            return None
         edges = np.cumsum([0, *self._sizes])
 
         def read(names: Collection[str], group: int = 0) -> Iterator[Block]:

@@ -177,14 +177,8 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
 def _with_stated(recording: Recording, table: Table) -> Recording:
     """Add the start, the joints and the robot that the file states apart from its columns."""
     if recording.start_s is None and table.start_s is not None:
-        # The origin of a clock that is read in blocks is its first stamp.
-        first_s = (
-            recording.first_s
-            if recording.first_s is not None
-            else float(recording.t[0])
-            if recording.blocks is None
-            else 0.0
-        )
+        stamps = [0.0] if recording.blocks is not None else recording.t  # a clock read in blocks begins at 0
+        first_s = float(stamps[0]) if recording.first_s is None else recording.first_s
         start_s = table.start_s - first_s
         recording = replace(recording, start_s=start_s if isfinite(start_s) else None)
     if table.labels or len(table.joint_names) != len(recording.joint_names):
