@@ -192,15 +192,24 @@ def test_options_hold_block_by_block(
     assert_same_log(written(frame, tmp_path, "q", "dq", "tau_interaction"), own)
 
 
-@pytest.mark.parametrize("fault", ["batches", "damage"])
+@pytest.mark.parametrize("resolution", [1e-9, 1e-3])
+def test_a_late_velocity_is_put_on_time_block_by_block(frame: pd.DataFrame, tmp_path: Path, resolution: float) -> None:
+    names, places = [f"dq_{j}" for j in JOINTS], [f"q_{j}" for j in JOINTS]
+    late = frame.iloc[8:].assign(**{name: frame[name].to_numpy()[:-8] for name in names})
+    late[places] = np.round(late[places] / resolution) * resolution
+    log = assert_same_log(written(late, tmp_path, "q", "dq", "tau_interaction"), {})
+    assert "dq_late" in [one.code for one in estimate_log(log, AuditSettings()).interaction.warnings]
+
+
+@pytest.mark.parametrize("fault", ["batches", "damage", "damaged begin"])
 def test_what_needs_all_samples_is_read_at_once(frame: pd.DataFrame, tmp_path: Path, fault: str) -> None:
     if fault == "batches":
         frame = frame.assign(time=frame["time"] + np.where(np.arange(len(frame)) % 2, -9e-4, 0.0))
     path = written(frame, tmp_path, "q", "dq", "tau_interaction", write_page_checksum=True)
-    if fault == "damage":
+    if "damage" in fault:
         content = bytearray(path.read_bytes())
-        middle = len(content) // 2
-        content[middle : middle + 100] = bytes(100)
+        place = len(content) // 2 if fault == "damage" else 1000
+        content[place : place + 100] = bytes(100)
         path.write_bytes(content)
     usual, log = read_log(path), read_log(path, InBlocks())
     assert not isinstance(log, LogInBlocks)
