@@ -256,10 +256,19 @@ def find_window(t: Float, start_s: float | None, stop_s: float | None, path: str
     """
     first = 0 if start_s is None else int(np.searchsorted(t, start_s))
     last = len(t) if stop_s is None else int(np.searchsorted(t, stop_s))
+    return check_window(first, last, start_s, stop_s, float(t[-1]), path)
+
+
+def check_window(first: int, last: int, start_s: float | None, stop_s: float | None, end_s: float, path: str) -> slice:
+    """Return the samples of a window of time in a log that lasts until ``end_s``.
+
+    Raises:
+        UsageError: If they are fewer than two.
+    """
     if last - first < MINIMUM_SAMPLES:
         raise UsageError(
             f"{path}: {max(last - first, 0)} samples between {start_s or 0:g} s and "
-            f"{t[-1] if stop_s is None else stop_s:g} s; the log lasts from 0 to {t[-1]:g} s; "
+            f"{end_s if stop_s is None else stop_s:g} s; the log lasts from 0 to {end_s:g} s; "
             "choose another --t-start/--t-end"
         )
     return slice(first, last)

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from friction_audit.joint_log import Float, JointLog, LogPart
 from friction_audit.parallel import ahead
 
+# A longer log is judged by means of stretches that are spread evenly over it: an hour at 50 Hz, in pieces of 20 s.
+MOST_MEANS, STRETCH = 1 << 18, 1 << 10
 COARSE_HZ = 50.0  # of the means by which the sign of a torque is proved: above the motion, and cheap for hours of log
 
 
@@ -50,6 +52,12 @@ class LogInBlocks(LogPart):
         """Sampling rate, from the median time step. [Hz]"""
         return 1.0 / self.clock[2]
 
+    def take_window(self, start_s: float | None, stop_s: float | None) -> JointLog:
+        """Return the samples with start_s <= t < stop_s, in memory; the log itself where it is that part."""
+        if (start_s, stop_s) in ((None, None), self.source.window):
+            return self
+        return self.read_whole().take_window(start_s, stop_s)
+
     def blocks(self) -> Iterator[LogPart]:
         """Read the log in parts that follow each other."""
         first = 0
@@ -77,4 +85,36 @@ def samples_per_mean(step_s: float, samples: int) -> int:
 def block_means(column: Float, samples: int) -> Float:
     """Return the means of neighbouring blocks of samples, shape (n,) -> (n // samples,)."""
     blocks = len(column) // samples
-    return np.asarray(column[: blocks * samples].reshape(blocks, samples).mean(axis=1))
+    return np.asarray(np.einsum("ij->i", column[: blocks * samples].reshape(blocks, samples)) / samples)
+
+
+class Means:
+    """Gathers means over neighbouring samples, piece by piece; of a long log, in stretches spread evenly over it."""
+
+    def __init__(self, step_s: float, samples: int, names: Collection[str], joints: int) -> None:
+        self.of = samples_per_mean(step_s, samples)
+        numbers = np.arange(samples // self.of)
+        every = -(-len(numbers) // MOST_MEANS)  # of so many stretches one is kept
+        self._is_kept = (numbers // STRETCH) % every == 0
+        self.numbers = numbers[self._is_kept]
+        self.t = np.empty((len(self.numbers), 1))
+        self.channels = {name: np.empty((len(self.numbers), joints), order="F") for name in names}
+        self._seen, self._kept = 0, 0
+        self._rest: dict[str, Float] = {}  # the last rows, which are no whole mean yet
+
+    def take(self, t: Float, channels: dict[str, Float]) -> None:
+        """Take the rows of a piece."""
+        done, self._seen = self._seen // self.of, self._seen + len(t)
+        own = self._is_kept[done : self._seen // self.of]
+        places = slice(self._kept, self._kept + int(np.count_nonzero(own)))
+        self._kept = places.stop
+        size, rows = self.of, {"t": t[:, None], **channels}
+        for name, means in (("t", self.t), *self.channels.items()):
+            piece, rest = rows[name], self._rest.get(name, rows[name][:0])
+            head = min(-len(rest) % size, len(piece))  # rows that complete the mean that was begun
+            begun = np.concatenate([rest, piece[:head]])
+            body = piece[head:] if len(begun) % size == 0 else piece[:0]
+            for joint in range(means.shape[1]):
+                found = np.append(block_means(begun[:, joint], size), block_means(body[:, joint], size))
+                means[places, joint] = found[own]
+            self._rest[name] = np.concatenate([begun[len(begun) // size * size :], body[len(body) // size * size :]])

@@ -106,6 +106,9 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         friction = estimate_friction(interaction, cycles, settings.friction, dead_torque)
         return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
     port = choose_torque(log, settings.torque, joints=settings.joints)
+    in_blocks = isinstance(port.log, LogInBlocks)
+    if in_blocks:  # what the checks and the model of the arm needed, before the blocks ask for more
+        release_memory()
     joints = [_JointPass(port.log, settings, column, own) for column, own in enumerate(_thresholds(port, settings))]
     part: Interaction | None = None
     for block in port.log.blocks():
@@ -117,7 +120,6 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
 
         per_joint(advance, len(joints))
     assert part is not None
-    in_blocks = isinstance(port.log, LogInBlocks)
     found: dict[int, EnergyCycles] = {}
 
     def cycles_of(column: int) -> EnergyCycles:

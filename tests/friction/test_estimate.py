@@ -88,28 +88,12 @@ def test_a_logged_compensator_is_corrected_for() -> None:
         assert joint.viscous.value == pytest.approx(VISCOUS, rel=1e-3)
 
 
-def test_passivity_injection_is_corrected_for() -> None:
-    """(25): a controller that damps away the whole cycle's energy leaves none at the port, and the estimate stands."""
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    compensation, passivity = 0.4 * np.sign(v) + 0.1 * v, -(0.1 * np.sign(v) + 0.03 * v)
-    joint = estimate(t, v, friction(v, a) - compensation - passivity, u=compensation + passivity)
-    assert joint.coulomb.value == pytest.approx(COULOMB, rel=1e-3)
-    assert abs(joint.history.net_energy_j[-1]) < 1e-3
-
-
 def test_a_step_of_friction_is_seen_once_the_window_has_passed_it() -> None:
     t, v, a = strokes(LENGTHS, DURATIONS)
     coulomb = np.where(t < t[-1] / 2, 0.3, 0.6)
     joint = estimate(t, v, friction(v, a) + (coulomb - 0.3) * np.sign(v), FrictionSettings(window=6, compare=False))
     assert joint.history.coulomb_nm[4] == pytest.approx(0.3, rel=0.01)
     assert joint.history.coulomb_nm[-1] == pytest.approx(0.6, rel=0.01)
-
-
-def test_net_energy_accumulates_the_work() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    joint = estimate(t, v, friction(v, a))
-    assert np.all(joint.history.dissipated_j > 0)
-    assert np.all(np.diff(joint.history.net_energy_j) > 0)
 
 
 def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
@@ -298,13 +282,6 @@ def test_one_speed_profile_matters_only_where_two_coefficients_are_separated(set
     history = estimated(log_of([0.8, -0.8] * 8, [1.2] * 16, stribeck_nm=0.0), **settings)
     assert "one_speed_profile" not in [one.code for one in history.warnings]
     assert np.isnan(history.joints[0].viscous.low)
-
-
-def test_methods_that_agree_leave_the_interval_of_the_energy() -> None:
-    log = log_of(LENGTHS[:16], DURATIONS[:16], stribeck_nm=0)
-    both, alone = estimated(log), estimated(log, compare=False)
-    assert both.joints[0].coulomb == alone.joints[0].coulomb
-    assert both.warnings == ()
 
 
 def test_a_coefficient_with_an_interval_beyond_any_torque_is_not_determined() -> None:

@@ -1,7 +1,6 @@
 """The interaction torque: source, gravity, inertia, drive and sign, one row of the balance at a time."""
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -116,14 +115,6 @@ def test_the_row_of_the_balance(log: JointLog, choices: dict[str, Any], expected
     if made.sign_proved and "inertia_in_torque" not in cautions:
         assert [one.verdict for one in made.sign_evidence] == ["rises"] * 7
         assert rms(found.torque - friction()) < 0.02
-
-
-def test_the_balance_is_written_out() -> None:
-    assert extract(hand_log()).choice.formula == "F_m = g - tau_J"
-    assert extract(robot_log()).choice.formula == "F_m = tau_J - (M ddq + c + g)"
-    assert extract(robot_log(), drive="robot", inertia="none").choice.formula == "F_m = tau_J - g"
-    assert extract(hand_log("unknown")).choice.formula == "F_m = -tau_J, gravity included"
-    assert extract(log_of("unknown", tau_interaction=-friction())).choice.formula == "F_m = -tau_interaction"
 
 
 def test_a_compensator_of_the_wrong_sign_is_suspected_where_no_row_and_no_sign_rises() -> None:
@@ -341,20 +332,6 @@ def test_gravity_that_is_declared_to_be_inside_is_no_error_nor_is_a_current() ->
     pulled = log_of("unknown", tau_interaction=friction() + 4.0 * np.sin(Q))
     assert "gravity_error" in codes(extract(pulled))
     assert not LEFT & set(codes(extract(replace(pulled, source=replace(pulled.source, torque_unit="A")))))
-
-
-@pytest.mark.parametrize(
-    ("changed", "expected"),
-    [
-        (lambda log: replace(log, dq=np.zeros_like(log.dq), q=np.zeros_like(log.q)), []),
-        (lambda log: log.take_window(0.0, 0.5), ["sign_unproved"]),
-    ],
-)
-def test_without_strokes_back_and_forth_nothing_is_proved(
-    changed: Callable[[JointLog], JointLog], expected: list[str]
-) -> None:
-    found = extract(changed(hand_log()))
-    assert (found.choice.sign_proved, codes(found)) == (False, expected)
 
 
 def test_joints_that_only_give_way_do_not_vote() -> None:

@@ -42,13 +42,6 @@ def test_each_stroke_is_a_cycle_and_its_energies_are_known_by_hand() -> None:
     assert np.all(cycles.start[1:] == cycles.stop[:-1])
 
 
-def test_parts_add_up_to_their_cycle() -> None:
-    cycles = segment_cycles(interaction(*rubbed(*BACK_AND_FORTH)), DEFAULT)
-    for name in ("work_j", "path_rad", "square_speed_rad2_s", "displacement_rad", "half_square_speed_change"):
-        np.testing.assert_allclose(getattr(cycles.parts, name).sum(axis=1), getattr(cycles.sums, name), atol=1e-12)
-    np.testing.assert_allclose(cycles.parts.gravity_x_rad.sum(axis=1), cycles.sums.gravity_x_rad, atol=1e-12)
-
-
 def test_a_cycle_of_more_than_five_minutes_does_not_count() -> None:
     lengths, durations = [0.8, -0.5, 0.6, -0.6], [1.2, 0.9, 1.0, 1.1]
     _, v, torque = rubbed(lengths, durations)
@@ -174,11 +167,6 @@ def test_a_speed_that_dips_ends_a_cycle_because_it_has_no_sign() -> None:
     speed = 0.5 * np.abs(np.sin(np.pi * t)) + 0.01
     borders = cycle_sums.find_borders(np.concatenate([np.zeros(100), speed, np.zeros(100)]), 0.2, 0.05, merge=False)
     assert borders.tolist()[1] == 1100
-
-
-def test_nothing_that_moves_and_nothing_that_stops_gives_no_cycle() -> None:
-    assert len(cycle_sums.find_borders(np.zeros(100), 0.2, 0.05, merge=True)) == 0
-    assert len(cycle_sums.find_borders(np.ones(100), 0.2, 0.05, merge=True)) == 0
 
 
 @given(arrays(np.float64, st.integers(1, 200), elements=st.floats(-1, 1)))

@@ -1,4 +1,4 @@
-"""A recording as a reader returns it, before its faults are looked for."""
+"""A recording as a reader returns it, before its faults are looked for: in memory, or read block by block."""
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -8,6 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Finding, Float
+from friction_audit.parallel import ahead
+
+Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
+_PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
 
 class WholeLogError(Exception):
@@ -21,15 +25,42 @@ class Blocks:
     Attributes:
         rows: Number of samples.
         read: Yields the clock of each block, and those of its channels that are asked for.
+        since: Returns a number of a row at or before a given one, and how the rows from that one on are read; None
+            where all is to be read to come to a row.
         clock, gaps, mean_of, numbers: What the checks found, as in ``LogInBlocks``.
     """
 
     rows: int
-    read: Callable[[Collection[str]], Iterator[tuple[Float, dict[str, Float]]]]
+    read: Callable[[Collection[str]], Iterator[Block]]
+    since: Callable[[int], tuple[int, Callable[[Collection[str]], Iterator[Block]]]] | None = None
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
     gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
     mean_of: int = 1
     numbers: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+
+
+class Marks:
+    """Marks on rows of a recording, one bit each: those of a day at 1 kHz take 11 MB."""
+
+    def __init__(self, rows: int) -> None:
+        self._rows, self._bits, self.count = rows, np.empty(0, np.uint8), 0
+
+    def add(self, first: int, marked: NDArray[np.bool_]) -> None:
+        """Mark some of the rows from a first one on."""
+        if not marked.any():
+            return
+        if not self.count:
+            self._bits = np.zeros(self._rows // 8 + 2, np.uint8)
+        self.count += int(np.count_nonzero(marked & ~self.of(first, len(marked))))
+        packed = np.packbits(np.append(np.zeros(first % 8, np.bool_), marked))
+        self._bits[first // 8 : first // 8 + len(packed)] |= packed
+
+    def of(self, first: int, count: int) -> NDArray[np.bool_]:
+        """Return which of so many rows from a first one on are marked."""
+        if not len(self._bits):
+            return np.zeros(count, np.bool_)
+        bits = np.unpackbits(self._bits[first // 8 : (first + count) // 8 + 1])
+        return bits[first % 8 : first % 8 + count].view(np.bool_)
 
 
 @dataclass(eq=False, kw_only=True, slots=True)
@@ -79,19 +110,93 @@ class Recording:
         new = tuple(finding for finding in findings if finding is not None)
         return replace(self, findings=(*self.findings, *new)) if new else self
 
+    @property
+    def rows(self) -> int:
+        """Number of samples."""
+        return len(self.t) if self.blocks is None else self.blocks.rows
+
+    def read(self, names: Collection[str] | None = None) -> Iterator[tuple[int, Float, dict[str, Float]]]:
+        """Yield number of the first row, clock, and channels (all, or those asked for) of one piece after the other."""
+        names, first = self.channels if names is None else names, 0
+        if self.blocks is not None:
+            for t, channels in ahead(self.blocks.read(names)):
+                yield first, t, channels
+                first += len(t)
+            return
+        for first in range(0, len(self.t), _PIECE):
+            rows = slice(first, first + _PIECE)
+            yield first, self.t[rows], {name: self.channels[name][rows] for name in names}
+
+    def mended(self, mend: Callable[[Iterator[Block]], Iterator[Block]], rows: int | None = None) -> "Recording":
+        """Return the recording with every block mended: one in memory at once and in place, else when it is read.
+
+        Args:
+            mend: From blocks to blocks, one for one or fewer at last; any of the channels may be asked for.
+            rows: Number of samples that are left, if that changes.
+        """
+        ((t, channels),) = mend(iter([(self.t, self.channels)]))
+        blocks = self.blocks
+        if blocks is not None:
+            own, rows = blocks.read, blocks.rows if rows is None else rows
+
+            def read(names: Collection[str]) -> Iterator[Block]:
+                found = ((t, {n: np.require(a, requirements="W") for n, a in some.items()}) for t, some in own(names))
+                yield from (block for block in mend(found) if len(block[0]))
+
+            blocks = replace(blocks, rows=rows, read=read, since=None)
+        return replace(self, t=t, channels=dict(channels), blocks=blocks)
+
+    def changed(self, change: Callable[[Float, dict[str, Float]], Block]) -> "Recording":
+        """Return the recording with a change made to every block on its own."""
+        return self.mended(lambda blocks: (change(t, channels) for t, channels in blocks))
+
+    def scaled(self, channel: str, factor: float | Float) -> "Recording":
+        """Return the recording with a channel multiplied by a number, or by one for each joint."""
+
+        def change(t: Float, channels: dict[str, Float]) -> Block:
+            if channel in channels:
+                channels[channel] *= factor
+            return t, channels
+
+        return self.changed(change)
+
+    def without(self, marks: Marks) -> "Recording":
+        """Return the recording without the rows that are marked."""
+        rows = self.rows - marks.count
+
+        def mend(blocks: Iterator[Block]) -> Iterator[Block]:
+            first = left = 0
+            for t, channels in blocks:
+                lost = marks.of(first, len(t))
+                first, left = first + len(t), left + len(t) - int(np.count_nonzero(lost))
+                yield take_rows(t, channels, ~lost) if lost.any() else (t, channels)
+                if left == rows:  # the rest is not even read
+                    return
+
+        return self.mended(mend, rows)
+
     def take_rows(self, rows: NDArray[Any]) -> "Recording":
-        """Return the rows of a mask or in an order; works in place, one column at a time, without a second copy."""
-        count = int(np.count_nonzero(rows)) if rows.dtype == np.bool_ else len(rows)
-        for array in self.channels.values():
-            for column in array.T:
-                column[:count] = column[rows]
-        return replace(self, t=self.t[rows], channels={name: array[:count] for name, array in self.channels.items()})
+        """Return the rows of a mask or in an order, of a recording in memory."""
+        t, channels = take_rows(self.t, self.channels, rows)
+        return replace(self, t=t, channels=channels)
 
     def take_joints(self, joints: Sequence[int]) -> "Recording":
         """Return some joints only, given by column."""
-        kept = {channel: np.asfortranarray(array[:, list(joints)]) for channel, array in self.channels.items()}
-        return replace(self, channels=kept, joint_names=tuple(self.joint_names[joint] for joint in joints))
+
+        def change(t: Float, channels: dict[str, Float]) -> Block:
+            return t, {channel: np.asfortranarray(array[:, list(joints)]) for channel, array in channels.items()}
+
+        return replace(self.changed(change), joint_names=tuple(self.joint_names[joint] for joint in joints))
 
     def name_of(self, channel: str, joint: int) -> str:
         """Return how messages call a channel of a joint (0-based)."""
         return f"{channel} ({self.mapping.get(channel, channel)}) of {self.joint_names[joint]}"
+
+
+def take_rows(t: Float, channels: dict[str, Float], rows: NDArray[Any]) -> Block:
+    """Return the rows of a mask or in an order; works in place, one column at a time, without a second copy."""
+    count = int(np.count_nonzero(rows)) if rows.dtype == np.bool_ else len(rows)
+    for array in channels.values():
+        for column in array.T:
+            column[:count] = column[rows]
+    return t[rows], {name: array[:count] for name, array in channels.items()}

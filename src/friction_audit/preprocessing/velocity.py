@@ -4,6 +4,7 @@ The filtered velocity never enters an energy sum as the factor of a torque.
 """
 
 import math
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import lru_cache
 
@@ -11,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.log_in_blocks import LogInBlocks, Means
+from friction_audit.parallel import ahead
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog
 
@@ -148,15 +150,59 @@ def read_on_time(log: JointLog, lag: Float) -> JointLog:
         log: The log.
         lag: How much later each velocity comes, shape (j,). [s]
     """
-    dq = np.array(log.dq, order="F")
-    for joint in map(int, np.flatnonzero(lag)):
-        q, late = log.q[:, joint], lag[joint]
-        after, before = np.minimum(log.t + late, log.t[-1]), np.maximum(log.t - late, log.t[0])
-        change = np.interp(after, log.t, q) - np.interp(before, log.t, q)
-        roughness = float(np.sqrt(np.mean(np.diff(q, n=2) ** 2) / 6.0))  # rms noise and resolution of the position
-        fine = roughness / (np.sqrt(2.0) * late) < FINE * float(np.sqrt(np.mean(log.dq[:, joint] ** 2)))
-        dq[:, joint] = change / (after - before) if fine else np.interp(after, log.t, log.dq[:, joint])
-    return replace(log, dq=dq)
+    fine = _is_fine(log, lag)
+    if not isinstance(log, LogInBlocks):
+        return replace(log, dq=_velocity_on_time(log.t, log.q, log.dq, lag, fine, (log.t[0], log.t[-1])))
+
+    def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+        """Read blocks, each of which waits until the positions that its velocities need are there."""
+        if "dq" not in names:
+            yield from log.read(names)
+            return
+        blocks = iter(log.read({*names, "q"}))
+        following, done = next(blocks, None), 0
+        t, kept = np.empty(0), dict[str, Float]()
+        while following is not None:
+            t = np.append(t, following[0])
+            kept = {name: np.concatenate([kept[name], a]) if kept else a for name, a in following[1].items()}
+            following = next(blocks, None)
+            stop = len(t) if following is None else max(int(np.searchsorted(t, t[-1] - lag.max())), done)
+            dq = _velocity_on_time(t, kept["q"], kept["dq"], lag, fine, (0.0, log.duration_s))
+            if stop > done:
+                yield t[done:stop], {name: (dq if name == "dq" else kept[name])[done:stop] for name in names}
+            start = max(int(np.searchsorted(t, t[min(stop, len(t) - 1)] - lag.max())) - 1, 0)
+            done, t, kept = stop - start, t[start:], {name: array[start:] for name, array in kept.items()}
+
+    means = Means(log.clock[2], log.samples, ("dq",), len(log.joint_names))
+    for t, channels in ahead(read(("dq",))):
+        means.take(t, channels)
+    return replace(log, dq=means.channels["dq"], read=read)
+
+
+def _velocity_on_time(
+    t: Float, q: Float, dq: Float, lag: Float, fine: NDArray[np.bool_], ends: tuple[float, float]
+) -> Float:
+    dq = np.array(dq, order="F")
+    for joint in np.flatnonzero(lag):
+        position, late = q[:, joint], lag[joint]
+        after, before = np.minimum(t + late, ends[1]), np.maximum(t - late, ends[0])
+        change = np.interp(after, t, position) - np.interp(before, t, position)
+        dq[:, joint] = change / (after - before) if fine[joint] else np.interp(after, t, dq[:, joint].copy())
+    return dq
+
+
+def _is_fine(log: JointLog, lag: Float) -> NDArray[np.bool_]:
+    """Return whose positions have noise and resolution that are small enough for a difference over the lag."""
+    square, rough, before = np.zeros(len(lag)), np.zeros(len(lag)), np.empty((0, len(lag)))
+    for _, _, dq in log.blocks_of("dq"):
+        square += [np.sum(column**2) for column in dq.T]
+    for _, _, q in log.blocks_of("q"):
+        near = np.concatenate([before, q])
+        rough += [np.sum(np.diff(column, n=2) ** 2) for column in near.T]
+        before = near[-2:].copy()
+    roughness = np.sqrt(rough / max(log.samples - 2, 1) / 6.0)  # rms noise and resolution of the position
+    late = np.where(lag > 0.0, lag, np.inf)
+    return np.asarray(roughness / (np.sqrt(2.0) * late) < FINE * np.sqrt(square / log.samples))
 
 
 def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, ...]]:
@@ -177,7 +223,7 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
     )
     if not late.any():
         return log, cautions
-    return read_on_time(log.read_whole() if isinstance(log, LogInBlocks) else log, late), cautions
+    return read_on_time(log, late), cautions
 
 
 def noise_density(signal: Float, step_s: float, order: int) -> float:

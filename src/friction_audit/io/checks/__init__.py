@@ -1,61 +1,181 @@
-"""The faults of a recording: each is noticed, named with its amount, and handled or refused, in a file of its own."""
+"""The faults of a recording: each is noticed, named with its amount, and handled or refused, in a file of its own.
+
+A recording is looked through in passes, piece by piece: one over the clock, one over all columns. The checks judge by
+what these have found, in the order of ``examine``. Where one mends something, the next ones need new passes, over the
+mended pieces; a sound log takes no more than two.
+"""
 
 from dataclasses import replace
 
+import numpy as np
+
 from friction_audit.errors import InputError
-from friction_audit.io.checks.blocks import WholeLogError, examine_in_blocks
-from friction_audit.io.checks.clock import check_sampling, order_clock, spread_batches
-from friction_audit.io.checks.motion import check_motion, mend_units, refuse_dead_velocity
-from friction_audit.io.checks.torque import check_torque, drop_stale_samples
-from friction_audit.io.checks.values import leave_out_missing, leave_out_wild
+from friction_audit.io.checks.clock import (
+    Clock,
+    Steps,
+    Window,
+    check_sampling,
+    drop_repeats,
+    sort_rows,
+    spread_batches,
+    take_window,
+)
+from friction_audit.io.checks.columns import Column
+from friction_audit.io.checks.motion import (
+    Motion,
+    MotionRatio,
+    check_motion,
+    mend_unit,
+    refuse_dead_velocity,
+    turn_degrees,
+)
+from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
+from friction_audit.io.checks.values import Missing, leave_out_columns, leave_out_rows
+from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import MINIMUM_SAMPLES
+from friction_audit.joint_log import MINIMUM_SAMPLES, Float
+from friction_audit.log_in_blocks import Means
 
 
-def examine(recording: Recording, *, path: str, robot: str | None = None, time_scale: float = 1.0) -> Recording:
-    """Notice, handle or refuse the faults of a recording; its arrays are worked on in place.
+class _Look:
+    """What passes over a recording find, made when it is asked for."""
+
+    def __init__(self, recording: Recording, path: str) -> None:
+        _refuse_short(recording, path)
+        self.recording, self.path = recording, path
+        self._clock: Clock | None = None
+        self._survey: _Survey | None = None
+
+    @property
+    def clock(self) -> Clock:
+        """What a pass over the stamps finds."""
+        self._clock = self._clock or Clock(self.recording)
+        return self._clock
+
+    @property
+    def survey(self) -> "_Survey":
+        """What a pass over all columns finds."""
+        self._survey = self._survey or _Survey(self.recording, self.clock)
+        return self._survey
+
+    def after(self, recording: Recording) -> "_Look":
+        """Return what is known after a check: all, unless it has mended something."""
+        old = self.recording
+        if recording.blocks is old.blocks and recording.t is old.t and recording.channels is old.channels:
+            self.recording = recording
+            return self
+        return _Look(recording, self.path)
+
+
+class _Survey:
+    """What a pass over all columns finds; of a recording with a fault that hides others, that fault alone."""
+
+    def __init__(self, recording: Recording, clock: Clock) -> None:
+        joints, names, rows = len(recording.joint_names), recording.channels, recording.rows
+        self.missing = Missing(recording)
+        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf)) for name in names}
+        self.stale = Stale(recording)
+        self._before: dict[str, Float] = {}
+        if clock.increases:
+            self.steps, self._motion = Steps(clock), Motion(clock, joints)
+            self.means = None if recording.blocks is None else Means(clock.step_s, rows, names, joints)
+        with np.errstate(over="ignore", invalid="ignore"):
+            for first, t, channels in recording.read():
+                ranges = self.missing.take(first, t, channels)
+                if clock.increases and not self.missing.marks.count:
+                    self._take(first, t, channels, ranges)
+
+    def _take(self, first: int, t: Float, channels: dict[str, Float], ranges: dict[str, tuple[Float, Float]]) -> None:
+        before, last_s = self._before or {name: piece[0] for name, piece in channels.items()}, t[0]
+        if self._before:
+            last_s = self._before["t"][0]
+        self.steps.take(first, last_s, t)
+        for name, piece in channels.items():
+            self.columns[name].take(first, before[name], piece, *ranges[name])
+        self._motion.take(first, t, (last_s, before["dq"]), channels["q"], channels["dq"])
+        self.stale.take(first, t, before, channels)
+        if self.means is not None:
+            self.means.take(t, channels)
+        self._before = {"t": t[-1:].copy()} | {name: piece[-1].copy() for name, piece in channels.items()}
+
+    def ratios(self) -> MotionRatio:
+        """Return the change of q over the integral of dq."""
+        return self._motion.ratios(self.steps.holes)
+
+
+def examine(
+    recording: Recording,
+    *,
+    path: str,
+    robot: str | None = None,
+    time_scale: float = 1.0,
+    window: Window = (None, None),
+) -> Recording:
+    """Notice, handle or refuse the faults of a recording; one in memory is worked on in place.
 
     Args:
         recording: As a reader returned it.
         path: The file, for messages.
         robot: The robot that the user stated; wins over the recording's own.
         time_scale: Factor on the recording's clock.
+        window: Start and end of the part that is wanted, in seconds since the first sample.
 
     Raises:
         InputError: If it cannot be used.
+        WholeLogError: If it is read in blocks and cannot be.
     """
-    if recording.blocks is not None:
-        return examine_in_blocks(replace(recording, robot=robot or recording.robot), recording.blocks, path)
-    _refuse_short(recording, path)
-    rows_as_read = len(recording.t)
-    if robot is not None:
-        recording = replace(recording, robot=robot)
-    recording = leave_out_missing(recording, path)
-    _refuse_short(recording, path)
-    recording = order_clock(recording, path, time_scale=time_scale)
-    _refuse_short(recording, path)
-    recording = spread_batches(recording)
+    recording = replace(recording, robot=robot or recording.robot)
+    as_read = recording.rows
+    if time_scale != 1.0:
+        recording = recording.changed(lambda t, channels: (t * time_scale, channels))
+    look = _Look(recording, path)
+    look = look.after(leave_out_columns(look.recording, look.survey.missing, path))
+    look = look.after(leave_out_rows(look.recording, look.survey.missing))
+    look = look.after(sort_rows(look.recording, look.clock, path))
+    look = look.after(drop_repeats(look.recording, look.clock))
+    look = look.after(spread_batches(look.recording, look.survey.steps))
     whole = recording.first_s is None
-    first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s * time_scale
-    recording = leave_out_wild(recording, first_s=first_s, numbered=whole and len(recording.t) == rows_as_read)
-    _refuse_short(recording, path)
-    recording = refuse_dead_velocity(recording, path)
-    recording = mend_units(recording, path)
-    recording = check_sampling(recording)
-    recording = drop_stale_samples(recording)
-    _refuse_short(recording, path)
-    recording = check_torque(recording)
-    return check_motion(recording, path, scaled=time_scale != 1.0)
+    first_s = look.clock.first_s if recording.first_s is None else recording.first_s * time_scale
+    numbered = whole and look.recording.rows == as_read
+    columns, step_s = look.survey.columns, look.clock.step_s
+    look = look.after(leave_out_wild(look.recording, columns, step_s, first_s=first_s, numbered=numbered))
+    look = look.after(refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
+    look = look.after(turn_degrees(look.recording, look.survey.columns, look.survey.ratios().common, path))
+    look = look.after(mend_unit(look.recording, look.survey.ratios().common))
+    look = look.after(check_sampling(look.recording, look.survey.steps))
+    look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
+    look = look.after(check_torque(look.recording, look.survey.columns))
+    look = look.after(check_motion(look.recording, look.survey.ratios(), path, scaled=time_scale != 1.0))
+    if window != (None, None):
+        origin_s = look.clock.first_s if recording.first_s is None else recording.first_s * time_scale
+        look = look.after(take_window(look.recording, look.clock, window, origin_s, path))
+    return _concluded(look)
+
+
+def _concluded(look: _Look) -> Recording:
+    """Return the recording, of one in blocks with means in place of its samples, on a clock that begins at 0."""
+    recording, blocks = look.recording, look.recording.blocks
+    if blocks is None:
+        return recording
+    survey, clock, first_s = look.survey, look.clock, look.clock.first_s
+    means, read = survey.means, blocks.read
+    assert means is not None
+    blocks = replace(
+        blocks,
+        read=read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names)),
+        clock=(clock.rows, clock.last_s - first_s, clock.step_s),
+        gaps=np.array(survey.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),
+        mean_of=means.of,
+        numbers=means.numbers,
+    )
+    return replace(recording, t=means.t[:, 0] - first_s, channels=means.channels, blocks=blocks, first_s=first_s)
 
 
 def _refuse_short(recording: Recording, path: str) -> None:
-    samples = len(recording.t)
+    samples = recording.rows
     if samples < MINIMUM_SAMPLES:
         said = "; ".join(finding.message for finding in recording.findings)
         raise InputError(
             f"{path}: {samples} sample{'' if samples == 1 else 's'}; at least {MINIMUM_SAMPLES} are needed for a joint "
             f"log{f' ({said})' if said else ''}; record the arm while it moves"
         )
-
-
-__all__ = ["WholeLogError", "examine"]

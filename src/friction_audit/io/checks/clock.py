@@ -1,99 +1,158 @@
-"""The clock of a recording: order of the stamps, stamps of batches, steps that are missing or uneven."""
+"""The clock of a recording: order of the stamps, stamps of batches, steps that are missing or uneven, a part of it."""
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding, Float
+from friction_audit.io.checks.columns import Picked, Thinned
+from friction_audit.io.recording import Block, Marks, Recording, WholeLogError, take_rows
+from friction_audit.joint_log import Finding, Float, check_window, step_places
+
+Window = tuple[float | None, float | None]  # start and end of the part asked for, None for those of the log [s]
 
 _LONGEST_BACKWARDS_S = 1.0
 _MOST_BACKWARDS = 0.01
 _SHOWN = 5
 
 
-def order_clock(recording: Recording, path: str, *, time_scale: float = 1.0) -> Recording:
-    """Return the recording with strictly increasing stamps.
+class Clock:
+    """What a pass over the stamps of a recording finds."""
+
+    def __init__(self, recording: Recording) -> None:
+        self.rows = rows = recording.rows
+        self.finite, self.backwards, self.places = True, 0, list[int]()
+        self.late_s, self.latest, self.repeated = 0.0, 0, Marks(rows)
+        reach, every = min(_LONGEST_BATCH, rows - 1), max(rows // _MOST_PLACES, 1)
+        near, far = step_places(rows), np.arange(reach, rows, every)
+        picked = [Picked(one) for one in (near, near + 1, far - reach, far)]
+        every_step = Thinned()
+        last = latest = -np.inf
+        for first, t, _ in recording.read(()):
+            if not np.isfinite(t).all():
+                self.finite = False
+                return
+            self.first_s = float(t[0]) if first == 0 else self.first_s
+            for one in picked:
+                one.take(first, t)
+            steps = np.diff(t, prepend=last)
+            every_step.take(steps if first else steps[1:])
+            if steps.min() <= 0.0:
+                self._take_disorder(first, t, steps, latest)
+            last, latest = float(t[-1]), max(latest, float(t.max()))
+        self.last_s = last
+        before, after, begin, end = (one.values for one in picked)
+        self.step_s = float(np.median(after - before))  # as that of a JointLog
+        self.median = float(np.median(every_step.values))
+        # The median of mean steps over more than a batch: holes do not count.
+        self.rough = float(np.median(end - begin)) / reach
+
+    def _take_disorder(self, first: int, t: Float, steps: Float, latest: float) -> None:
+        back = np.flatnonzero(steps < 0.0)
+        self.backwards += len(back)
+        self.places += (first + 1 + back[: _SHOWN - len(self.places)]).tolist()
+        late_s = np.maximum.accumulate(np.maximum(t, latest)) - t
+        if late_s.max() > self.late_s:
+            self.late_s, self.latest = float(late_s.max()), first + int(late_s.argmax())
+        self.repeated.add(first, steps == 0.0)
+
+    @property
+    def increases(self) -> bool:
+        """True if every stamp is later than the one before."""
+        return self.finite and not self.backwards and not self.repeated.count
+
+
+def sort_rows(recording: Recording, clock: Clock, path: str) -> Recording:
+    """Return the recording with its rows in order of time, if few are not and by little.
 
     Raises:
         InputError: If time stands still or runs backwards.
     """
-    if time_scale != 1.0:
-        recording = replace(recording, t=recording.t * time_scale)
-    steps = np.diff(recording.t)
-    if steps.min() > 0.0:
+    if clock.increases:
         return recording
-    _refuse_no_clock(recording, steps, path)
-    backwards = int(np.count_nonzero(steps < 0.0))
-    if backwards:
-        text = (
-            f"{backwards} rows are older than the row before them ({path} is not in order of time); the rows are sorted"
-        )
-        finding = Finding(code="unordered", message=text, amount=float(backwards))
-        recording = recording.take_rows(np.argsort(recording.t, kind="stable")).with_findings(finding)
-    new = np.ones(len(recording.t), dtype=np.bool_)
-    np.greater(recording.t[1:], recording.t[:-1], out=new[1:])
-    repeats = len(new) - int(np.count_nonzero(new))
-    if repeats == 0:
+    _refuse_no_clock(recording, clock, path)
+    if not clock.backwards:
         return recording
     text = (
-        f"{repeats} of {len(new)} rows ({repeats / len(new):.1%}) carry the stamp of the row before them; "
+        f"{clock.backwards} rows are older than the row before them ({path} is not in order of time); the rows are "
+        "sorted"
+    )
+    finding = Finding(code="unordered", message=text, amount=float(clock.backwards))
+    return recording.mended(partial(_sorted, late_s=clock.late_s)).with_findings(finding)
+
+
+def _sorted(blocks: Iterator[Block], late_s: float) -> Iterator[Block]:
+    """Sort rows of which none comes later than so after one that is older; those that may not be in place wait."""
+    following, t, channels = next(blocks, None), np.empty(0), dict[str, Float]()
+    while following is not None:
+        waiting, (t, channels) = (t, channels), following
+        following = next(blocks, None)
+        if len(waiting[0]):
+            t = np.append(waiting[0], t)
+            channels = {name: np.concatenate([waiting[1][name], array]) for name, array in channels.items()}
+        t, channels = take_rows(t, channels, np.argsort(t, kind="stable"))
+        ready = len(t) if following is None else int(np.searchsorted(t, t[-1] - late_s))
+        yield t[:ready], {name: array[:ready] for name, array in channels.items()}
+        t, channels = t[ready:], {name: array[ready:] for name, array in channels.items()}
+
+
+def drop_repeats(recording: Recording, clock: Clock) -> Recording:
+    """Return the recording, whose rows are in order of time, without those that carry the stamp of the one before."""
+    repeats = clock.repeated.count
+    if not repeats:
+        return recording
+    text = (
+        f"{repeats} of {clock.rows} rows ({repeats / clock.rows:.1%}) carry the stamp of the row before them; "
         "the first of each stamp is kept"
     )
     finding = Finding(code="duplicate_stamps", message=text, amount=float(repeats))
-    return recording.take_rows(new).with_findings(finding)
+    return recording.without(clock.repeated).with_findings(finding)
 
 
-def _refuse_no_clock(recording: Recording, steps: Float, path: str) -> None:
-    name, rows = recording.mapping.get("t", recording.clock), len(recording.t)
-    if not steps.any():
+def _refuse_no_clock(recording: Recording, clock: Clock, path: str) -> None:
+    name, rows, backwards = recording.mapping.get("t", recording.clock), clock.rows, clock.backwards
+    if clock.repeated.count == rows - 1:
         raise InputError(
             f"{path}: time ({name}) is the same in all {rows} rows; expected strictly increasing stamps; "
             "name another clock with --map t=<column>, or another topic"
         )
-    backwards = int(np.count_nonzero(steps < 0.0))
-    late_s = np.maximum.accumulate(recording.t) - recording.t
-    worst = int(late_s.argmax())
-    is_few = backwards <= max(_MOST_BACKWARDS * len(steps), 1.0)
-    if late_s[worst] <= _LONGEST_BACKWARDS_S and is_few:
+    is_few = backwards <= max(_MOST_BACKWARDS * (rows - 1), 1.0)
+    if clock.late_s <= _LONGEST_BACKWARDS_S and is_few:
         return
     advice = "bring the rows into order"
     if is_few:
-        starts = ", ".join(map(str, (np.flatnonzero(steps < 0.0) + 2)[:_SHOWN]))
+        starts = ", ".join(map(str, clock.places))
         advice = (
             f"these look like {backwards + 1} recordings in one file: cut it before row {starts}"
             f"{'...' if backwards > _SHOWN else ''} and read each part"
         )
     raise InputError(
-        f"{path}: time ({name}) goes back at {backwards} of {len(steps)} rows, by up to {late_s[worst]:.4g} s "
-        f"at row {worst + 1}; expected increasing stamps; {advice}, or name another clock with --map t=<column>"
+        f"{path}: time ({name}) goes back at {backwards} of {rows - 1} rows, by up to {clock.late_s:.4g} s "
+        f"at row {clock.latest + 1}; expected increasing stamps; {advice}, or name another clock with --map t=<column>"
     )
 
 
-SHORT = 0.5  # steps below so much of a period lie within a batch
-LEAST_SHARE = 0.25  # of short steps, from which on stamps are those of batches: half in pairs, more in longer ones
+_SHORT = 0.5  # steps below so much of a period lie within a batch
+_LEAST_SHARE = 0.25  # of short steps, from which on stamps are those of batches: half in pairs, more in longer ones
 _LONGEST_BATCH = 64  # samples over which the rate is even again; longer batches are not seen
 _MOST_PLACES = 1 << 16
 
 
-def places_of_batches(samples: int) -> tuple[int, int]:
-    """Return over how many samples the rough period is taken, and of how many places one is."""
-    return min(_LONGEST_BATCH, samples - 1), max(samples // _MOST_PLACES, 1)
+def spread_batches(recording: Recording, steps: "Steps") -> Recording:
+    """Return the recording with the samples of each batch a period apart, the last one where it is.
 
-
-def spread_batches(recording: Recording) -> Recording:
-    """Return the recording with the samples of each batch a period apart, the last one where it is."""
-    t = recording.t
-    # The rough period is the median of mean steps over more than a batch: holes do not count.
-    reach, every = places_of_batches(len(t))
-    rough = float(np.median(t[reach::every] - t[:-reach:every])) / reach
+    Raises:
+        WholeLogError: If there are batches and it is read in blocks: their period is a median over all of them.
+    """
     # Every step counts: of every second one, a log that comes in pairs would show only short ones or only long ones.
-    short = np.diff(t) < SHORT * rough
-    if np.mean(short) < LEAST_SHARE:
+    if steps.short < _LEAST_SHARE * steps.count:
         return recording
-    ends = np.append(np.flatnonzero(~short), len(t) - 1)
+    if recording.blocks is not None:
+        raise WholeLogError
+    t = recording.t
+    ends = np.append(np.flatnonzero(~(np.diff(t) < _SHORT * steps.rough)), len(t) - 1)
     # Mean steps over whole batches: a part of one would make the period too short or too long.
     reach = min(max(round(_LONGEST_BATCH * len(ends) / len(t)), 1), len(ends) - 1)
     period = float(np.median((t[ends[reach:]] - t[ends[:-reach]]) / (ends[reach:] - ends[:-reach])))
@@ -112,7 +171,7 @@ def spread_batches(recording: Recording) -> Recording:
 
 GAP_S = 0.05
 DROPPED_STEPS = 1.5
-_GAP_STEPS = 5.0
+_GAP_STEPS, _HOLE_STEPS = 5.0, 3.0  # a gap is reported on its own; a smaller hole interrupts what is read of a motion
 _JITTER_SHARE = 0.1
 _LOW_RATE_HZ = 100.0
 _TIMER = 0.95  # a timer of 100 Hz is a little off
@@ -123,17 +182,18 @@ def gap_threshold_s(median_step_s: float) -> float:
     return max(_GAP_STEPS * median_step_s, GAP_S)
 
 
-class StepSums:
-    """Sums over the steps of a clock, of which a long log gives one block after the other."""
+class Steps:
+    """What a pass finds of the steps of a clock, in order of time."""
 
-    def __init__(self, median: float) -> None:
-        """Take the median step. [s]"""
-        self.median, self.threshold_s = median, gap_threshold_s(median)
-        self.count, self.long, self.dropped, self.gaps, self.longest = 0, 0, 0.0, 0, 0.0
-        self.off, self.square = 0.0, 0.0  # of the steps that are not long, less the median
+    def __init__(self, clock: Clock) -> None:
+        self.median, self.rough, self.threshold_s = clock.median, clock.rough, gap_threshold_s(clock.median)
+        self.count, self.long, self.dropped, self.gaps, self.longest, self.short = 0, 0, 0.0, 0, 0.0, 0
+        self.holes: list[tuple[int, float, float]] = []  # row before, its stamp and that of the next one
+        self._off, self._square = 0.0, 0.0  # of the steps that are not long, less the median
 
-    def take(self, steps: Float) -> None:
-        """Add the steps of a block. [s]"""
+    def take(self, first: int, before: float, t: Float) -> None:
+        """Add the steps that end in a piece, given the stamp before it."""
+        steps = np.diff(t, prepend=before) if first else np.diff(t)
         long = steps[steps > DROPPED_STEPS * self.median]
         gaps = long[long > self.threshold_s]
         # By sums around the median instead of a masked copy of the steps.
@@ -141,9 +201,13 @@ class StepSums:
         self.count, self.long, self.gaps = self.count + len(steps), self.long + len(long), self.gaps + len(gaps)
         self.dropped += float(np.maximum(np.round(long / self.median) - 1.0, 1.0).sum())
         self.longest = max(self.longest, float(gaps.max(initial=0.0)))
-        self.off += float(off.sum() - off_long.sum())
+        self._off += float(off.sum() - off_long.sum())
         # No product of BLAS, whose threads would wait for each other.
-        self.square += float(np.einsum("i,i", off, off) - np.einsum("i,i", off_long, off_long))
+        self._square += float(np.einsum("i,i", off, off) - np.einsum("i,i", off_long, off_long))
+        self.short += int(np.count_nonzero(steps < _SHORT * self.rough))
+        if len(long):
+            ends = np.flatnonzero(steps > max(_HOLE_STEPS * self.median, GAP_S)) + len(t) - len(steps)
+            self.holes += [(first + end - 1, t[end - 1] if end else before, t[end]) for end in ends.tolist()]
 
     def findings(self) -> Iterator[Finding]:
         """Yield what is to be noticed."""
@@ -156,7 +220,7 @@ class StepSums:
             text = f"{self.gaps} gaps longer than {self.threshold_s:.3g} s, the longest {self.longest:.3g} s"
             yield Finding(code="gap", message=text, amount=float(self.gaps))
         even = self.count - self.long
-        deviation = float(np.sqrt(max(self.square / even - (self.off / even) ** 2, 0.0)))
+        deviation = float(np.sqrt(max(self._square / even - (self._off / even) ** 2, 0.0)))
         if deviation > _JITTER_SHARE * median:
             text = (
                 f"time step: standard deviation {deviation * 1e3:.3g} ms, median {median * 1e3:.3g} ms (without gaps); "
@@ -172,9 +236,52 @@ class StepSums:
             yield Finding(code="low_rate", message=text, amount=rate)
 
 
-def check_sampling(recording: Recording) -> Recording:
+def check_sampling(recording: Recording, steps: Steps) -> Recording:
     """Notice dropped samples, gaps, jitter and a low rate."""
-    steps = np.diff(recording.t)
-    sums = StepSums(float(np.median(steps)))
-    sums.take(steps)
-    return recording.with_findings(*sums.findings())
+    return recording.with_findings(*steps.findings())
+
+
+def take_window(recording: Recording, clock: Clock, window: Window, origin_s: float, path: str) -> Recording:
+    """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log.
+
+    Raises:
+        UsageError: If fewer than two samples lie in it.
+    """
+    counts = [0, 0]
+    for _, t, _ in recording.read(()):
+        for k, limit in enumerate(window):
+            counts[k] += int(np.searchsorted(t - origin_s, (-np.inf, np.inf)[k] if limit is None else limit))
+    part = check_window(*counts, *window, clock.last_s - origin_s, path)
+
+    def mend(blocks: Iterator[Block]) -> Iterator[Block]:
+        first = 0
+        for t, channels in blocks:
+            own = slice(max(part.start - first, 0), max(part.stop - first, 0))
+            yield t[own] - origin_s, {name: array[own] for name, array in channels.items()}
+            first += len(t)
+            if first >= part.stop:
+                return
+
+    start_s = None if recording.start_s is None else recording.start_s + origin_s
+    return replace(recording.mended(mend, part.stop - part.start), start_s=start_s)
+
+
+def leave_out_far(recording: Recording, start_s: float, stop_s: float) -> Recording:
+    """Return the rows of a recording that is read in blocks from a time to another, since its first sample."""
+    blocks, origin_s, kept = recording.blocks, np.inf, list[int]()
+    assert blocks is not None
+    for _, t, _ in recording.read(()):
+        origin_s = min(origin_s, float(np.fmin.reduce(t)))
+    marks = Marks(recording.rows)
+    for first, t, _ in recording.read(()):
+        near = (t - origin_s >= start_s) & (t - origin_s < stop_s)
+        marks.add(first, ~near)
+        kept += (first + np.flatnonzero(near)[[0, -1]]).tolist() if near.any() else []
+    if not kept:  # the part is refused later, with the duration of the log
+        return recording
+    if blocks.since is not None:
+        skipped, read = blocks.since(kept[0])
+        recording = replace(recording, blocks=replace(blocks, rows=blocks.rows - skipped, read=read, since=None))
+        rest, marks = marks.of(skipped, blocks.rows - skipped), Marks(blocks.rows - skipped)
+        marks.add(0, rest)
+    return replace(recording.without(marks), first_s=origin_s)

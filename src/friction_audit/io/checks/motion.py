@@ -6,17 +6,19 @@ well, 57.3 if q is in degrees, 1000 if the clock was read in the wrong unit, 1.0
 """
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks.clock import gap_threshold_s
+from friction_audit.io.checks.clock import Clock, gap_threshold_s
+from friction_audit.io.checks.columns import Column
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding, Float, median_step
+from friction_audit.joint_log import Finding, Float
 
-TRAVELLED = 0.1  # range of q that no noise of a joint at rest makes [rad]
-DISAGREES = 0.05
+_TRAVELLED = 0.1  # range of q that no noise of a joint at rest makes [rad]
+_DISAGREES = 0.05
 _WINDOWS_S = (0.5, 2.0, 8.0)  # the longer ones are for joints that move too slowly for the short ones
 _WINDOW_SAMPLES = 15
 _FEWEST_PARTS = 16
@@ -46,62 +48,96 @@ class MotionRatio:
         votes = self.ratio[self.trusted]
         if not len(votes):
             return float("nan")
-        agree = np.abs(votes[:, None] / votes[None, :] - 1.0) <= DISAGREES
+        agree = np.abs(votes[:, None] / votes[None, :] - 1.0) <= _DISAGREES
         best = max(range(len(votes)), key=lambda one: (int(agree[:, one].sum()), -abs(votes[one] - 1.0)))
         return float(np.median(votes[agree[:, best]]))
 
 
-def motion_ratios(t: Float, q: Float, dq: Float) -> MotionRatio:
-    """Regress the change of q on the integral of dq, per joint.
+class Windows:
+    """Motion over windows of time without holes, gathered piece by piece."""
 
-    A second regressor, the change of dq over the window, takes up a delay between q and dq.
-    """
-    several = [_windows(t, longest_s) for longest_s in _WINDOWS_S]
-    found = [_first_that_moves(t, q[:, joint], dq[:, joint], several) for joint in range(q.shape[1])]
-    ratio, determination, windows = zip(*found, strict=True)
-    return MotionRatio(ratio=np.array(ratio), determination=np.array(determination), windows=np.array(windows))
+    def __init__(self, clock: Clock, longest_s: float, joints: int) -> None:
+        """Choose windows of one length, _MOST_SAMPLES together at most."""
+        span, self._rows, self._next = clock.last_s - clock.first_s, clock.rows, 0
+        step = span / (clock.rows - 1)
+        # The step is in doubt, its unit may be misjudged: a window never is a large part of the log.
+        length = max(_WINDOW_SAMPLES * step, min(longest_s, span / _FEWEST_PARTS))
+        begin = clock.first_s + length * np.arange(int(span / length))
+        most = max(int(_MOST_SAMPLES * step / length), 1)
+        if len(begin) > most:
+            begin = begin[np.linspace(0, len(begin) - 1, most).astype(np.intp)]
+        self._order = np.argsort(np.append(begin, begin + length), kind="stable")
+        self._times = np.append(begin, begin + length)[self._order]
+        self._places = np.full(len(self._times), clock.rows - 1)
+        self._found = np.empty((len(self._times), 3, joints))
+
+    def take(self, first: int, t: Float, q: Float, dq: Float, integral: Float) -> None:
+        """Take the rows of a piece."""
+        stop = len(self._times)
+        if first + len(t) < self._rows:
+            stop = self._next + int(np.searchsorted(self._times[self._next :], t[-1], side="right"))
+        own = slice(self._next, stop)
+        rows = np.minimum(np.searchsorted(t, self._times[own]), len(t) - 1)
+        self._places[own], self._next = first + rows, stop
+        for k, signal in enumerate((q, dq, integral)):
+            self._found[own, k] = signal[rows]
+
+    def whole(self, holes: Sequence[tuple[int, float, float]], gap_s: float) -> tuple[Float, Float]:
+        """Return q, dq and the integral of dq at begin and end of the windows without a gap, shape (m, 3, j) each."""
+        begin, end = np.split(np.argsort(self._order), 2)
+        gaps = np.array([row for row, before, after in holes if after - before > gap_s], np.int64)
+        starts, stops = self._places[begin], self._places[end]
+        kept = (stops > starts) & (np.searchsorted(gaps, starts) == np.searchsorted(gaps, stops))
+        return self._found[begin[kept]], self._found[end[kept]]
 
 
-def _windows(t: Float, longest_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return first and last sample of windows of one length of time without gaps, _MOST_SAMPLES together at most."""
-    span, step = t[-1] - t[0], (t[-1] - t[0]) / (len(t) - 1)
-    # The step is in doubt, its unit may be misjudged: a window never is a large part of the log.
-    length = max(_WINDOW_SAMPLES * step, min(longest_s, span / _FEWEST_PARTS))
-    begin = t[0] + length * np.arange(int(span / length))
-    most = max(int(_MOST_SAMPLES * step / length), 1)
-    if len(begin) > most:
-        begin = begin[np.linspace(0, len(begin) - 1, most).astype(np.intp)]
-    starts, stops = np.searchsorted(t, begin), np.minimum(np.searchsorted(t, begin + length), len(t) - 1)
-    starts, stops = starts[stops > starts], stops[stops > starts]
-    if len(starts) == 0:
-        return starts, stops
-    rows, heads = _rows_within(starts, stops)
-    whole = np.maximum.reduceat(t[rows + 1] - t[rows], heads) <= gap_threshold_s(median_step(t))
-    return starts[whole], stops[whole]
+class Motion:
+    """Gathers what tells whether q, dq and the clock belong together."""
+
+    def __init__(self, clock: Clock, joints: int) -> None:
+        self._windows = [Windows(clock, longest_s, joints) for longest_s in _WINDOWS_S]
+        self._integral = np.zeros(joints)
+        self._gap_s = gap_threshold_s(clock.step_s)
+
+    def take(self, first: int, t: Float, before: tuple[float, Float], q: Float, dq: Float) -> None:
+        """Take the rows of a piece, given stamp and dq of the row before it."""
+        steps, integral = 0.5 * np.diff(t, prepend=before[0]), np.empty(dq.shape, order="F")
+        for joint, column in enumerate(dq.T):
+            area = column * steps
+            area[1:] += column[:-1] * steps[1:]
+            area[0] += before[1][joint] * steps[0]
+            integral[:, joint] = np.cumsum(area)
+        integral += self._integral
+        self._integral = integral[-1].copy()
+        for windows in self._windows:
+            windows.take(first, t, q, dq, integral)
+
+    def ratios(self, holes: Sequence[tuple[int, float, float]]) -> "MotionRatio":
+        """Regress the change of q on the integral of dq, per joint.
+
+        A second regressor, the change of dq over the window, takes up a delay between q and dq.
+        """
+        several = [windows.whole(holes, self._gap_s) for windows in self._windows]
+        found = [
+            _first_that_moves([(begin[..., joint], end[..., joint]) for begin, end in several])
+            for joint in range(len(self._integral))
+        ]
+        ratio, determination, windows = zip(*found, strict=True)
+        return MotionRatio(ratio=np.array(ratio), determination=np.array(determination), windows=np.array(windows))
 
 
-def _rows_within(starts: np.ndarray, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows at which the steps of all windows begin, and where each window begins among them."""
-    heads = np.cumsum(stops - starts) - (stops - starts)
-    return np.arange((stops - starts).sum()) + np.repeat(starts - heads, stops - starts), heads
-
-
-def _first_that_moves(
-    t: Float, q: Float, dq: Float, several: list[tuple[np.ndarray, np.ndarray]]
-) -> tuple[float, float, int]:
+def _first_that_moves(several: Sequence[tuple[Float, Float]]) -> tuple[float, float, int]:
     """Return ratio, determination and number of windows for the shortest windows in which the joint moves."""
-    for least, (starts, stops) in zip((_SURELY_MOVED, np.inf, np.inf), several, strict=True):
-        if len(starts) < _FEWEST_WINDOWS:
+    for least, (begin, end) in zip((_SURELY_MOVED, np.inf, np.inf), several, strict=True):
+        if len(begin) < _FEWEST_WINDOWS:
             continue
-        rows, heads = _rows_within(starts, stops)
-        integral = np.add.reduceat(0.5 * (dq[rows] + dq[rows + 1]) * (t[rows + 1] - t[rows]), heads)
-        change = q[stops] - q[starts]
+        change, dq_change, integral = (end - begin).T
         moved = (np.abs(change) > _MOVED) | (np.abs(integral) > least)
         if np.count_nonzero(moved) < _FEWEST_WINDOWS or not integral[moved].any():
             continue
-        ratio, determination = _ratio(change[moved], integral[moved], (dq[stops] - dq[starts])[moved])
+        ratio, determination = _ratio(change[moved], integral[moved], dq_change[moved])
         # A coarse encoder flickers at rest by more than _MOVED, and a velocity has an offset.
-        at_rest = np.abs(integral).max() <= _SURELY_MOVED and np.ptp(q[starts]) <= TRAVELLED
+        at_rest = np.abs(integral).max() <= _SURELY_MOVED and np.ptp(begin[:, 0]) <= _TRAVELLED
         if determination > _TRUSTED_R2 or not at_rest:
             return ratio, determination, int(moved.sum())
     return float("nan"), 0.0, 0
@@ -121,7 +157,7 @@ def _ratio(change: Float, integral: Float, dq_change: Float) -> tuple[float, flo
 
 _DEGREES_PER_RADIAN = 180.0 / np.pi
 _RPM_PER_RAD_S = 30.0 / np.pi
-LARGEST_Q_RAD = 4.0 * np.pi
+_LARGEST_Q_RAD = 4.0 * np.pi
 _LARGEST_DQ_RAD_S = 12.0
 _LARGEST_Q_DEG = 720.0  # beyond, a joint turns without end, in any unit: a bench rig, where magnitudes prove nothing
 _RETURNS = 0.1  # share of samples against the usual direction from which on a joint goes to and fro
@@ -131,104 +167,92 @@ _TINY = 1e-3  # no clock is wrong by more than units are: with a smaller ratio q
 _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
 
 
-def refuse_dead_velocity(recording: Recording, path: str) -> Recording:
+def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], clock: Clock, path: str) -> Recording:
     """Name the joints whose dq is one number while q moves; refuse where no joint that moves has a velocity.
 
     Raises:
         InputError: If no moving joint has one.
     """
-    q, dq = recording.channels["q"], recording.channels["dq"]
-    travelled, turned = np.ptp(q, axis=0), np.abs(dq[0]) * (recording.t[-1] - recording.t[0])
-    dead = (travelled > TRAVELLED) & (np.ptp(dq, axis=0) == 0.0) & (turned < 0.5 * travelled)
+    q, dq = columns["q"], columns["dq"]
+    travelled, turned = q.highest - q.lowest, np.abs(dq.sample[0]) * (clock.last_s - clock.first_s)
+    dead = (travelled > _TRAVELLED) & (dq.highest == dq.lowest) & (turned < 0.5 * travelled)
     said = [
-        f"{recording.name_of('dq', joint)} is {dq[0, joint] + 0.0:g} in all {len(dq)} rows while q moves by "
+        f"{recording.name_of('dq', joint)} is {dq.sample[0, joint] + 0.0:g} in all {clock.rows} rows while q moves by "
         f"{travelled[joint]:.3g}; its velocity was not recorded: name another column "
         "with --map dq=<column>, or record it"
         for joint in map(int, np.flatnonzero(dead))
     ]
-    if said and dead.sum() == np.count_nonzero(travelled > TRAVELLED):
+    if said and dead.sum() == np.count_nonzero(travelled > _TRAVELLED):
         raise InputError(f"{path}: {said[0]}{'; so it is on all joints that move' if len(said) > 1 else ''}")
     numbers = np.flatnonzero(dead) + 1
     findings = (Finding(code="velocity_dead", message=m, joint=int(j)) for j, m in zip(numbers, said, strict=True))
     return recording.with_findings(*findings)
 
 
-def mend_units(recording: Recording, path: str) -> Recording:
-    """Turn degrees into radians and rpm into rad/s, and mend a unit of time that was misjudged.
-
-    Raises:
-        InputError: If a table of one joint may be in degrees, and no name says so.
-    """
-    ratio = _ratios(recording).common
-    turned = _turn_degrees(recording, ratio, path)
-    return _mend_unit(turned, ratio if turned is recording else _ratios(turned).common)
-
-
-def check_motion(recording: Recording, path: str, *, scaled: bool) -> Recording:
+def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled: bool) -> Recording:
     """Notice a stretched clock and columns of the wrong joint; nothing is changed.
 
     Args:
         recording: In order of time, in SI units, without stale samples.
+        ratios: Of its motion.
         path: The file, for messages.
         scaled: True if the user stated the clock's factor, which then is not refused.
 
     Raises:
         InputError: If the clock is wrong by a factor that nothing explains.
     """
-    ratios = _ratios(recording)
     recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
     recording = recording.with_findings(*_mismatches(recording, ratios))
     return recording.with_findings(_stretch(ratios.common, path, scaled=scaled))
 
 
-def _ratios(recording: Recording) -> MotionRatio:
-    return motion_ratios(recording.t, recording.channels["q"], recording.channels["dq"])
+def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float, path: str) -> Recording:
+    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s.
 
-
-def _turn_degrees(recording: Recording, ratio: float, path: str) -> Recording:
-    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s."""
-    q, dq = recording.channels["q"], recording.channels["dq"]
-    largest_q = max(float(np.abs(column).max()) for column in (q.min(axis=0), q.max(axis=0)))
-    largest_dq = max(float(np.abs(column).max()) for column in (dq.min(axis=0), dq.max(axis=0)))
+    Raises:
+        InputError: If a table of one joint may be in degrees, and no name says so.
+    """
+    largest_q, largest_dq = (
+        float(max(-column.lowest.min(), column.highest.max(), column.lowest.max(), -column.highest.min()))
+        for column in (columns["q"], columns["dq"])
+    )
     degrees = []
     if _near(ratio, 1.0 / _RPM_PER_RAD_S, 0.05):
-        dq /= _RPM_PER_RAD_S
         message = (
             f"dq is in rpm: it reaches {largest_dq:.4g}, and q changes {ratio:.3g} times its integral, as pi/30; it "
             "was turned into rad/s"
         )
-        return recording.with_findings(Finding(code="velocity_unit", message=message, amount=_RPM_PER_RAD_S))
-    if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > LARGEST_Q_RAD):
+        finding = Finding(code="velocity_unit", message=message, amount=_RPM_PER_RAD_S)
+        return recording.scaled("dq", 1.0 / _RPM_PER_RAD_S).with_findings(finding)
+    if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
         degrees = ["q"]
     elif _near(ratio, 1.0 / _DEGREES_PER_RADIAN):
         degrees = ["dq"]
-    elif _near(ratio, 1.0, 0.3) and largest_q > LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
+    elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
         if re.search("rad|deg", recording.mapping.get("q", "")):
             return recording
-        if q.shape[1] == 1 or largest_q > _LARGEST_Q_DEG:
-            _refuse_degrees(recording, largest_q, largest_dq, path)
+        if len(recording.joint_names) == 1 or largest_q > _LARGEST_Q_DEG:
+            forwards = float(np.mean(columns["dq"].sample > 0.0))
+            _refuse_degrees(recording, forwards, largest_q, largest_dq, path)
             message = (
                 f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
                 "rad and rad/s; if it is degrees, say so in the names of the columns (q_1_deg, dq_1_deg_s)"
             )
             return recording.with_findings(Finding(code="degrees_suspected", message=message, amount=largest_q))
         degrees = ["q", "dq"]
-    findings = []
     for channel in degrees:
-        array = recording.channels[channel]
-        array /= _DEGREES_PER_RADIAN
         largest, unit = (largest_q, "degrees") if channel == "q" else (largest_dq, "degrees per second")
         message = (
             f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; "
             "it was turned into radians"
         )
-        findings.append(Finding(code="degrees", message=message, amount=largest))
-    return recording.with_findings(*findings)
+        finding = Finding(code="degrees", message=message, amount=largest)
+        recording = recording.scaled(channel, 1.0 / _DEGREES_PER_RADIAN).with_findings(finding)
+    return recording
 
 
-def _refuse_degrees(recording: Recording, largest_q: float, largest_dq: float, path: str) -> None:
+def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float, path: str) -> None:
     """Refuse a table whose joint goes to and fro by many radians, if it is radians; a bag has no names to say it."""
-    forwards = float(np.mean(recording.channels["dq"] > 0.0))
     if recording.topic is None and largest_q <= _LARGEST_Q_DEG and _RETURNS < forwards < 1.0 - _RETURNS:
         name, velocity = recording.mapping.get("q", "q"), recording.mapping.get("dq", "dq")
         raise InputError(
@@ -242,7 +266,7 @@ def _near(value: float, target: float, tolerance: float = 0.1) -> bool:
     return abs(value / target - 1.0) < tolerance
 
 
-def _mend_unit(recording: Recording, ratio: float) -> Recording:
+def mend_unit(recording: Recording, ratio: float) -> Recording:
     """A factor of a thousand between motion and clock is a unit misjudged from the time step, and mended."""
     factor = next((factor for factor in _UNIT_FACTORS if _near(ratio, factor, 0.3)), None)
     if factor is None:
@@ -252,7 +276,7 @@ def _mend_unit(recording: Recording, ratio: float) -> Recording:
         f"its unit was misjudged; time was multiplied by {factor:g}"
     )
     finding = Finding(code="time_unit", message=message, amount=factor)
-    return replace(recording, t=recording.t * factor).with_findings(finding)
+    return recording.changed(lambda t, channels: (t * factor, channels)).with_findings(finding)
 
 
 def _mismatches(recording: Recording, ratios: MotionRatio) -> list[Finding]:
@@ -260,7 +284,7 @@ def _mismatches(recording: Recording, ratios: MotionRatio) -> list[Finding]:
     reference = ratios.common
     judged = np.isfinite(ratios.ratio)
     if np.isfinite(reference):
-        wrong = judged & (np.abs(ratios.ratio / reference - 1.0) > DISAGREES)
+        wrong = judged & (np.abs(ratios.ratio / reference - 1.0) > _DISAGREES)
     else:
         wrong = judged & ~ratios.trusted
     return [_mismatch(recording, ratios, int(joint)) for joint in np.flatnonzero(wrong)]

@@ -1,10 +1,13 @@
 """Samples that repeat the one before, and torques that stand still."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.io.checks.clock import GAP_S
-from friction_audit.io.recording import Recording
+from friction_audit.io.checks.columns import Column, Thinned
+from friction_audit.io.recording import Marks, Recording, WholeLogError
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 
 MOVING_RAD_S = 0.02
@@ -13,68 +16,97 @@ _HELD_SHARE = 0.5
 _HELD_PERIODS = 3.5  # a state that is held for more of its own periods did stall
 
 
-def drop_stale_samples(recording: Recording) -> Recording:
-    """Drop rows equal to the row before in q, dq and torque while some joint moves.
+class Stale:
+    """Finds the rows that are equal to the row before in q, dq and torque while some joint moves.
 
     At standstill equal rows are left alone: an ideal simulation at rest repeats itself rightly.
     """
-    fresh = np.ones(len(recording.t), dtype=np.bool_)
-    fresh[_find_stale(recording)] = False
-    if fresh.all():
-        return recording
-    recording = _keep_slow_state(recording, fresh)
-    stale = int(np.count_nonzero(~fresh))
-    if stale == 0:
-        return recording
-    message = (
-        f"{stale} of {len(fresh)} rows ({stale / len(fresh):.1%}) are duplicate samples (logged faster than the robot "
-        "updates); they are removed"
-    )
-    finding = Finding(code="stale_samples", message=message, amount=float(stale))
-    return recording.take_rows(fresh).with_findings(finding)
+
+    def __init__(self, recording: Recording) -> None:
+        self._names = [name for name in ("dq", "q", *TORQUE_CHANNELS) if name in recording.channels]
+        self.rows, self.marks = recording.rows, Marks(recording.rows)
+        self.repeats, self._steps, self._fresh = 0, Thinned(), (0, 0.0)
+
+    @property
+    def period(self) -> float:
+        """Median time between rows that are new, where some between them are not; 0 without these. [s]"""
+        return float(np.median(self._steps.values)) if self.repeats else 0.0
+
+    def take(self, first: int, t: Float, before: Mapping[str, Float], channels: Mapping[str, Float]) -> None:
+        """Take the rows of a piece, given the row before it."""
+        columns = (pair for name in self._names for pair in zip(channels[name].T, before[name], strict=True))
+        column, old = next(columns)
+        equal = np.flatnonzero(column == np.append(old, column[:-1]))
+        for column, old in columns:
+            if not len(equal):
+                break
+            equal = equal[column[equal] == np.where(equal > 0, column[equal - 1], old)]
+        equal = equal[equal + first > 0]
+        if len(equal):
+            equal = equal[moving(channels["dq"], equal)]
+        fresh = np.ones(len(t), np.bool_)
+        fresh[equal] = False
+        self.marks.add(first, ~fresh)
+        if self.marks.count:
+            rows = np.flatnonzero(fresh)
+            repeats = np.diff(rows + first, prepend=self._fresh[0]) - 1
+            self._steps.take(np.diff(t[rows], prepend=self._fresh[1])[repeats > 0])
+            self.repeats += int(repeats[repeats > 0].sum())
+        if fresh.any():
+            last = int(np.flatnonzero(fresh)[-1]) if len(equal) else len(t) - 1
+            self._fresh = first + last, float(t[last])
 
 
-def _find_stale(recording: Recording) -> NDArray[np.intp]:
-    arrays = [recording.channels[c] for c in ("dq", "q", *TORQUE_CHANNELS) if c in recording.channels]
-    first, *others = [column for array in arrays for column in array.T]
-    rows = np.flatnonzero(first[1:] == first[:-1]) + 1
-    for column in others:
-        rows = rows[column[rows] == column[rows - 1]]
-    return rows[_moving(recording, rows)] if len(rows) else rows
+def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str, Column]) -> Recording:
+    """Drop rows that are equal to the row before while some joint moves.
 
-
-def _moving(recording: Recording, rows: NDArray[np.intp] | slice) -> NDArray[np.bool_]:
-    moving = np.zeros(len(recording.t[rows]), dtype=np.bool_)
-    for column in recording.channels["dq"].T:
-        moving |= np.abs(column[rows]) > MOVING_RAD_S
-    return moving
-
-
-def _keep_slow_state(recording: Recording, fresh: NDArray[np.bool_]) -> Recording:
-    """Mark stale rows as fresh where the state is new less often than a hole is long, as on a bus of many motors.
-
-    Without them, each of its steps would pass for a hole in the log.
+    Raises:
+        WholeLogError: If the state itself seems to be slow, and the recording is read in blocks.
     """
-    rows = np.flatnonzero(fresh)
-    steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
-    period = float(np.median(steps[repeats > 0])) if repeats.any() else 0.0
-    moving = np.count_nonzero(_moving(recording, slice(None)))
-    if _HELD_PERIODS * period <= GAP_S or repeats.sum() < _HELD_SHARE * moving:
+    marks = stale.marks
+    moves = stale.rows * float(moving(columns["dq"].sample, slice(None)).mean())
+    if marks.count and _HELD_PERIODS * stale.period > GAP_S and stale.repeats >= _HELD_SHARE * moves:
+        if recording.blocks is not None:
+            raise WholeLogError
+        recording, marks = _keep_slow_state(recording, stale)
+    if not marks.count:
         return recording
-    held = (repeats > 0) & (steps <= _HELD_PERIODS * period)
-    for row in np.flatnonzero(held):
-        fresh[rows[row] : rows[row + 1]] = True
     message = (
-        f"q, dq and torque are updated only every {period:.3g} s (a bus that polls the motors in turn?); "
+        f"{marks.count} of {stale.rows} rows ({marks.count / stale.rows:.1%}) are duplicate samples (logged faster "
+        "than the robot updates); they are removed"
+    )
+    finding = Finding(code="stale_samples", message=message, amount=float(marks.count))
+    return recording.without(marks).with_findings(finding)
+
+
+def moving(dq: Float, rows: NDArray[np.intp] | slice) -> NDArray[np.bool_]:
+    """Return in which of some rows a joint moves."""
+    return np.asarray((np.abs(dq[rows]) > MOVING_RAD_S).any(axis=1))
+
+
+def _keep_slow_state(recording: Recording, stale: Stale) -> tuple[Recording, Marks]:
+    """Return what is left of the marks where the state is new less often than a hole is long.
+
+    It is on a bus of many motors; without these rows, each step of the state would pass for a hole in the log.
+    """
+    lost = stale.marks.of(0, stale.rows)
+    rows = np.flatnonzero(~lost)
+    steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
+    held = (repeats > 0) & (steps <= _HELD_PERIODS * stale.period)
+    for row in np.flatnonzero(held):
+        lost[rows[row] : rows[row + 1]] = False
+    message = (
+        f"q, dq and torque are updated only every {stale.period:.3g} s (a bus that polls the motors in turn?); "
         f"{repeats[held].sum()} repeated rows are kept"
     )
-    return recording.with_findings(Finding(code="slow_state", message=message, amount=period))
+    marks = Marks(stale.rows)
+    marks.add(0, lost)
+    return recording.with_findings(Finding(code="slow_state", message=message, amount=stale.period)), marks
 
 
 # What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]
 _LARGEST_NM = {"tau_J": 1000.0, "tau_interaction": 300.0, "tau_ext_hat_filtered": 300.0}
 _SHARE = 0.95  # of the samples that may be below what is tested: a few wild ones prove nothing
-_MOST_SAMPLES = 1 << 16
 _FEWEST_MOVING = 20  # samples in either direction that show what reverses with the motion
 _FEW_STEPS = 5.0
 _LEAST_NM = 0.01  # no joint of an arm turns with less: a channel of a few steps below it carries no torque [N m]
@@ -84,12 +116,11 @@ _MOST_VALUES = 64
 _UNEVEN = 0.01
 
 
-def check_torque(recording: Recording) -> Recording:
+def check_torque(recording: Recording, columns: Mapping[str, Column]) -> Recording:
     """Notice torques that are dead, coarse or may be in mN m; nothing is changed."""
-    every = max(1, len(recording.t) // _MOST_SAMPLES)
     findings = []
-    for name in (name for name in _LARGEST_NM if name in recording.channels):
-        usual = np.quantile(np.abs(recording.channels[name][::every]), _SHARE, axis=0)
+    for name in (name for name in _LARGEST_NM if name in columns):
+        usual = np.quantile(np.abs(columns[name].sample), _SHARE, axis=0)
         joint = int(np.argmax(usual))
         if usual[joint] > _LARGEST_NM[name]:
             text = (
@@ -98,19 +129,19 @@ def check_torque(recording: Recording) -> Recording:
             )
             amount = float(usual[joint])
             findings.append(Finding(code="torque_unit_suspected", message=text, joint=joint + 1, amount=amount))
-    used = next(name for name in TORQUE_CHANNELS if name in recording.channels)
-    return recording.with_findings(*findings, *(_poor(recording, used, j) for j in range(len(recording.joint_names))))
+    used = next(name for name in TORQUE_CHANNELS if name in columns)
+    joints = range(len(recording.joint_names))
+    return recording.with_findings(*findings, *(_poor(recording, columns, used, joint) for joint in joints))
 
 
-def _poor(recording: Recording, channel: str, joint: int) -> Finding | None:
+def _poor(recording: Recording, columns: Mapping[str, Column], channel: str, joint: int) -> Finding | None:
     """Say of a moving joint that its torque is constant, or a few steps of a sensor, or rounded to coarse steps."""
-    every = max(1, len(recording.t) // _MOST_SAMPLES)
-    torque, dq = recording.channels[channel][::every, joint], recording.channels["dq"][::every, joint]
+    torque, dq = columns[channel].sample[:, joint], columns["dq"].sample[:, joint]
     forwards, backwards = torque[dq > MOVING_RAD_S], torque[dq < -MOVING_RAD_S]
     if len(forwards) + len(backwards) < _FEWEST_MOVING:
         return None
     name = recording.name_of(channel, joint)
-    if np.ptp(recording.channels[channel][:, joint]) == 0.0:
+    if columns[channel].highest[joint] == columns[channel].lowest[joint]:
         return _dead(f"torque channel is constant: {name} is {torque[0]:g} in all rows while the joint moves", joint)
     step, rms = _step(torque), float(np.std(torque))
     if 0.0 < rms < min(_FEW_STEPS * step, _LEAST_NM):

@@ -39,7 +39,7 @@ def convert_torque(recording: Recording, options: ReadOptions, path: str) -> Rec
     total = np.where(np.isin(np.arange(1, joints + 1), options.flip), -1.0, 1.0)
     for values in factors.values():
         total = total * np.asarray(values)
-    recording.channels[channel] *= total * (1e-3 if is_current and unit == "mA" else 1.0)
+    recording = recording.scaled(channel, total * (1e-3 if is_current and unit == "mA" else 1.0))
     parts = [_PARTS[one].format(", ".join(f"{value:g}" for value in values)) for one, values in factors.items()]
     parts += [f"-1 in joint {write_joint_numbers(options.flip)}"] if options.flip else []
     message = f"{channel} is {name} times {' times '.join(parts)}"

@@ -3,7 +3,8 @@
 import json
 import os
 from collections import Counter, defaultdict
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,8 +19,8 @@ from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
-from friction_audit.io.recording import Blocks, Recording
-from friction_audit.joint_log import Finding, Float
+from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
+from friction_audit.joint_log import Finding
 from friction_audit.parallel import per_joint
 
 if TYPE_CHECKING:
@@ -172,33 +173,45 @@ class ParquetTable(ColumnTable):
         joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], None)
         return Part(clock=self._to_clock(parts, columns.time), channels=channels, joint=joint)
 
-    def in_blocks(self, columns: ColumnMap) -> Part:
-        """Read the first stamps, which say what the clock is."""
+    def in_blocks(self, columns: ColumnMap) -> Part | None:
+        """Read the first stamps, which say what the clock is; None if they are damaged."""
         time, path = columns.time, str(self.path)
-        stamps = next((self._stamps(parts, time) for parts in self._batches(time.cells)), np.empty(0))
-        origin = stamps[:1].tolist()
-        clock = to_clock(stamps, self._unit(time), path=path)
+        try:
+            stamps = next((self._stamps(parts, time) for parts in self._batches(time.cells)), np.empty(0))
+            origin = stamps[np.isfinite(stamps).argmax() :][:1].tolist()
+            clock = to_clock(stamps, self._unit(time), path=path)
+        except InputError:  # damaged row groups are left out where all is read at once, or refused
+            return None
+        edges = np.cumsum([0, *self._sizes])
 
-        def read(names: Collection[str]) -> Iterator[tuple[Float, dict[str, Float]]]:
+        def read(names: Collection[str], group: int = 0) -> Iterator[Block]:
             wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
-            for parts in self._batches([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
-                raw = self._stamps(parts[: len(time.cells)], time)
-                values = iter(parts[len(time.cells) :])
-                arrays = {channel: np.array([next(values) for _ in cells]).T for channel, cells in wanted.items()}
-                yield to_clock(raw, clock.unit, path=path, origin=origin[0]).t, arrays
+            every = [*time.cells, *(cell for cells in wanted.values() for cell in cells)]
+            try:
+                for parts in self._batches(every, group):
+                    raw, values = self._stamps(parts[: len(time.cells)], time), iter(parts[len(time.cells) :])
+                    arrays = {channel: np.array([next(values) for _ in cells]).T for channel, cells in wanted.items()}
+                    yield to_clock(raw, clock.unit, path=path, origin=origin[0]).t, arrays
+            except InputError as error:  # damaged row groups are left out where all is read at once
+                raise WholeLogError from error
+
+        def since(row: int) -> tuple[int, Callable[[Collection[str]], Iterator[Block]]]:
+            group = int(np.searchsorted(edges, row, side="right")) - 1
+            return int(edges[group]), partial(read, group=group)
 
         nothing = {channel: np.empty((0, len(cells))) for channel, cells in columns.channels.items()}
-        blocks = Blocks(rows=self._file.metadata.num_rows, read=read)
+        blocks = Blocks(rows=self._file.metadata.num_rows, read=read, since=since)
         return Part(clock=Clock(np.empty(0), clock.start_s, clock.unit), channels=nothing, blocks=blocks)
 
-    def _batches(self, cells: Sequence[int]) -> Iterator[list[NDArray[Any]]]:
-        """Yield the numbers of some cells, one batch of rows after the other."""
+    def _batches(self, cells: Sequence[int], group: int = 0) -> Iterator[list[NDArray[Any]]]:
+        """Yield the numbers of some cells, one batch of rows after the other, from a row group on."""
         import pyarrow as pa
 
         names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
+        groups = range(group, len(self._sizes))
         try:
             with _open(self.path, self._file.metadata) as file:
-                for batch in file.iter_batches(_BATCH_ROWS, columns=names, use_threads=False):
+                for batch in file.iter_batches(_BATCH_ROWS, groups, columns=names, use_threads=False):
                     table = _flat(batch)
                     values = {name: self._values(table[name].combine_chunks(), name, 0) for name in names}
                     pairs = (self._cells[cell] for cell in cells)

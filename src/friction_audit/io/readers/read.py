@@ -12,8 +12,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from friction_audit.errors import InputError
-from friction_audit.io.checks import WholeLogError, examine
+from friction_audit.io.checks import examine
+from friction_audit.io.checks.clock import leave_out_far
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
@@ -30,8 +33,8 @@ from friction_audit.io.readers.reader import (
     refuse_lfs_pointer,
 )
 from friction_audit.io.readers.table import read_table
-from friction_audit.io.recording import Blocks, Recording
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source, find_window
+from friction_audit.io.recording import Recording, WholeLogError
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source
 from friction_audit.log_in_blocks import LogInBlocks
 
 # CSV comes last: any text with separators looks like one.
@@ -83,7 +86,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
             at = files[0]
             recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
             recording = convert_torque(recording, options, str(path))
-            recording = examine(recording, path=str(path), robot=options.robot, time_scale=options.time_scale)
+            recording = _examined(recording, options, str(path))
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
             raise _unreadable(at[0], error) from error
@@ -102,9 +105,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
     recording = recording.with_findings(*(one for file, before, _ in files for one in _growth(before, _stamp(file))))
     recording = doubt_current(recording)
     name, content, form = str(path), contents[0], files[0][2].name
-    if recording.blocks is not None:
-        return _log_in_blocks(recording, recording.blocks, options, path=name, sha256=content, format=form)
-    log = _log_of_part(recording, options, path=name, sha256=content, format=form)
+    log = to_joint_log(recording, options, path=name, sha256=content, format=form)
     others = zip(files[1:], contents[1:], strict=True)
     joined = tuple(Joined(path=str(file), sha256=sha, format=reader.name) for (file, _, reader), sha in others)
     return replace(log, source=replace(log.source, joined=joined)) if joined else log
@@ -133,44 +134,43 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
     """
     arrays = arrays_of_frame(frame, name)
     recording = convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
-    recording = doubt_current(examine(recording, path=name, robot=options.robot, time_scale=options.time_scale))
+    recording = doubt_current(_examined(recording, options, name))
     digest = sha256()
     for column, array in arrays.items():
         digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
-    return _log_of_part(recording, options, path=name, sha256=digest.hexdigest(), format="frame")
+    return to_joint_log(recording, options, path=name, sha256=digest.hexdigest(), format="frame")
 
 
-def _log_of_part(recording: Recording, options: ReadOptions, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
-    if not options.has_window:
-        return to_joint_log(recording, path=path, sha256=sha256, format=format)
-    recording = _part(recording, options, path)
-    log = to_joint_log(recording, path=path, sha256=sha256, format=format)
+def _examined(recording: Recording, options: ReadOptions, path: str) -> Recording:
+    row_bytes = np.float64().itemsize * (1 + sum(array.shape[1] for array in recording.channels.values()))
+    if recording.blocks is not None and options.reads_part(recording.rows * row_bytes):
+        recording = leave_out_far(recording, *options.window_of_clock())
     window = (options.t_start_s, options.t_end_s)
-    return replace(log, source=replace(log.source, window=window, skipped_s=float(recording.t[0])))
+    return examine(recording, path=path, robot=options.robot, time_scale=options.time_scale, window=window)
 
 
-def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
-    """Make an examined recording a JointLog whose clock starts at 0."""
-    first = float(recording.t[0])
-    source = _source(recording, first, path=path, sha256=sha256, format=format)
-    t = recording.t if first == 0.0 else recording.t - first
-    return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
-
-
-def _log_in_blocks(
+def to_joint_log(
     recording: Recording,
-    blocks: Blocks,
-    options: ReadOptions,
+    options: ReadOptions = _DEFAULT,
     *,
     path: str,
     sha256: str,
     format: str,  # noqa: A002
-) -> LogInBlocks:
+) -> JointLog:
+    """Make an examined recording a JointLog whose clock starts at 0, in memory or not."""
+    blocks = recording.blocks
+    first = float(recording.t[0]) if blocks is None else recording.first_s or 0.0
+    source = _source(recording, first, path=path, sha256=sha256, format=format)
+    if options.has_window:
+        source = replace(source, window=(options.t_start_s, options.t_end_s), skipped_s=first)
+    if blocks is None:
+        t = recording.t if first == 0.0 else recording.t - first
+        return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
     return LogInBlocks(
         t=recording.t,
         **recording.channels,
         joint_names=recording.joint_names,
-        source=_source(recording, 0.0, path=path, sha256=sha256, format=format),
+        source=source,
         first=0,
         mean_of=blocks.mean_of,
         numbers=blocks.numbers,
@@ -197,16 +197,6 @@ def _source(recording: Recording, first: float, *, path: str, sha256: str, forma
         clock_windows=recording.clock_windows,
         findings=recording.findings,
     )
-
-
-def _part(recording: Recording, options: ReadOptions, path: str) -> Recording:
-    """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log."""
-    first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s * options.time_scale
-    t = recording.t - first_s
-    part = find_window(t, options.t_start_s, options.t_end_s, path)
-    channels = {channel: array[part] for channel, array in recording.channels.items()}
-    begun = None if recording.start_s is None else recording.start_s + first_s
-    return replace(recording, t=t[part], channels=channels, start_s=begun)
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:

@@ -85,8 +85,7 @@ class ColumnTable(Table):
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
-        plain = options.as_recorded and not columns.degrees and columns.joint is None
-        if options.in_blocks and plain and rows * row_bytes > IN_BLOCKS_BYTES:
+        if options.in_blocks and columns.joint is None and rows * row_bytes > IN_BLOCKS_BYTES:
             refuse_bomb(self.path, rows * row_bytes, packed)
             part = self.in_blocks(columns)
             if part is not None:
@@ -194,9 +193,6 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
     columns = replace(columns, findings=(*columns.findings, *table.findings()))
     if part.joint is not None:
         columns, part = _pivot(columns, part.joint, part, arm, path)
-    for channel in columns.degrees:
-        array = part.channels[channel]
-        array *= _RADIANS_PER_DEGREE
     recording = Recording(
         t=part.clock.t,
         channels=part.channels,
@@ -212,13 +208,16 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
         findings=columns.findings,
         blocks=part.blocks,
     )
+    for channel in columns.degrees:
+        recording = recording.scaled(channel, _RADIANS_PER_DEGREE)
     return recording if columns.joint is not None else _with_stated(recording, table)
 
 
 def _with_stated(recording: Recording, table: Table) -> Recording:
     """Add the start, the joints and the robot that the file states apart from its columns."""
     if recording.start_s is None and table.start_s is not None:
-        first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s
+        stamps = [0.0] if recording.blocks is not None else recording.t  # a clock read in blocks begins at 0
+        first_s = float(stamps[0]) if recording.first_s is None else recording.first_s
         start_s = table.start_s - first_s
         recording = replace(recording, start_s=start_s if isfinite(start_s) else None)
     if table.labels or len(table.joint_names) != len(recording.joint_names):

@@ -1,0 +1,80 @@
+"""What a pass over a recording finds of each column: range, largest jump, and a sample of its values and changes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+
+MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
+LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
+
+
+class Picked:
+    """Values at some rows of a recording, gathered piece by piece."""
+
+    def __init__(self, places: NDArray[np.int64], *shape: int) -> None:
+        self.places, self.values = places, np.empty((len(places), *shape), order="F")
+
+    def take(self, first: int, piece: Float) -> None:
+        """Take those of a piece whose first row has this number."""
+        start, stop = np.searchsorted(self.places, (first, first + len(piece)))
+        self.values[start:stop] = piece[self.places[start:stop] - first]
+
+
+class Thinned:
+    """At most so many of a long series of numbers, evenly spread over it, whatever the pieces in which it comes."""
+
+    def __init__(self) -> None:
+        self.values, self._every, self._seen = np.empty(0), 1, 0
+
+    def take(self, values: Float) -> None:
+        """Take the numbers that come next."""
+        self.values = np.append(self.values, values[-self._seen % self._every :: self._every])
+        self._seen += len(values)
+        while len(self.values) > 1 << 20:
+            self.values, self._every = self.values[::2], 2 * self._every
+
+
+class Column:
+    """What a pass finds of one channel of all joints."""
+
+    def __init__(self, rows: int, joints: int, to_zero: float) -> None:
+        """Take the least jump to or from zero that is to be noticed."""
+        every = max(rows // MOST_SAMPLES, 1)
+        usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
+        self._sample = Picked(usual, joints)
+        self._changes = Picked(late - LAG, joints), Picked(late, joints)
+        self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)
+        self.jump, self.zeroed = np.zeros(joints), np.zeros(joints, np.bool_)
+        self._to_zero = to_zero
+
+    def take(self, first: int, before: Float, piece: Float, lowest: Float, highest: Float) -> None:
+        """Take the rows of a piece, given the row before it and its range."""
+        self.lowest, self.highest = np.minimum(self.lowest, lowest), np.maximum(self.highest, highest)
+        for joint, column in enumerate(piece.T):
+            steps = np.empty_like(column)
+            steps[0] = column[0] - before[joint]
+            np.subtract(column[1:], column[:-1], out=steps[1:])
+            jump = max(steps.max(), -steps.min())
+            self.jump[joint] = max(self.jump[joint], jump)
+            if jump > self._to_zero and lowest[joint] <= 0.0 <= highest[joint]:
+                large = np.flatnonzero(np.abs(steps) > self._to_zero)
+                self.zeroed[joint] |= bool(((column[large] == 0.0) | (column[large] == steps[large])).any())
+        for picked in (self._sample, *self._changes):
+            picked.take(first, piece)
+
+    @property
+    def sample(self) -> Float:
+        """Values of rows that are spread evenly over the recording, shape (m, j)."""
+        return self._sample.values
+
+    @property
+    def changes(self) -> Float:
+        """Changes over LAG rows that are spread evenly over the recording, shape (m, j)."""
+        before, after = (one.values for one in self._changes)
+        return after - before
+
+    @property
+    def changed(self) -> Float:
+        """Values after these changes, shape (m, j)."""
+        return self._changes[1].values
