@@ -102,8 +102,8 @@ class CsvTable(Table):
         unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
         rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
         size = 8 * rows * (len(cells) + 1)
-        plain = options.as_recorded and not columns.degrees and columns.joint is None
-        plain &= kind is not str and not self.is_libfranka  # whose first row may hold no numbers
+        # The first row of libfranka may hold no numbers.
+        plain = columns.joint is None and kind is not str and not self.is_libfranka
         if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
             rows = count_lines(self.path, dialect)
             return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))

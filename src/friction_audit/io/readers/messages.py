@@ -73,7 +73,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     size, missing, blocks = expected * row_bytes, list[Finding](), None
     part = _read_part(path, stream, decoder, chosen, options) if options.reads_part(size) else None
     if part is None:
-        in_blocks = options.in_blocks and options.as_recorded and stream.is_lasting and size > IN_BLOCKS_BYTES
+        in_blocks = options.in_blocks and stream.is_lasting and size > IN_BLOCKS_BYTES
         samples, skipped = _samples(path, chosen, len(joints), expected, size, in_blocks=in_blocks), 0
         decoder.undecodable = decoder.incomplete = 0
         missing = _missing(stream, chosen, _collect(stream, decoder, chosen, samples))

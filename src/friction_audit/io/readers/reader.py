@@ -168,12 +168,6 @@ class ReadOptions:
             raise UsageError(f"--t-start {self.t_start_s:g} --t-end {self.t_end_s:g}: expected an end after the start")
 
     @property
-    def as_recorded(self) -> bool:
-        """True if all samples are asked for, with their clock and their torque as they are in the file."""
-        converted = self.flip or self.torque_constant or self.torque_scale
-        return not (self.has_window or converted) and self.time_scale == 1.0
-
-    @property
     def has_window(self) -> bool:
         """True if a part of the log is asked for."""
         return self.t_start_s is not None or self.t_end_s is not None
