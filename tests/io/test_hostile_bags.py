@@ -257,7 +257,7 @@ def test_messages_that_the_index_of_a_bag_counts_are_missed(tmp_path: Path) -> N
 
 @pytest.mark.parametrize("compression", list(CompressionType))
 def test_log_of_one_chunk_that_is_cut_is_salvaged(tmp_path: Path, compression: CompressionType) -> None:
-    values, options = samples(900), {"compression": compression, "chunk_size": 1 << 30}
+    values, options = samples(900), dict[str, Any](compression=compression, chunk_size=1 << 30)
     path = write_mcap(tmp_path / "a.mcap", ros2_store(), [joint_states(ros2_store(), values)], **options)
     path.write_bytes(path.read_bytes()[: int(0.7 * path.stat().st_size)])
     recording = read(path)
