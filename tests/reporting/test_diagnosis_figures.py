@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.result import ContactTrace, Evidence, Gap, OwnAxis
+from friction_audit.pipeline import without_samples
 from friction_audit.reporting.figures.profiles import (
     EFFECTS,
     LADDER,
@@ -81,6 +82,8 @@ def test_torque_residual_and_motion_are_those_of_the_result() -> None:
     assert y[:count] == pytest.approx((TRACES.measured - TRACES.before)[first])
     _, augmented = line(motion, "with stribeck")
     assert np.nanmin(augmented) == pytest.approx((ROWS + LEFT_OUT) * STEP_S)
+    freed = replace(ALL, estimate=without_samples(ALL.estimate))  # as the command has it
+    assert "measured, raw" not in legend_of(SIMULATION(freed, 1))
     alone = SIMULATION(ALL, 3)
     assert (len(alone.axes), legend_of(alone)[-1]) == (2, "nominal model")
     sheet = legend_of(SIMULATION(ALL, None))

@@ -53,11 +53,12 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
     filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
     (friction,) = parts.chosen_joints(found.estimate.friction.joints, joint.joint)
     series = series_of(found.estimate, friction)
-    # The stamps of a log may jitter by more than their step, those of the samples of the diagnosis do not.
-    length_s = pieces[-1].place + pieces[-1].stop - pieces[-1].start
-    thin = parts.every_nth(int(length_s * parts.median_rate_hz(series.t)), POINTS)
-    x, raw = lay_out(pieces, series.t[thin], series.driving[thin], float(np.median(np.diff(traces.t))))
-    panels[0].plot(x, raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
+    length_s, raw = pieces[-1].place + pieces[-1].stop - pieces[-1].start, np.empty(0)
+    if len(series.t):  # a command has freed the samples of the log, which take most of the memory
+        thin = parts.every_nth(int(length_s * parts.median_rate_hz(series.t)), POINTS)
+        # The stamps of a log may jitter by half of their step, those of the samples of the diagnosis do not.
+        x, raw = lay_out(pieces, series.t[thin], series.driving[thin], float(np.median(np.diff(traces.t))))
+        panels[0].plot(x, raw, color=theme.RAW, lw=0.5, label="measured, raw", zorder=1)
     look: theme.Look = {"color": theme.FILTERED, "lw": 1.0, "label": filtered, "zorder": 2}
     measured = _draw_curve(panels[0], pieces, traces.t, traces.measured, **look)
     models = _draw_models(panels[0], pieces, traces.t, (traces.before, traces.after), with_effects)
