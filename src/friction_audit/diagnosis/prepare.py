@@ -153,7 +153,9 @@ def spread_parts(data: JointData, most_s: float) -> JointData:
         model = {name: None if own is None else joined(own, every) for name, own in model.items()}
         known["rigid"] = replace(rigid, **model)
     ways = _cubics(data, starts[:-1] + length - 1, starts[1:], gap)
-    motion = {name: joined(getattr(data, name), 1, way) for name, way in zip(("q", "dq", "ddq"), ways, strict=True)}
+    motion: dict[str, Any] = {
+        name: joined(getattr(data, name), 1, way) for name, way in zip(("q", "dq", "ddq"), ways, strict=True)
+    }
     return replace(
         data,
         cycle=np.where(counts, joined(whole), -1),
