@@ -79,12 +79,17 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
             axes.axvspan(one.place + one.stop - one.start, following.place, color=theme.SHADE, lw=0, zorder=0)
         axes.set_xlim(0.0, length_s)
         parts.label_panel(axes, parts.joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
+    _label_cycles(panels[1], pieces, length_s)
+
+
+def _label_cycles(axes: "Axes", pieces: Sequence[Piece], length_s: float) -> None:
+    """Write above each cycle when it began, where there is room."""
+    look: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}
     labelled = -np.inf
-    for piece in pieces:  # when it began, where there is room
-        where: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}
+    for piece in pieces:
         middle = piece.place + 0.5 * (piece.stop - piece.start)
         if middle - labelled >= LEAST_ROOM * length_s:
-            panels[1].annotate(f"{piece.start:.1f} s", (middle, 1.0), color=theme.MUTED, **where)
+            axes.annotate(f"{piece.start:.1f} s", (middle, 1.0), color=theme.MUTED, **look)
             labelled = middle
 
 
