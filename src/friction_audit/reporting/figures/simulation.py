@@ -23,6 +23,7 @@ SHOWN = 4  # held-out cycles in a panel
 GAP = 0.04  # of the time shown, between one cycle and the next
 LONGEST_STEP = 1.5  # usual steps of time beyond which samples were left out
 POINTS = 4000
+LEAST_ROOM = 0.15  # of the axis, from one cycle's label to the next
 # Times the range of the other curves that raw torque, and the motion of a nominal model that runs away, may stretch
 # a panel; there they are cut.
 FARTHEST_RAW, FARTHEST_NOMINAL = 0.5, 1.5
@@ -78,10 +79,18 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
             axes.axvspan(one.place + one.stop - one.start, following.place, color=theme.SHADE, lw=0, zorder=0)
         axes.set_xlim(0.0, length_s)
         parts.label_panel(axes, parts.joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
-    for piece in pieces:  # when it began
-        where: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}
+    _label_cycles(panels[1], pieces, length_s)
+
+
+def _label_cycles(axes: "Axes", pieces: Sequence[Piece], length_s: float) -> None:
+    """Write above each cycle when it began, where there is room."""
+    look: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}
+    labelled = -np.inf
+    for piece in pieces:
         middle = piece.place + 0.5 * (piece.stop - piece.start)
-        panels[1].annotate(f"{piece.start:.1f} s", (middle, 1.0), color=theme.MUTED, **where)
+        if middle - labelled >= LEAST_ROOM * length_s:
+            axes.annotate(f"{piece.start:.1f} s", (middle, 1.0), color=theme.MUTED, **look)
+            labelled = middle
 
 
 def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int = SHOWN) -> tuple[Piece, ...]:
