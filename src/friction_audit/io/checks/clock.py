@@ -28,7 +28,7 @@ class Clock:
         reach, every = min(_LONGEST_BATCH, rows - 1), max(rows // _MOST_PLACES, 1)
         near, far = step_places(rows), np.arange(reach, rows, every)
         picked = [Picked(one) for one in (near, near + 1, far - reach, far)]
-        every_step = Thinned()
+        every_step, self.first_s, self.last_s = Thinned(), np.nan, np.nan
         last = latest = -np.inf
         for first, t, _ in recording.read(()):
             if not np.isfinite(t).all():
@@ -251,7 +251,7 @@ def take_window(recording: Recording, clock: Clock, window: Window, origin_s: fl
     for _, t, _ in recording.read(()):
         for k, limit in enumerate(window):
             counts[k] += int(np.searchsorted(t - origin_s, (-np.inf, np.inf)[k] if limit is None else limit))
-    part = check_window(*counts, *window, clock.last_s - origin_s, path)
+    part = check_window(counts[0], counts[1], *window, clock.last_s - origin_s, path)
 
     def mend(blocks: Iterator[Block]) -> Iterator[Block]:
         first = 0
