@@ -28,7 +28,7 @@ class Clock:
         reach, every = min(_LONGEST_BATCH, rows - 1), max(rows // _MOST_PLACES, 1)
         near, far = step_places(rows), np.arange(reach, rows, every)
         picked = [Picked(one) for one in (near, near + 1, far - reach, far)]
-        every_step = Thinned()
+        every_step, self.first_s, self.last_s = Thinned(), np.nan, np.nan
         last = latest = -np.inf
         for first, t, _ in recording.read(()):
             if not np.isfinite(t).all():
