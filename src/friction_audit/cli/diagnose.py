@@ -31,7 +31,7 @@ LOADED = (
     "friction_audit.friction.estimate",
     "friction_audit.diagnosis.diagnose",
     "scipy.ndimage",
-    "scipy.linalg",
+    "scipy.interpolate",
     "friction_audit.reporting.diagnosis",
 )
 

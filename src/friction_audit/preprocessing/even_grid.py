@@ -117,25 +117,6 @@ class EvenSpline:
         return np.asarray(sum(weight / 6.0 * near[k : n + k] for k, weight in enumerate(weights)))
 
 
-def natural_spline(t: Float, values: Float, at: Float) -> Float:
-    """Return the natural cubic spline through values at increasing times, at other times (de Boor 1978, chapter 4).
-
-    Without scipy.interpolate, which takes 0.3 s to load.
-    """
-    from scipy.linalg import solve_banded
-
-    step, bend = np.diff(t), np.zeros(len(t))
-    if len(t) > 2:  # noqa: PLR2004 - else a line
-        slopes = np.diff(values) / step
-        inner = np.append(step[1:-1], 0.0)
-        bands = np.stack([np.roll(inner, 1), 2.0 * (step[:-1] + step[1:]), inner])
-        bend[1:-1] = solve_banded((1, 1), bands, 6.0 * np.diff(slopes))
-    k = np.clip(np.searchsorted(t, at) - 1, 0, len(t) - 2)
-    h, before, after = step[k], at - t[k], t[k + 1] - at
-    cubic = (bend[k] * after * (after**2 - h**2) + bend[k + 1] * before * (before**2 - h**2)) / 6.0
-    return np.asarray((cubic + values[k] * after + values[k + 1] * before) / h)
-
-
 def on_finer_grid(values: NDArray[np.floating[Any]], every: int, n: int) -> Float:
     """Return values at n samples, shape (n, ...), from those at every so many of them, by a cubic spline."""
     if every == 1:
@@ -205,11 +186,13 @@ class LowPass:
         even = np.interp(self.fine, t, position)
         lost = np.flatnonzero(np.diff(t) > LOST_STEPS * median_step(t))
         if len(lost):
+            from scipy.interpolate import CubicSpline
+
             n, bounds = len(t), np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
             # What is farther away than this is not felt.
             near = _within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
             inside = _within(bounds[0], bounds[1], len(self.fine))
-            even[inside] = natural_spline(t[near], position[near], self.fine[inside])
+            even[inside] = CubicSpline(t[near], position[near], bc_type="natural")(self.fine[inside])
         return self._apply(even, self.kernel), self._apply(even, self.slope)
 
     def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
