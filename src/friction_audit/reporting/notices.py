@@ -170,8 +170,8 @@ def _with_range(messages: Collection[str]) -> str:
 
 
 def _line(message: str, same: list[Notice]) -> str:
-    joints = [notice.joint for notice in same if notice.joint is not None]
-    several = len(joints) == len(same) and len(set(joints)) > 1
+    joints = sorted({notice.joint for notice in same if notice.joint is not None})
+    several = None not in {notice.joint for notice in same} and len(joints) > 1
     return f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message))
 
 
