@@ -24,7 +24,7 @@ ELSEWHERE = {
 @pytest.mark.parametrize("name", NAMES)
 def test_an_effect_is_defined_in_one_module_of_either_side(name: str) -> None:
     # As a string, an import or a field; the word itself may be the field's, as in "backlash".
-    written = re.compile(rf'"{name}[":]|\.{name}\b|import {name}\b|^    {name}: [A-Z]', re.MULTILINE)
+    written = re.compile(rf'"{name}[":]|\.{name}\b|import {name}\b|^    {name}: (\w+\.)?[A-Z]', re.MULTILINE)
     found = {path for path, text in TEXTS.items() if written.search(text)}
     own = {f"effects/{MODULES[name]}.py", "effects/registry.py", "simulation/effects/__init__.py"}
     # Its own class carries the name too; in other effects it is the other side of a pair that is easily confused.
