@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float
 Int = NDArray[np.int64]
 WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
 SUMS = 7
-BLOCK = 1 << 16  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
+BLOCK = 1 << 15  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 
 
 def find_borders(
@@ -150,23 +150,28 @@ def add_up(
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
-        v, moved, step, driving = dq[rows], np.diff(q[rows]), np.diff(t[rows]), torque[rows]
-        pairs = {WORK: (driving, moved)}
-        if compensation is not None:
-            pairs[COMPENSATION] = (compensation[rows], moved)
-            driving = driving + compensation[rows]
-        pairs |= {
-            PRINTED: (driving * v, step),
-            PATH: (np.sign(filtered[rows]), moved),
-            RECTIFIED: (np.abs(v), step),
-            SQUARE: (v * v, step),
-        }
+        u = None if compensation is None else compensation[rows]
+        starts, halved = own[:, :-1], 0.5 * (np.diff(own) > 0)
         # The zero at the end: a part that is empty may begin at the last border.
-        areas = np.zeros((len(pairs), len(v)))
-        for area, (height, width) in zip(areas, pairs.values(), strict=True):
+        area = np.zeros(rows.stop - rows.start)
+        for place, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
             np.add(height[1:], height[:-1], out=area[:-1])
             area[:-1] *= width
-        total = np.add.reduceat(areas, own[:, :-1].ravel(), axis=1).reshape(len(pairs), len(own), -1)
-        sums[group][..., list(pairs)] = np.moveaxis(0.5 * total, 0, -1) * (np.diff(own) > 0)[..., None]
+            sums[group][..., place] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
     sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
     return sums
+
+
+def _areas(
+    t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
+) -> Iterator[tuple[int, Float, Float]]:
+    """Yield each sum with the heights and widths of its trapezoids, one after the other: these arrays are large."""
+    moved, step, driving = np.diff(q), np.diff(t), torque
+    yield WORK, torque, moved
+    if compensation is not None:
+        yield COMPENSATION, compensation, moved
+        driving = torque + compensation
+    yield PATH, np.sign(filtered), moved
+    yield PRINTED, driving * dq, step
+    yield RECTIFIED, np.abs(dq), step
+    yield SQUARE, dq * dq, step

@@ -102,12 +102,11 @@ class Motion:
     def take(self, first: int, t: Float, before: tuple[float, Float], q: Float, dq: Float) -> None:
         """Take the rows of a piece, given stamp and dq of the row before it."""
         steps, integral = 0.5 * np.diff(t, prepend=before[0]), np.empty(dq.shape, order="F")
-        for joint, column in enumerate(dq.T):
-            area = column * steps
+        for joint, (column, area) in enumerate(zip(dq.T, integral.T, strict=True)):
+            np.multiply(column, steps, out=area)
             area[1:] += column[:-1] * steps[1:]
-            area[0] += before[1][joint] * steps[0]
-            integral[:, joint] = np.cumsum(area)
-        integral += self._integral
+            area[0] += before[1][joint] * steps[0] + self._integral[joint]
+            np.cumsum(area, out=area)
         self._integral = integral[-1].copy()
         for windows in self._windows:
             windows.take(first, t, q, dq, integral)
