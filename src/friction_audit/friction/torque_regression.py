@@ -178,14 +178,7 @@ class RegressionRows:
         self._found: list[dict[str, Float]] = []
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
-        """Take the rows of some samples.
-
-        Args:
-            part: Motion and torque at these samples and around them.
-            velocity: The joint's, filtered at CUTOFF_HZ, at the samples of the part. [rad/s]
-            start: Number of the first of these samples in the log.
-            stop: Number of the one after the last.
-        """
+        """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
         t, column, around = part.t, self._column, self.around
         index = self._index[slice(*np.searchsorted(self._index, (start, stop)))] - part.first
         load = part.torque[:, column]
@@ -257,11 +250,7 @@ def block_length(step_s: float) -> int:
 def differences(t: Float, q: Float, index: NDArray[np.int64], block: int) -> tuple[Float, Float]:
     """Return velocity [rad/s] and acceleration [rad/s^2] from averages of three neighbouring blocks of the position.
 
-    Args:
-        t: Time, shape (n,). [s]
-        q: Position, shape (n,). [rad]
-        index: Samples at the rows, one block and a half from both ends at least, shape (m,).
-        block: Samples per block.
+    The samples at the rows, of which the indices are given, lie one block and a half from both ends at least.
     """
     reach = block + block // 2
     around = index[:, None] + np.arange(-reach, reach + 1)

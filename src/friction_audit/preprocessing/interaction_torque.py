@@ -77,14 +77,7 @@ class PortTorque:
 def extract_interaction(
     log: JointLog, settings: TorqueSettings, *, joints: tuple[int, ...] | None = None, hand: bool = False
 ) -> Interaction:
-    """Make the torque at the friction port of a log in memory; see ``choose_torque``.
-
-    Args:
-        log: The log.
-        settings: What the user says about the torque.
-        joints: Numbers (1..n) of the joints to keep, or None for all.
-        hand: True if the speed of the end effector is wanted.
-    """
+    """Make the torque at the friction port of a log in memory, and the hand's speed if wanted; see ``choose_torque``."""
     port = choose_torque(log, settings, joints=joints, hand=hand)
     (part,) = port.log.blocks()
     found = port.interaction(part)

@@ -189,20 +189,13 @@ def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], cl
 
 
 def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled: bool) -> Recording:
-    """Notice a stretched clock and columns of the wrong joint; nothing is changed.
-
-    Args:
-        recording: In order of time, in SI units, without stale samples.
-        ratios: Of its motion.
-        path: The file, for messages.
-        scaled: True if the user stated the clock's factor, which then is not refused.
+    """Notice a stretched clock and columns of the wrong joint; a clock that the user has scaled is not refused.
 
     Raises:
         InputError: If the clock is wrong by a factor that nothing explains.
     """
     recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
-    recording = recording.with_findings(*_mismatches(recording, ratios))
-    return recording.with_findings(_stretch(ratios.common, path, scaled=scaled))
+    return recording.with_findings(*_mismatches(recording, ratios), _stretch(ratios.common, path, scaled=scaled))
 
 
 def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float, path: str) -> Recording:
