@@ -77,7 +77,7 @@ class PortTorque:
 def extract_interaction(
     log: JointLog, settings: TorqueSettings, *, joints: tuple[int, ...] | None = None, hand: bool = False
 ) -> Interaction:
-    """Make the torque at the friction port of a log in memory, and the hand's speed if wanted; see ``choose_torque``."""
+    """Make the torque at the friction port of a log in memory, and the speed of the hand; see ``choose_torque``."""
     port = choose_torque(log, settings, joints=joints, hand=hand)
     (part,) = port.log.blocks()
     found = port.interaction(part)
