@@ -13,10 +13,14 @@ from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
+from functools import lru_cache
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
+
+if TYPE_CHECKING:
+    from threadpoolctl import ThreadpoolController
 
 Result = TypeVar("Result")
 
@@ -51,16 +55,22 @@ def one_joint_at_a_time() -> Iterator[None]:
 
 def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
     """Return the result of the work for each joint (0-based), in order, by threads."""
-    from threadpoolctl import threadpool_limits
-
     if _ALONE.get():
         return [work(joint) for joint in range(joints)]
     # Matrices of a joint are tall and narrow: threads inside a product would only wait for each other.
     with (
-        threadpool_limits(limits=1, user_api="blas"),
+        _libraries(len(sys.modules)).limit(limits=1, user_api="blas"),
         ThreadPoolExecutor(max_workers=WORKERS, thread_name_prefix="joint") as pool,
     ):
         return list(pool.map(work, range(joints)))
+
+
+@lru_cache(maxsize=1)
+def _libraries(modules: int) -> "ThreadpoolController":  # noqa: ARG001 - with more of them, there may be new libraries
+    """Return the libraries whose threads can be limited; to look for them takes milliseconds, for every block."""
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def ahead(items: Iterator[Result]) -> Iterator[Result]:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from friction_audit.friction.history import TorqueRegression
@@ -24,7 +25,7 @@ from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Equations, Fit, fit_windows
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.preprocessing.velocity import filter_velocity
+from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
@@ -35,6 +36,7 @@ FEWEST_ROWS = 100
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
 SETTLED = 41  # samples by which the filter's response to an impulse exceeds the part that is used
 LONGEST = 2.0  # times its nominal duration that a row's support may last; beyond, there is a hole in it
+FEW = 32  # samples of the response per sample between rows, below which products with it are faster than the filter
 BLOCK_S = 0.02  # the position is averaged over so long, against its noise and resolution [s]
 LEAST_SWING = 1e-3  # of the direction of gravity: what does not turn is an offset
 # Of a regression matrix with columns of unit length: beyond, the columns are as good as collinear (D. A. Belsley,
@@ -166,17 +168,17 @@ class RegressionRows:
         impulse[middle] = 1.0
         kernel = self._smooth(impulse)[middle - self.around + 1 : middle + self.around]
         self._weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
+        # The torque is filtered at the rows alone where these are few: the same as products with its whole response.
+        self._reach = settling_samples(rate_hz, CUTOFF_HZ) - 1
+        impulse = np.zeros(4 * self._reach)
+        impulse[2 * self._reach] = 1.0
+        response = self._smooth(impulse)[self._reach + 1 : 3 * self._reach]
+        self._response = np.convolve(response, SIMPSON)
+        self._are_few = len(self._response) < FEW * spacing
         self._found: list[dict[str, Float]] = []
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
-        """Take the rows of some samples.
-
-        Args:
-            part: Motion and torque at these samples and around them.
-            velocity: The joint's, filtered at CUTOFF_HZ, at the samples of the part. [rad/s]
-            start: Number of the first of these samples in the log.
-            stop: Number of the one after the last.
-        """
+        """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
         t, column, around = part.t, self._column, self.around
         index = self._index[slice(*np.searchsorted(self._index, (start, stop)))] - part.first
         load = part.torque[:, column]
@@ -195,9 +197,16 @@ class RegressionRows:
                 "inertia": 0.5 * (near[:, 2] - near[:, 0]) / steps,
                 **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
                 **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
-                "torque": self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
+                "torque": self._filtered(load, index),
             }
         )
+
+    def _filtered(self, load: Float, index: NDArray[np.int64]) -> Float:
+        """Return a torque at the rows, filtered and averaged over neighbours as the velocity is."""
+        reach = self._reach
+        if self._are_few and len(index) and reach <= index[0] and index[-1] < len(load) - reach:
+            return np.asarray(sliding_window_view(load, len(self._response))[index - reach] @ self._response)
+        return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 
     def velocity(self) -> Float:
         """Return the velocity at all rows, those at which the joint rests among them. [rad/s]"""
@@ -241,11 +250,7 @@ def block_length(step_s: float) -> int:
 def differences(t: Float, q: Float, index: NDArray[np.int64], block: int) -> tuple[Float, Float]:
     """Return velocity [rad/s] and acceleration [rad/s^2] from averages of three neighbouring blocks of the position.
 
-    Args:
-        t: Time, shape (n,). [s]
-        q: Position, shape (n,). [rad]
-        index: Samples at the rows, one block and a half from both ends at least, shape (m,).
-        block: Samples per block.
+    The samples at the rows, of which the indices are given, lie one block and a half from both ends at least.
     """
     reach = block + block // 2
     around = index[:, None] + np.arange(-reach, reach + 1)

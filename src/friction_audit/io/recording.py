@@ -175,11 +175,6 @@ class Recording:
 
         return self.mended(mend, rows)
 
-    def take_rows(self, rows: NDArray[Any]) -> "Recording":
-        """Return the rows of a mask or in an order, of a recording in memory."""
-        t, channels = take_rows(self.t, self.channels, rows)
-        return replace(self, t=t, channels=channels)
-
     def take_joints(self, joints: Sequence[int]) -> "Recording":
         """Return some joints only, given by column."""
 

@@ -17,7 +17,10 @@ SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Balance:
-    """One row of the balance: F_m = sign * (source - each of the torques removed)."""
+    """One row of the balance: F_m = sign * (source - each of the torques removed).
+
+    ``modelled_means`` is the torque of the model at the times of the coarse log, shape (m, j): splines take long.
+    """
 
     plan: Plan
     source: Float
@@ -26,6 +29,7 @@ class Balance:
     inertia: bool
     logged: Float | None
     modelled: GridTorque | None
+    modelled_means: Float | None
     evidence: tuple[SignEvidence, ...] = ()
 
     @property
@@ -57,8 +61,8 @@ class Balance:
         torque = coarse.mean(self.source)
         if self.logged is not None:
             torque -= coarse.mean(self.logged)
-        if self.modelled is not None:
-            self.modelled.subtract_from(torque, coarse.t, list(range(torque.shape[1])))
+        if self.modelled_means is not None:
+            torque -= self.modelled_means
         return self.sign * torque
 
     def driving(self, log: JointLog, coarse: CoarseLog) -> Float:

@@ -77,13 +77,7 @@ def gravity_cautions(
 
     The constants of a gravity error are ill-determined over a short range: two of hundreds of newton metres may cancel.
     What a log determines is their torque over the range that the joint moved, and whether it depends on the position.
-
-    Args:
-        log: The log.
-        coarse: Its means.
-        balance: The row of the balance.
-        columns: Selected joints, 0-based.
-        direction: Direction of gravity across their axes at the means, shape (m, len(columns), 2), or None.
+    The direction of gravity is that across the axes of the selected joints at the means, shape (m, len(columns), 2).
     """
     gravity = balance.plan.gravity
     mixed = not balance.proved or balance.inertia_left

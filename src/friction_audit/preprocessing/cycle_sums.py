@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float
 Int = NDArray[np.int64]
 WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
 SUMS = 7
-BLOCK = 1 << 14  # samples worked on at a time: their temporary arrays stay in the processor's cache
+BLOCK = 1 << 15  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 
 
 def find_borders(
@@ -74,17 +74,25 @@ def _events(velocity: Float, initiation: float, termination: float, *, moving: b
     for first in range(0, len(velocity), BLOCK):
         piece = velocity[first : first + BLOCK]
         speed = np.abs(piece)
-        # Between both thresholds the joint keeps the state of the sample before.
-        known = np.flatnonzero((speed > initiation) | (speed < termination))
-        states = speed[known] > initiation
-        changes = np.flatnonzero(states != np.append(moving, states[:-1]))
+        # Between both thresholds the joint keeps the state of the sample before: it changes at one of these edges.
+        slow, fast = (_rises(one) for one in (speed < termination, speed > initiation))
+        known = np.append(slow, fast)
+        order = np.argsort(known)
+        states = order >= len(slow)
+        changes = states != np.append(moving, states[:-1])
         moving = bool(states[-1]) if len(states) else moving
-        for into, place in zip(found, (~states[changes], states[changes]), strict=False):
-            into.append(first + known[changes[place]])
-        before = np.append(velocity[first - 1] if first else np.nan, piece[:-1])
-        found[2].append(first + np.flatnonzero(piece * before <= 0.0))
+        for into, place in zip(found, (~states & changes, states & changes), strict=False):
+            into.append(first + known[order[place]])
+        begin = max(first - 1, 0)
+        near = velocity[begin : first + BLOCK]
+        found[2].append(begin + 1 + np.flatnonzero(near[1:] * near[:-1] <= 0.0))
     stops, starts, turns = (np.concatenate(one) for one in found)
     return stops, starts, turns
+
+
+def _rises(is_so: NDArray[np.bool_]) -> Int:
+    """Return the places at which something begins to be so."""
+    return np.flatnonzero(np.append(is_so[:1], is_so[1:] > is_so[:-1]))
 
 
 def groups(borders: Int) -> Iterator[slice]:
@@ -113,7 +121,10 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
         fast, step = np.abs(speed[rows]), np.diff(t[rows])
         peak[group] = np.maximum.reduceat(fast[:-1], start)
         longest[group] = np.maximum.reduceat(step, start)
-        gone = np.append(0.0, np.cumsum(0.5 * (fast[1:] + fast[:-1]) * step))
+        gone = np.zeros(len(fast))
+        np.add(fast[1:], fast[:-1], out=gone[1:])
+        gone[1:] *= step
+        np.cumsum(gone, out=gone)
         share = np.arange(1, parts) / parts
         targets = gone[start][:, None] + (gone[stop] - gone[start])[:, None] * share
         place = np.searchsorted(gone, targets).astype(np.int64)
@@ -139,22 +150,28 @@ def add_up(
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
-        v, moved, step, driving = dq[rows], np.diff(q[rows]), np.diff(t[rows]), torque[rows]
-        pairs = {WORK: (driving, moved)}
-        if compensation is not None:
-            pairs[COMPENSATION] = (compensation[rows], moved)
-            driving = driving + compensation[rows]
-        pairs |= {
-            PRINTED: (driving * v, step),
-            PATH: (np.sign(filtered[rows]), moved),
-            RECTIFIED: (np.abs(v), step),
-            SQUARE: (v * v, step),
-        }
+        u = None if compensation is None else compensation[rows]
+        starts, halved = own[:, :-1], 0.5 * (np.diff(own) > 0)
         # The zero at the end: a part that is empty may begin at the last border.
-        areas = np.zeros((len(pairs), len(v)))
-        for area, (height, width) in zip(areas, pairs.values(), strict=True):
-            np.multiply(height[1:] + height[:-1], width, out=area[:-1])
-        total = np.add.reduceat(areas, own[:, :-1].ravel(), axis=1).reshape(len(pairs), len(own), -1)
-        sums[group][..., list(pairs)] = np.moveaxis(0.5 * total, 0, -1) * (np.diff(own) > 0)[..., None]
+        area = np.zeros(rows.stop - rows.start)
+        for place, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
+            np.add(height[1:], height[:-1], out=area[:-1])
+            area[:-1] *= width
+            sums[group][..., place] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
     sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
     return sums
+
+
+def _areas(
+    t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
+) -> Iterator[tuple[int, Float, Float]]:
+    """Yield each sum with the heights and widths of its trapezoids, one after the other: these arrays are large."""
+    moved, step, driving = np.diff(q), np.diff(t), torque
+    yield WORK, torque, moved
+    if compensation is not None:
+        yield COMPENSATION, compensation, moved
+        driving = torque + compensation
+    yield PATH, np.sign(filtered), moved
+    yield PRINTED, driving * dq, step
+    yield RECTIFIED, np.abs(dq), step
+    yield SQUARE, dq * dq, step

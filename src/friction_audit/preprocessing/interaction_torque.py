@@ -77,14 +77,7 @@ class PortTorque:
 def extract_interaction(
     log: JointLog, settings: TorqueSettings, *, joints: tuple[int, ...] | None = None, hand: bool = False
 ) -> Interaction:
-    """Make the torque at the friction port of a log in memory; see ``choose_torque``.
-
-    Args:
-        log: The log.
-        settings: What the user says about the torque.
-        joints: Numbers (1..n) of the joints to keep, or None for all.
-        hand: True if the speed of the end effector is wanted.
-    """
+    """Make the torque at the friction port of a log in memory, and the speed of the hand; see ``choose_torque``."""
     port = choose_torque(log, settings, joints=joints, hand=hand)
     (part,) = port.log.blocks()
     found = port.interaction(part)
@@ -149,20 +142,25 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSe
     def proved(row: Balance) -> Balance:
         return replace(row, evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque))
 
-    first = proved(_row(log, plan, grids, plan.drives[0], position))
+    first = proved(_row(log, coarse, plan, grids, plan.drives[0], position))
     if first.proved:
         return first, False
     if plan.source == "interaction":
         other = proved(replace(first, sign=-first.sign))
     elif len(plan.drives) > 1:
-        other = proved(_row(log, plan, grids, plan.drives[1], position))
+        other = proved(_row(log, coarse, plan, grids, plan.drives[1], position))
     else:
         return first, False
     return (other, True) if other.proved else (first, False)
 
 
 def _row(
-    log: JointLog, plan: Plan, grids: tuple[Grid, ...], drive: str, position: Callable[[], list[Float]]
+    log: JointLog,
+    coarse: CoarseLog,
+    plan: Plan,
+    grids: tuple[Grid, ...],
+    drive: str,
+    position: Callable[[], list[Float]],
 ) -> Balance:
     arm, gravity, inertia = plan.arm, plan.gravity == "model", drive == "robot" and plan.inertia
     modelled = None
@@ -172,6 +170,11 @@ def _row(
         modelled = GridTorque(grids=grids, values=tuple(torques))
     elif arm is not None and gravity:
         modelled = GridTorque(grids=grids, values=tuple(map(arm.gravity, position())))
+    means = None
+    if modelled is not None:
+        means = np.zeros((len(coarse.t), len(log.joint_names)))
+        modelled.subtract_from(means, coarse.t, list(range(len(log.joint_names))))
+        np.negative(means, out=means)
     return Balance(
         plan=plan,
         source=getattr(log, CHANNELS[plan.source]),
@@ -180,6 +183,7 @@ def _row(
         inertia=inertia,
         logged=log.gravity if plan.gravity == "logged" else None,
         modelled=modelled,
+        modelled_means=means,
     )
 
 

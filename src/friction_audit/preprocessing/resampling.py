@@ -56,13 +56,7 @@ class GridTorque:
     values: tuple[Float, ...]
 
     def subtract_from(self, torque: Float, t: Float, columns: list[int]) -> None:
-        """Subtract the torque of some joints from an array in place, block by block.
-
-        Args:
-            torque: Shape (m, len(columns)), changed. [N m]
-            t: Times of its rows, increasing, shape (m,). [s]
-            columns: Joints (0-based) of its columns.
-        """
+        """Subtract the torque of some joints (0-based) from an array in place, whose rows are at increasing times."""
         from scipy.interpolate import CubicSpline
 
         borders = [0, *np.searchsorted(t, [grid.t[0] for grid in self.grids[1:]]).tolist(), len(t)]

@@ -6,6 +6,7 @@ mended pieces; a sound log takes no more than two.
 """
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from friction_audit.io.checks.clock import (
     Clock,
     Steps,
     Window,
-    check_sampling,
     drop_repeats,
     sort_rows,
     spread_batches,
@@ -43,20 +43,16 @@ class _Look:
     def __init__(self, recording: Recording, path: str) -> None:
         _refuse_short(recording, path)
         self.recording, self.path = recording, path
-        self._clock: Clock | None = None
-        self._survey: _Survey | None = None
 
-    @property
+    @cached_property
     def clock(self) -> Clock:
         """What a pass over the stamps finds."""
-        self._clock = self._clock or Clock(self.recording)
-        return self._clock
+        return Clock(self.recording)
 
-    @property
+    @cached_property
     def survey(self) -> "_Survey":
         """What a pass over all columns finds."""
-        self._survey = self._survey or _Survey(self.recording, self.clock)
-        return self._survey
+        return _Survey(self.recording, self.clock)
 
     def after(self, recording: Recording) -> "_Look":
         """Return what is known after a check: all, unless it has mended something."""
@@ -86,9 +82,8 @@ class _Survey:
                     self._take(first, t, channels, ranges)
 
     def _take(self, first: int, t: Float, channels: dict[str, Float], ranges: dict[str, tuple[Float, Float]]) -> None:
-        before, last_s = self._before or {name: piece[0] for name, piece in channels.items()}, t[0]
-        if self._before:
-            last_s = self._before["t"][0]
+        before = self._before or {"t": t[:1], **{name: piece[0] for name, piece in channels.items()}}
+        last_s = before["t"][0]
         self.steps.take(first, last_s, t)
         for name, piece in channels.items():
             self.columns[name].take(first, before[name], piece, *ranges[name])
@@ -134,20 +129,20 @@ def examine(
     look = look.after(sort_rows(look.recording, look.clock, path))
     look = look.after(drop_repeats(look.recording, look.clock))
     look = look.after(spread_batches(look.recording, look.survey.steps))
-    whole = recording.first_s is None
-    first_s = look.clock.first_s if recording.first_s is None else recording.first_s * time_scale
-    numbered = whole and look.recording.rows == as_read
+    read_s = None if recording.first_s is None else recording.first_s * time_scale  # of the whole log's first sample
+    first_s = look.clock.first_s if read_s is None else read_s
+    numbered = read_s is None and look.recording.rows == as_read
     columns, step_s = look.survey.columns, look.clock.step_s
     look = look.after(leave_out_wild(look.recording, columns, step_s, first_s=first_s, numbered=numbered))
     look = look.after(refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
     look = look.after(turn_degrees(look.recording, look.survey.columns, look.survey.ratios().common, path))
     look = look.after(mend_unit(look.recording, look.survey.ratios().common))
-    look = look.after(check_sampling(look.recording, look.survey.steps))
+    look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
     look = look.after(check_torque(look.recording, look.survey.columns))
     look = look.after(check_motion(look.recording, look.survey.ratios(), path, scaled=time_scale != 1.0))
     if window != (None, None):
-        origin_s = look.clock.first_s if recording.first_s is None else recording.first_s * time_scale
+        origin_s = look.clock.first_s if read_s is None else read_s
         look = look.after(take_window(look.recording, look.clock, window, origin_s, path))
     return _concluded(look)
 

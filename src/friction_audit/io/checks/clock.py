@@ -236,11 +236,6 @@ class Steps:
             yield Finding(code="low_rate", message=text, amount=rate)
 
 
-def check_sampling(recording: Recording, steps: Steps) -> Recording:
-    """Notice dropped samples, gaps, jitter and a low rate."""
-    return recording.with_findings(*steps.findings())
-
-
 def take_window(recording: Recording, clock: Clock, window: Window, origin_s: float, path: str) -> Recording:
     """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log.
 

@@ -36,14 +36,21 @@ class Thinned:
 
 
 class Column:
-    """What a pass finds of one channel of all joints."""
+    """What a pass finds of one channel of all joints.
+
+    Attributes:
+        sample: Values of rows that are spread evenly over the recording, shape (m, j).
+        changed: Values after the changes over LAG rows of ``changes``, shape (m, j).
+        lowest, highest, jump: Range and largest change between neighbouring rows, shape (j,).
+        zeroed: True where a large jump begins or ends at zero, shape (j,).
+    """
 
     def __init__(self, rows: int, joints: int, to_zero: float) -> None:
         """Take the least jump to or from zero that is to be noticed."""
         every = max(rows // MOST_SAMPLES, 1)
         usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
-        self._sample = Picked(usual, joints)
-        self._changes = Picked(late - LAG, joints), Picked(late, joints)
+        self._picked = Picked(usual, joints), Picked(late - LAG, joints), Picked(late, joints)
+        self.sample, self._changing, self.changed = (one.values for one in self._picked)
         self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)
         self.jump, self.zeroed = np.zeros(joints), np.zeros(joints, np.bool_)
         self._to_zero = to_zero
@@ -60,21 +67,10 @@ class Column:
             if jump > self._to_zero and lowest[joint] <= 0.0 <= highest[joint]:
                 large = np.flatnonzero(np.abs(steps) > self._to_zero)
                 self.zeroed[joint] |= bool(((column[large] == 0.0) | (column[large] == steps[large])).any())
-        for picked in (self._sample, *self._changes):
+        for picked in self._picked:
             picked.take(first, piece)
-
-    @property
-    def sample(self) -> Float:
-        """Values of rows that are spread evenly over the recording, shape (m, j)."""
-        return self._sample.values
 
     @property
     def changes(self) -> Float:
         """Changes over LAG rows that are spread evenly over the recording, shape (m, j)."""
-        before, after = (one.values for one in self._changes)
-        return after - before
-
-    @property
-    def changed(self) -> Float:
-        """Values after these changes, shape (m, j)."""
-        return self._changes[1].values
+        return self.changed - self._changing

@@ -102,12 +102,11 @@ class Motion:
     def take(self, first: int, t: Float, before: tuple[float, Float], q: Float, dq: Float) -> None:
         """Take the rows of a piece, given stamp and dq of the row before it."""
         steps, integral = 0.5 * np.diff(t, prepend=before[0]), np.empty(dq.shape, order="F")
-        for joint, column in enumerate(dq.T):
-            area = column * steps
+        for joint, (column, area) in enumerate(zip(dq.T, integral.T, strict=True)):
+            np.multiply(column, steps, out=area)
             area[1:] += column[:-1] * steps[1:]
-            area[0] += before[1][joint] * steps[0]
-            integral[:, joint] = np.cumsum(area)
-        integral += self._integral
+            area[0] += before[1][joint] * steps[0] + self._integral[joint]
+            np.cumsum(area, out=area)
         self._integral = integral[-1].copy()
         for windows in self._windows:
             windows.take(first, t, q, dq, integral)
@@ -190,20 +189,13 @@ def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], cl
 
 
 def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled: bool) -> Recording:
-    """Notice a stretched clock and columns of the wrong joint; nothing is changed.
-
-    Args:
-        recording: In order of time, in SI units, without stale samples.
-        ratios: Of its motion.
-        path: The file, for messages.
-        scaled: True if the user stated the clock's factor, which then is not refused.
+    """Notice a stretched clock and columns of the wrong joint; a clock that the user has scaled is not refused.
 
     Raises:
         InputError: If the clock is wrong by a factor that nothing explains.
     """
     recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
-    recording = recording.with_findings(*_mismatches(recording, ratios))
-    return recording.with_findings(_stretch(ratios.common, path, scaled=scaled))
+    return recording.with_findings(*_mismatches(recording, ratios), _stretch(ratios.common, path, scaled=scaled))
 
 
 def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float, path: str) -> Recording:

@@ -50,14 +50,9 @@ class _Run:
 def leave_out_wild(
     recording: Recording, columns: Mapping[str, Column], step_s: float, *, first_s: float, numbered: bool
 ) -> Recording:
-    """Leave out rows that hold a wild sample, and name each.
+    """Leave out rows that hold a wild sample, and name each: by its number too where the rows are those of the file.
 
-    Args:
-        recording: In order of time.
-        columns: What a pass over it found.
-        step_s: Median step of its clock. [s]
-        first_s: Time of the log's first sample on the recording's clock. [s]
-        numbered: True if the rows still are those of the file, so that their numbers can be named.
+    The log's first sample is at ``first_s`` on the recording's clock.
     """
     joints = [_Wild(joint, columns, step_s, recording.rows) for joint in range(len(recording.joint_names))]
     joints = [joint for joint in joints if joint.suspected]
@@ -176,18 +171,10 @@ class _Wild:
 def _zeroed(
     channel: str, rows: NDArray[np.int64], values: Float, step_s: float, scale: float, *, more: bool
 ) -> tuple[list[_Run], slice | list[int]]:
-    """Return runs of zeros, of any length, that the motion contradicts: numbers that a lost block of a file had.
+    """Return runs of zeros, of any length, that the motion contradicts, as a lost block of a file leaves them.
 
-    Args:
-        channel: ``"q"`` or ``"dq"``.
-        rows: Numbers of the rows that are judged, shape (n,).
-        values: Their time, q and dq, shape (n, 3).
-        step_s: Median step of the clock. [s]
-        scale: What q usually changes by per integral of dq.
-        more: True if rows follow.
-
-    Returns:
-        The runs, and which rows are still needed.
+    Time, q and dq of the rows are ``values``, shape (n, 3); the scale is what q usually changes by per integral of dq.
+    Where more rows follow, it is also returned which rows are still needed.
     """
     t, q, dq = values.T
     column = q if channel == "q" else dq

@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.time_column import UNITS
-from friction_audit.io.recording import Recording
+from friction_audit.io.recording import Recording, take_rows
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding, Float
 
 LONGEST_GAP = 3.5  # median steps of a file; in a longer gap of it nothing is interpolated
@@ -50,7 +50,7 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
     found = Finding(code="joined", message=message, amount=float(outside))
     if outside:  # the parts of a log that --t-start and --t-end name count from its first sample all the same
         first_s = float(np.nanmin(joined.t)) if joined.first_s is None else joined.first_s
-        joined = replace(joined.take_rows(rows), first_s=first_s)
+        joined = replace(joined.changed(lambda t, channels: take_rows(t, channels, rows)), first_s=first_s)
     return joined.with_findings(found)
 
 

@@ -213,7 +213,7 @@ class ParquetTable(ColumnTable):
             with _open(self.path, self._file.metadata) as file:
                 for batch in file.iter_batches(_BATCH_ROWS, groups, columns=names, use_threads=False):
                     table = _flat(batch)
-                    values = {name: self._values(table[name].combine_chunks(), name, 0) for name in names}
+                    values = {name: self._values(_whole(table[name]), name, 0) for name in names}
                     pairs = (self._cells[cell] for cell in cells)
                     yield [values[name] if place is None else values[name][:, place] for name, place in pairs]
         except (pa.ArrowException, OSError) as error:
@@ -298,7 +298,7 @@ class ParquetTable(ColumnTable):
                 done, place = 0, filled
                 try:
                     for batch in file.iter_batches(_BATCH_ROWS, [group], [column], use_threads=False) if count else ():
-                        values = self._values(_flat(batch).column(0).combine_chunks(), column, start + done)
+                        values = self._values(_whole(_flat(batch).column(0)), column, start + done)
                         own = values if rows is None else values[kept[done : done + len(values)]]
                         for element, target in targets:
                             self._refuse_missing_stamps(column, own, target)
@@ -363,6 +363,11 @@ def _flat(table: "pa.Table | pa.RecordBatch") -> "pa.Table":
     while any(pa.types.is_struct(field.type) for field in whole.schema):
         whole = whole.flatten()
     return whole
+
+
+def _whole(column: "pa.ChunkedArray") -> "pa.Array":
+    """Return a column of a batch in one piece; Arrow's own function copies one that is."""
+    return column.chunk(0) if column.num_chunks == 1 else column.combine_chunks()
 
 
 def _first_rows(file: "ParquetFile", columns: Sequence[str]) -> dict[str, list[Any]]:
