@@ -60,11 +60,11 @@ def test_the_package_declares_what_it_imports() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 54_528,
-    "files": 291,
-    "code lines of the longest function": 57,
+    "lines": 52_307,
+    "files": 285,
+    "code lines of the longest function": 55,
     "per cent of functions of at most 3 code lines": 29,
-    "lines of tests": 33_743,  # joined files, arms by name, blocks, --strict, JUnit, styles, the notebook, the wheel
+    "lines of tests": 30_052,
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
