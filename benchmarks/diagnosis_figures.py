@@ -112,10 +112,11 @@ def write_documents(tables: Tables, docs: Path) -> None:
     rows = [row for kind in SIMULATED[:6] for row in answered(tables[kind])]
     texts = {
         ("diagnosis.md", "hidden effects"): simulated(tables),
-        ("benchmarks.md", "separable"): separated(tables),
         ("diagnosis.md", "real logs"): real(tables),
         ("../benchmarks/effects.md", "effect by effect"): everything(rows),
     }
+    if tables["separations"]:
+        texts["benchmarks.md", "separable"] = separated(tables)
     for (name, mark), text in texts.items():
         write_between(docs / name, f"<!-- {mark} -->", f"<!-- end of {mark} -->", text)
     if tables["time"]:
