@@ -69,7 +69,8 @@ class _Survey:
     def __init__(self, recording: Recording, clock: Clock) -> None:
         joints, names, rows = len(recording.joint_names), recording.channels, recording.rows
         self.missing = Missing(recording)
-        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf)) for name in names}
+        whole = recording.channels if recording.blocks is None else {}
+        self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf), whole.get(name)) for name in names}
         self.stale = Stale(recording)
         self._before: dict[str, Float] = {}
         if clock.increases:

@@ -40,17 +40,21 @@ class Column:
 
     Attributes:
         sample: Values of rows that are spread evenly over the recording, shape (m, j).
-        changed: Values after the changes over LAG rows of ``changes``, shape (m, j).
+        changed: Values after changes over LAG rows, shape (m, j).
         lowest, highest, jump: Range and largest change between neighbouring rows, shape (j,).
         zeroed: True where a large jump begins or ends at zero, shape (j,).
     """
 
-    def __init__(self, rows: int, joints: int, to_zero: float) -> None:
-        """Take the least jump to or from zero that is to be noticed."""
+    def __init__(self, rows: int, joints: int, to_zero: float, whole: Float | None = None) -> None:
+        """Take the least jump to or from zero that is to be noticed, and the column of a recording in memory."""
         every = max(rows // MOST_SAMPLES, 1)
-        usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
-        self._picked = Picked(usual, joints), Picked(late - LAG, joints), Picked(late, joints)
-        self.sample, self._changing, self.changed = (one.values for one in self._picked)
+        self._picked: tuple[Picked, ...] = ()
+        if whole is None:
+            usual, late = np.arange(0, rows, every), np.arange(LAG, rows, every)
+            self._picked = Picked(usual, joints), Picked(late - LAG, joints), Picked(late, joints)
+            self.sample, self._changing, self.changed = (one.values for one in self._picked)
+        else:
+            self.sample, self._changing, self.changed = whole[::every], whole[:-LAG:every], whole[LAG::every]
         self.lowest, self.highest = np.full(joints, np.inf), np.full(joints, -np.inf)
         self.jump, self.zeroed = np.zeros(joints), np.zeros(joints, np.bool_)
         self._to_zero = to_zero
@@ -70,7 +74,6 @@ class Column:
         for picked in self._picked:
             picked.take(first, piece)
 
-    @property
-    def changes(self) -> Float:
-        """Changes over LAG rows that are spread evenly over the recording, shape (m, j)."""
-        return self.changed - self._changing
+    def changes(self, joint: int) -> Float:
+        """Changes over LAG rows that are spread evenly over the recording, shape (m,)."""
+        return np.asarray(self.changed[:, joint] - self._changing[:, joint])

@@ -93,7 +93,7 @@ class _Wild:
 
     def __init__(self, joint: int, columns: Mapping[str, Column], step_s: float, rows: int) -> None:
         self.joint, self._step_s, self._rows = joint, step_s, rows
-        usual = {name: _usual_change(column.changes[:, joint]) for name, column in columns.items()}
+        usual = {name: _usual_change(column.changes(joint)) for name, column in columns.items()}
         self._usual_dq = usual["dq"]
         self._scales = {name: _scale(name, one.sample[:, joint], usual[name]) for name, one in columns.items()}
         self._jumping = [name for name, scale in self._scales.items() if columns[name].jump[joint] > scale]
@@ -224,7 +224,7 @@ def _too_far(t: Float, q: Float, dq: Float, steps: Sequence[Pair], step_s: float
 
 def _way_per_integral(columns: Mapping[str, Column], joint: int, step_s: float) -> float:
     """Return what q usually changes by per integral of dq: 1, or 57 where q is in degrees; 0 if it never moves."""
-    change = np.abs(columns["q"].changes[:, joint])
+    change = np.abs(columns["q"].changes(joint))
     integral = np.abs(columns["dq"].changed[:, joint]) * LAG * step_s
     moves = integral > _STILL_RAD
     return max(float(np.median(change[moves] / integral[moves])), 1.0) if moves.any() else 0.0
