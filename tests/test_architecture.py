@@ -60,7 +60,7 @@ def test_the_package_declares_what_it_imports() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 52_307,
+    "lines": 52_311,
     "files": 285,
     "code lines of the longest function": 55,
     "per cent of functions of at most 3 code lines": 29,
