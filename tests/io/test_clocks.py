@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from friction_audit.io.checks.columns import Thinned
 from friction_audit.io.readers.message_stream import choose_clock
 from friction_audit.io.readers.time_column import find_time, to_clock
 
@@ -107,3 +110,16 @@ def test_no_date_and_a_single_message() -> None:
     assert choose_clock(LOG - START_NS, None, None).start_s is None
     clock = choose_clock(LOG[:1], LOG[:1], None)
     assert (clock.t.tolist(), clock.findings) == ([0.0], ())
+
+
+@given(sizes=st.lists(st.integers(1, 90), min_size=1, max_size=30))
+def test_numbers_are_thinned_evenly_however_they_are_cut(sizes: list[int]) -> None:
+    numbers, thinned = np.arange(float(sum(sizes))), Thinned()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Thinned, "MOST", 100)
+        for piece in np.split(numbers, np.cumsum(sizes)[:-1]):
+            thinned.take(piece)
+    every = int(thinned.values[1] - thinned.values[0]) if len(numbers) > 1 else 1
+    np.testing.assert_array_equal(thinned.values, numbers[::every])
+    assert len(thinned.values) <= 100
+    assert every == 1 or len(thinned.values) > 49  # no more is left out than has to be

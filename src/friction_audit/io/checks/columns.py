@@ -22,17 +22,26 @@ class Picked:
 
 
 class Thinned:
-    """At most so many of a long series of numbers, evenly spread over it, whatever the pieces in which it comes."""
+    """At most so many of a long series of numbers, evenly spread over it, however it is cut into pieces."""
+
+    MOST = 1 << 20
 
     def __init__(self) -> None:
-        self.values, self._every, self._seen = np.empty(0), 1, 0
+        self._pieces: list[Float] = []
+        self._kept, self._every, self._seen = 0, 1, 0
 
     def take(self, values: Float) -> None:
         """Take the numbers that come next."""
-        self.values = np.append(self.values, values[-self._seen % self._every :: self._every])
-        self._seen += len(values)
-        while len(self.values) > 1 << 20:
-            self.values, self._every = self.values[::2], 2 * self._every
+        self._pieces.append(values[-self._seen % self._every :: self._every].copy())
+        self._kept, self._seen = self._kept + len(self._pieces[-1]), self._seen + len(values)
+        while self._kept > self.MOST:
+            self._pieces, self._every = [self.values[::2].copy()], 2 * self._every
+            self._kept = len(self._pieces[0])
+
+    @property
+    def values(self) -> Float:
+        """The numbers that were kept."""
+        return np.concatenate(self._pieces)
 
 
 class Column:
