@@ -201,8 +201,6 @@ def _minimum(
     Where its torque jumps the cost has no slope: that parameter is found by Brent's line search first
     (effects_unlogged_compensation_70003).
     """
-    from scipy.optimize import minimize_scalar
-
     scale = Scale(dictionary, block)
     if not scale.names:
         return None
@@ -212,8 +210,10 @@ def _minimum(
     if not np.isfinite(point.cost):
         return None
     for unit in np.eye(len(scale.names))[[name in block.effect.jumps for name in scale.names]]:
+        from scipy.optimize import minimize_scalar  # most diagnoses need none of it
+
         best = minimize_scalar(lambda x, unit=unit: problem.at(scale, x * unit).cost, bounds=(-1, 1), method="bounded")
-        point = min(first, problem.at(scale, float(best.x) * unit), key=lambda one: one.cost)
+        point = min(point, problem.at(scale, float(best.x) * unit), key=lambda one: one.cost)
     for difference in (DIFFERENCE,) if kind is Projection else COARSE_TO_FINE:
         for _ in range(STEPS):
             better = _line_search(problem, scale, point, difference)
