@@ -316,12 +316,6 @@ def draw_dots(axes: "Axes", x: Float, y: Float, colour: str, label: str, **look:
     axes.plot([], [], ".", color=colour, ms=5, mew=0, label=label)
 
 
-def draw_arrow(axes: "Axes", tail: tuple[float, float], head: tuple[float, float], colour: str, width: float) -> None:
-    """Draw an arrow from one point of a curve to another."""
-    style: Look = {"arrowstyle": "-|>", "color": colour, "lw": width, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", head, tail, arrowprops=style, zorder=5)
-
-
 ARROWS_AT, ARROW_LENGTH = 0.6, 0.06  # share of a stroke's peak speed at which an arrow stands; share of both ranges
 
 
