@@ -64,7 +64,7 @@ SIZE = {
     "files": 285,
     "code lines of the longest function": 55,
     "per cent of functions of at most 3 code lines": 29,
-    "lines of tests": 30_058,
+    "lines of tests": 30_074,  # thinned numbers are even
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 

@@ -196,11 +196,7 @@ def _local_maxima(points: Sequence[tuple[float, Block]], block: Block) -> list[t
 def _minimum(
     dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
 ) -> tuple[float, Block] | None:
-    """Cost, with the penalty of Schwarz, and block at the minimum next to a start.
-
-    Where its torque jumps the cost has no slope: that parameter is found by Brent's line search first
-    (effects_unlogged_compensation_70003).
-    """
+    """Cost, with the penalty of Schwarz, and block at the minimum next to a start."""
     scale = Scale(dictionary, block)
     if not scale.names:
         return None
@@ -209,6 +205,7 @@ def _minimum(
     point = first = problem.at(scale, np.zeros(len(scale.names)))
     if not np.isfinite(point.cost):
         return None
+    # Where the torque jumps the cost has no slope: Brent's line search first (effects_unlogged_compensation_70003).
     for unit in np.eye(len(scale.names))[[name in block.effect.jumps for name in scale.names]]:
         from scipy.optimize import minimize_scalar  # most diagnoses need none of it
 
