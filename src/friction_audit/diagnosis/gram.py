@@ -155,21 +155,14 @@ def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Fl
 
 @dataclass(eq=False)
 class Fit:
-    """The model with some blocks, fitted on some folds.
+    """The model with some blocks, fitted on some folds."""
 
-    Attributes:
-        kept: Rows of the base that take part: nuisances that a block replaces do not.
-        coefficients: Of these and of the blocks, one after the other.
-        rss: Weighted residual sum of squares, priors included.
-        factor, scale, projected: Cholesky factor of the scaled Gram matrix, its scale, and the response in its terms.
-    """
-
-    kept: NDArray[np.int64]
-    coefficients: Float
-    rss: float
-    factor: Float
+    kept: NDArray[np.int64]  # rows of the base that take part: nuisances that a block replaces do not
+    coefficients: Float  # of these and of the blocks, one after the other
+    rss: float  # weighted residual sum of squares, priors included
+    factor: Float  # of Cholesky, of the scaled Gram matrix
     scale: Float
-    projected: Float
+    projected: Float  # the response in terms of the factor
 
 
 @dataclass(eq=False)

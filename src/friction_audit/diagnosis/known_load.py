@@ -23,16 +23,13 @@ INERTIA_POSES = 50  # of a recording, evenly spread
 
 
 class KnownLoad(NamedTuple):
-    """The load on the gears in addition to the joints' own models, for j joints on a grid of n samples.
+    """The load on the gears in addition to the joints' own models, for j joints on a grid of n samples."""
 
-    Attributes:
-        load: Gravity, and the links' inertia where it was removed, with the sign of the torque, (n, j), or None. [N m]
-        removed: Torque to subtract from the sensors' readings where links' inertia is part of it, else None. [N m]
-        rigid: Torque of each joint per unit of what may be wrong with the model, or None without a model.
-    """
-
+    # gravity, and the links' inertia where it was removed, with the sign of the torque, (n, j), or None [N m]
     load: Float | None
+    # torque to subtract from the sensors' readings where links' inertia is part of it, else None [N m]
     removed: Float | None
+    # torque of each joint per unit of what may be wrong with the model, or None without a model
     rigid: tuple[RigidBody, ...] | None
 
 
