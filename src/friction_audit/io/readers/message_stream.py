@@ -1,5 +1,6 @@
 """Messages as containers hand them over: decompressed, in blocks, with their clocks."""
 
+import re
 from abc import abstractmethod
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -7,7 +8,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from math import inf
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -209,6 +210,18 @@ class MessageStream(AbstractContextManager["MessageStream"]):
             return None
 
 
+class Heads(NamedTuple):
+    """What the records of a connection's messages look like up to their payloads."""
+
+    width: int  # their length [byte]
+    constant: (
+        Any  # indices of the bytes that they share where the payloads are equally long: all but clocks and counters
+    )
+    clock: int  # where the eight bytes of the log time begin
+    in_ns: Callable[[NDArray[np.uint8]], Int]  # from these bytes, shape (n, 8), to the log time
+    pattern: re.Pattern[bytes] | None = None  # what one looks like, where writers differ
+
+
 class BlockCollector:
     """The messages of a chunk as blocks: runs of equally long ones at once, or one by one where topics alternate."""
 
@@ -219,18 +232,24 @@ class BlockCollector:
         self._mixed: dict[int, list[tuple[int, int, int]]] = {}
         self._alternating = False
 
-    def add(self, key: int, time: int, start: int, size: int, run: Callable[[], Block]) -> int:
-        """Add a message, or the run that begins with it; returns how many messages were taken."""
-        wanted = self._keys is None or key in self._keys
+    def add(self, key: int, time: int, start: int, size: int, heads: Heads) -> int:
+        """Add a message, or the run that begins with it; returns how many bytes were taken."""
+        wanted, stride = self._keys is None or key in self._keys, heads.width + size
         if self._alternating:
             if wanted:
                 self._mixed.setdefault(key, []).append((start, size, time))
-            return 1
-        block = run()
+            return stride
+        begin = start - heads.width
+        count = (len(self._data) - begin) // stride
+        rows = np.ndarray((count, heads.width), np.uint8, self._data, offset=begin, strides=(stride, 1))
+        same = (rows[:, heads.constant] == rows[0, heads.constant]).all(axis=1)
+        run = count if same.all() else int(same.argmin())
         if wanted:
-            self.blocks.append(block)
-        self._alternating = len(block) < _SHORTEST_RUN
-        return len(block)
+            log_time = heads.in_ns(np.ascontiguousarray(rows[:run, heads.clock : heads.clock + 8]))
+            starts = start + stride * np.arange(run, dtype=np.int64)
+            self.blocks.append(Block(key, log_time, self._data, starts, np.full(run, size, np.int64)))
+        self._alternating = run < _SHORTEST_RUN
+        return run * stride
 
     def finish(self) -> list[Block]:
         """Return all blocks."""
