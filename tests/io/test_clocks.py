@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.io.checks.columns import Thinned
-from friction_audit.io.readers.message_stream import choose_clock
+from friction_audit.io.readers.message_samples import choose_clock
 from friction_audit.io.readers.time_column import find_time, to_clock
 
 START_NS = 1_700_000_000_000_000_123

@@ -69,10 +69,6 @@ def map_columns(
         arm: The arm to read, where the table holds several.
         needed: Channels without which it is no log, and with them a torque; none where other files have them.
         may_be_long: Whether the table may have one row per joint and time.
-
-    Raises:
-        InputError: If a column that is needed is missing; all of them are named at once.
-        SeveralLogsError: If the names are of several arms and the user named none.
     """
     bare = [name.strip() for name in names]
     refuse_absent(mapping, bare, path)
@@ -128,10 +124,7 @@ def _of_long_table(
 
 
 def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -> tuple[Finding, ...]:
-    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque, a robot's holds gravity.
-
-    ``first`` is channel -> name of its first column.
-    """
+    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque; ``first`` column of each channel."""
     alone = joints == 1 and columns.robot == "unknown" and first.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
     name = parse_name(first["tau_J"]) if alone and "tau_J" not in columns.stated else None
     if name is None or ALIASES["tau_J"][name.rank] not in _AMBIGUOUS:
@@ -170,18 +163,14 @@ def _refuse_melted(names: Sequence[str], path: str) -> None:
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
 ) -> dict[str, Group]:
-    """Group the columns by channel and template, and keep the best template of each channel."""
+    """Group the columns by channel and template, and keep the first of the best templates of each channel."""
     found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
     for cell, parsed in names.items():
         if parsed is not None and parsed.channel not in stated:
             key = (parsed.rank, parsed.template)
             found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
-    groups = {}
-    for channel, candidates in found.items():
-        rank = min(rank for rank, _ in candidates)
-        template, cells = next((one, cells) for (r, one), cells in candidates.items() if r == rank)
-        groups[channel] = _group(template, cells, labels)
-    return groups
+    best = {channel: min(candidates.items(), key=lambda one: one[0][0]) for channel, candidates in found.items()}
+    return {channel: _group(template, cells, labels) for channel, ((_, template), cells) in best.items()}
 
 
 def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:
@@ -237,10 +226,9 @@ def _align(
     for channel in (c for c in JOINT_CHANNELS if c in groups):
         group = groups[channel]
         fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
-        own = list(group.cells.values()) if fits else [group.cells[key] for key in keys if key in group.cells]
-        cells = tuple(own) if len(own) == len(keys) else None
-        if cells is not None:
-            channels[channel] = cells
+        own = tuple(group.cells.values()) if fits else tuple(group.cells[key] for key in keys if key in group.cells)
+        if len(own) == len(keys):
+            channels[channel] = own
         elif channel in REQUIRED or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
@@ -280,9 +268,7 @@ def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> l
 
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
-    keys = _sorted_keys(cells)
+    keys = [str(key + 1) if isinstance(key, int) else key for key in _sorted_keys(cells)]
     if len(keys) > _SHOWN_JOINTS:
         return f"{len(keys)} joints, more than an arm has: is the table transposed?"
-    return f"{len(keys)} joint{'s' * (len(keys) != 1)}: " + ", ".join(
-        str(key + 1) if isinstance(key, int) else key for key in keys
-    )
+    return f"{len(keys)} joint{'s' * (len(keys) != 1)}: {', '.join(keys)}"

@@ -27,16 +27,9 @@ _BLOCK_BYTES = 8 << 20
 
 
 def open_table(path: Path) -> io.BufferedReader:
-    """Open a text table for reading from its begin on, decompressed if it is compressed.
-
-    Raises:
-        OSError: If it cannot be opened.
-        InputError: While it is read: if the compressed stream breaks off or is damaged, or is a bomb.
-    """
+    """Open a text table, decompressed; reading raises InputError if a compressed one is damaged or a bomb."""
     codec = next((codec for magic, codec in PACKED.items() if starts_with(path, magic)), None)
-    if codec is None:
-        return io.BufferedReader(path.open("rb", buffering=0), _HEAD_BYTES)
-    return io.BufferedReader(_Unpacked(path, codec), _HEAD_BYTES)
+    return io.BufferedReader(_Unpacked(path, codec) if codec else path.open("rb", buffering=0), _HEAD_BYTES)
 
 
 class _Unpacked(io.RawIOBase):
@@ -120,11 +113,7 @@ def split_line(line: str, separator: str) -> tuple[str, ...]:
 
 
 def sniff_csv(path: Path) -> Dialect:
-    """Find out how a text table is written, from its first lines.
-
-    Raises:
-        InputError: If it holds no line of numbers.
-    """
+    """Find out how a text table is written, from its first lines; InputError if it holds no line of numbers."""
     skipped, begin, last = 0, 0, b""
     with open_table(path) as stream:
         _refuse_no_text(path, stream.peek(_HEAD_BYTES))

@@ -52,9 +52,7 @@ def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
 def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ...]:
     """Return the joints of the arm to read, in their order, from the joints of a table.
 
-    Raises:
-        InputError: If there is no such arm.
-        SeveralLogsError: If there are several arms and the user named none.
+    SeveralLogsError if there are several arms and the user named none.
     """
     arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
     choices = " or ".join(f"--topic '#{arm}'" for arm in arms)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from zlib import crc32
 
 from friction_audit.errors import InputError
-from friction_audit.io.files import starts_with
 from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
 from friction_audit.io.readers.message_stream import (
     LARGEST_CHUNK,
@@ -203,8 +202,3 @@ def _parse(opcode: int, content: bytes) -> Any:  # noqa: ANN401
 
 
 read, topics = partial(read_messages, McapStream), partial(topics_of, McapStream)
-
-
-def recognises(path: Path) -> bool:
-    """Return True if the file begins as MCAP does."""
-    return starts_with(path, MAGIC)

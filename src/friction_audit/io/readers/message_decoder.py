@@ -8,9 +8,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from friction_audit.io.readers.message_kinds import UndecodableError
 from friction_audit.io.readers.message_layout import Layout, LayoutError, find_layout
-from friction_audit.io.readers.message_stream import Connection
+from friction_audit.io.readers.message_stream import Connection, UndecodableError
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict

@@ -11,15 +11,12 @@ from typing import Any
 import numpy as np
 
 from friction_audit.io.readers.joint_names import numbered_joints
+from friction_audit.io.readers.message_stream import UndecodableError
 from friction_audit.joint_log import Float
 
 LATEST_TIME_NS = 2**63 - 1
 # Spellings of seconds and nanoseconds: ROS 2, foxglove JSON, ROS 1, protobuf.
 _STAMP_FIELDS = (("sec", "nanosec"), ("sec", "nsec"), ("secs", "nsecs"), ("seconds", "nanos"))
-
-
-class UndecodableError(Exception):
-    """One payload does not fit its definition."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

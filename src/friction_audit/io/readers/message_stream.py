@@ -1,7 +1,8 @@
-"""Messages as containers hand them over: decompressed, in blocks, with their clocks."""
+"""Messages as containers hand them over: decompressed, in blocks."""
 
 import re
 from abc import abstractmethod
+from bz2 import BZ2Decompressor
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
@@ -14,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.joint_log import Finding, Float
 
 # Joint states that are all zero are packed 36 times (7 joints, zstd) to 1 000 times (1 000 joints), bombs 25 000 times.
 MOST_TIMES_PACKED = 4000
@@ -27,6 +27,10 @@ class UnpackError(Exception):
     """The data cannot be decompressed, or are not of the size that they claim."""
 
 
+class UndecodableError(Exception):
+    """One payload does not fit its definition."""
+
+
 def bound_of(packed_bytes: int) -> int:
     """Return how large data can be at most that were packed into so many bytes."""
     return max(_SMALLEST_BOUND, MOST_TIMES_PACKED * packed_bytes)
@@ -35,14 +39,7 @@ def bound_of(packed_bytes: int) -> int:
 def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:
     """Decompress data whose header claims a size, without making more than that.
 
-    Args:
-        compression: ``"zstd"``, ``"lz4"``, ``"bz2"``, or ``"none"`` or ``""``.
-        packed: The compressed data.
-        claimed: Their size when decompressed. [byte]
-        cut: Return what there is of data whose end is missing.
-
-    Raises:
-        UnpackError: If they are broken, or of another size.
+    Of ``cut`` data, whose end is missing, what there is. UnpackError if they are broken, or of another size.
     """
     if compression in ("none", ""):
         return packed
@@ -63,15 +60,13 @@ def _decompress(compression: str, packed: bytes, limit: int) -> bytes:
     """Decompress as far as it goes, up to one byte more than the limit."""
     if compression == "zstd":
         return _zstd(packed, limit)
+    if compression == "bz2":
+        return BZ2Decompressor().decompress(packed, max_length=limit + 1)
     if compression == "lz4":
         from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 
         data: bytes = LZ4FrameDecompressor().decompress(packed, max_length=limit + 1)
         return data
-    if compression == "bz2":
-        from bz2 import BZ2Decompressor
-
-        return BZ2Decompressor().decompress(packed, max_length=limit + 1)
     raise ValueError(f"unknown compression {compression!r}")
 
 
@@ -187,7 +182,6 @@ class MessageStream(AbstractContextManager["MessageStream"]):
 
     def __exit__(self, *_: object) -> None:
         """Keep nothing: files are open only while they are read."""
-        return None  # noqa: RET501
 
     @property
     def damage(self) -> tuple[Damage, ...]:
@@ -274,99 +268,3 @@ def open_log(path: Path) -> Iterator[BinaryIO]:
             yield file
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; check the path and its permissions") from error
-
-
-_NANOSECONDS = 1e9
-_FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
-_DISAGREEMENT_SD_S = 5e-3
-_DISAGREEMENT_STEPS = 2.0
-_DISAGREEMENT_DRIFT = 2e-4
-_ROBOT_TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
-_UNIT_TOLERANCE = 0.2
-_TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header stamp", "log_time": "the log time"}
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class MessageClock:
-    """The clock chosen."""
-
-    name: str
-    t: Float  # time from its smallest value [s]
-    origin_s: float  # its reading at t = 0 [s]
-    start_s: float | None  # that, if it is Unix time [s]
-    findings: tuple[Finding, ...]
-    first: Any  # its smallest value, in its own unit
-    per_second: float  # of the robot's own time, as it is written
-
-    def time_of(self, log_time: Int, stamp: Int | None, robot_time: Float | None) -> Float:
-        """Return t of other messages."""
-        if self.name == "robot_time":
-            return np.asarray(np.asarray(robot_time) / self.per_second - self.first)
-        raw = log_time if stamp is None or self.name == "log_time" else stamp
-        return np.asarray((raw - self.first) / _NANOSECONDS)
-
-
-def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> MessageClock:
-    """Choose the best clock that runs.
-
-    Args:
-        log_time: Time of recording, shape (n,) [ns]
-        stamp: Time stamp of the source, if there is one. [ns]
-        robot_time: The robot's own clock, if there is one. [s]
-    """
-    robot_time, findings = (None, []) if robot_time is None else _in_seconds(robot_time, log_time)
-    per_second = float(findings[0].amount or 1.0) if findings else 1.0
-    # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
-    offered = {
-        "robot_time": None if robot_time is None else robot_time - np.min(robot_time),
-        "header_stamp": None if stamp is None else (stamp - stamp.min()) / _NANOSECONDS,
-        "log_time": (log_time - log_time.min()) / _NANOSECONDS,
-    }
-    clocks = {name: t for name, t in offered.items() if t is not None}
-    # A single message cannot show that a clock runs.
-    running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
-    chosen = next(iter(running), "log_time")
-    for name in (name for name in clocks if name not in (*running, chosen)):
-        text = f"{_TITLES[name]} is the same (or not a number) in all messages; {_TITLES[chosen]} was used"
-        findings.append(Finding(code="clock_stopped", message=text))
-    if chosen != "log_time":
-        findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
-    # The robot's clock counts from its start, so the log time stands in for it.
-    source = stamp if chosen == "header_stamp" and stamp is not None else log_time
-    start_s = float(source.min()) / _NANOSECONDS
-    unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
-    first = {"robot_time": robot_time, "header_stamp": stamp, "log_time": log_time}[chosen]
-    assert first is not None
-    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first.min(), per_second)
-
-
-def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]:
-    """Recognise a robot's clock that counts in milli-, micro- or nanoseconds: by that factor faster than the log."""
-    logged_s = float(np.ptp(log_time)) / _NANOSECONDS
-    ratio = float(np.ptp(robot_time)) / logged_s if logged_s > 0.0 else 1.0
-    for factor, unit in _ROBOT_TIME_UNITS:
-        if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
-            text = (
-                f"the robot's own time counts in {unit}, by comparison with the log time; it was divided by {factor:g}"
-            )
-            return robot_time / factor, [Finding(code="robot_time_unit", message=text, amount=factor)]
-    return robot_time, []
-
-
-def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
-    """Compare the clock chosen with the log time: a drift, and what is left after it."""
-    if len(t) < 3 or not log_t.max() > 0.0:  # noqa: PLR2004
-        return []
-    difference = log_t - t
-    centred = t - t.mean()
-    drift = float(centred @ difference / (centred @ centred))
-    sd_s = float(np.std(difference - drift * centred))
-    limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
-    findings = []
-    if sd_s > limit_s:
-        text = f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"
-        findings.append(Finding(code="clock_disagreement", amount=sd_s, message=f"{text}; {chosen} was used"))
-    if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
-        text = f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"
-        findings.append(Finding(code="clock_disagreement", amount=drift, message=f"{text}; {chosen} was used"))
-    return findings

@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
@@ -18,16 +18,15 @@ from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import robot_of
 from friction_audit.io.readers.message_decoder import DefinitionError, MessageDecoder, decoder_for, needs_message
-from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, match_kind, row_of
-from friction_audit.io.readers.message_samples import JointDecoder, JointSamples
+from friction_audit.io.readers.message_kinds import MessageKind, Row, match_kind, row_of
+from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
 from friction_audit.io.readers.message_stream import (
     Block,
     Connection,
-    MessageClock,
     MessageStream,
+    UndecodableError,
     Window,
     block_of_payloads,
-    choose_clock,
 )
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.topics import Candidate, choose_topic
@@ -44,15 +43,11 @@ _MOST_CLOCKS = 1 << 22  # messages whose clocks are compared where a log is read
 _BLOCK_ROWS = 1 << 16
 
 Open = Callable[[Path], AbstractContextManager[MessageStream]]
+_Readable = tuple[Connection, MessageDecoder, MessageKind, Block]  # with its first messages
 
 
 def read_messages(open_stream: Open, path: Path, options: ReadOptions) -> Recording:
-    """Read the joint states in a file.
-
-    Raises:
-        InputError: If there is no joint state to read.
-        SeveralLogsError: If the log holds several arms and the user named none.
-    """
+    """Read the joint states in a file; InputError, or SeveralLogsError if it holds several arms and none was named."""
     with open_stream(path) as stream:
         recording = _read(path, stream, options)
         return replace(recording, serial=serial_in(stream.notes))
@@ -70,11 +65,15 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     decoder = JointDecoder(joints, chosen.channels, chosen.kind, chosen.decoders)
     row_bytes = np.float64().itemsize * (len(chosen.channels) * len(joints) + _CLOCKS)
     expected = min(chosen.messages or 0, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
-    size, missing, blocks = expected * row_bytes, list[Finding](), None
+    size, missing, blocks, skipped = expected * row_bytes, list[Finding](), None, 0
     part = _read_part(path, stream, decoder, chosen, options) if options.reads_part(size) else None
     if part is None:
         in_blocks = options.in_blocks and stream.is_lasting and size > IN_BLOCKS_BYTES
-        samples, skipped = _samples(path, chosen, len(joints), expected, size, in_blocks=in_blocks), 0
+        if in_blocks:  # the clocks alone
+            samples = JointSamples(len(joints), (), expected, every=-(-expected // _MOST_CLOCKS))
+        else:
+            refuse_too_large(path, size, size)
+            samples = JointSamples(len(joints), chosen.channels, expected)
         decoder.undecodable = decoder.incomplete = 0
         missing = _missing(stream, chosen, _collect(stream, decoder, chosen, samples))
     else:
@@ -112,14 +111,6 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     )
 
 
-def _samples(path: Path, chosen: Candidate, joints: int, expected: int, size: int, *, in_blocks: bool) -> JointSamples:
-    """Make room for the samples of a topic, or for its clocks alone where it is read in blocks."""
-    if in_blocks:
-        return JointSamples(joints, (), expected, every=-(-expected // _MOST_CLOCKS))
-    refuse_too_large(path, size, size)
-    return JointSamples(joints, chosen.channels, expected)
-
-
 def _blocks(
     stream: MessageStream,
     chosen: Candidate,
@@ -135,15 +126,13 @@ def _blocks(
         return
     decoder = JointDecoder(joints, wanted, chosen.kind, chosen.decoders)
     samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
-    for block in stream.blocks(list(chosen.decoders)):
-        samples.add(decoder.decode(block))
-        if samples.count >= _BLOCK_ROWS:
+    for block in chain(stream.blocks(list(chosen.decoders)), [None]):  # None at the end
+        if block is not None:
+            samples.add(decoder.decode(block))
+        if samples.count >= (1 if block is None else _BLOCK_ROWS):
             samples.resize(samples.count)
             yield clock.time_of(*samples.times), samples.channels
             samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
-    if samples.count:
-        samples.resize(samples.count)
-        yield clock.time_of(*samples.times), samples.channels
 
 
 def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:
@@ -167,7 +156,7 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
     wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
     # actual.velocities[{i}] names the array actual.velocities
     stated = {c: _UNIT.sub("", text).replace("[{i}]", "").replace(".{i}", "") for c, text in options.mapping.items()}
-    found: dict[str, list[tuple[Connection, MessageDecoder, MessageKind, Block]]] = {}
+    found: dict[str, list[_Readable]] = {}
     refusals: list[InputError] = []
     for connection in stream.connections:
         if connection.messages == 0:
@@ -183,28 +172,25 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
             found.setdefault(connection.topic, []).append((connection, decoder, kind, first))
     if refusals and (wanted is not None or not found):
         raise refusals[0]
-    candidates = []
-    for topic, group in found.items():
-        kind = group[0][2]
-        same = [one for one in group if one[2] == kind]  # connections of one topic, of the kind of the first one
-        rows = [row for _, decoder, _, block in same for row in _first_rows(block, decoder, kind)]
-        joints = max((len(row.names) for row in rows), default=0)
-        if joints > MOST_JOINTS and wanted in (None, topic.strip("/")):
-            raise InputError(
-                f"{path}: a message on topic {topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
-                "choose another topic with --topic"
-            )
-        candidates.append(
-            Candidate(
-                topic=topic,
-                type=group[0][0].type,
-                messages=_sum(connection.messages for connection, *_ in same),
-                kind=kind,
-                decoders={connection.key: decoder for connection, decoder, *_ in same},
-                rows=rows,
-            )
+    return [
+        _candidate(path, topic, group, is_wanted=wanted in (None, topic.strip("/"))) for topic, group in found.items()
+    ]
+
+
+def _candidate(path: Path, topic: str, group: Sequence[_Readable], *, is_wanted: bool) -> Candidate:
+    """Decode the first messages of a topic's connections of the kind of the first one."""
+    first, _, kind, _ = group[0]
+    same = [one for one in group if one[2] == kind]
+    rows = [row for _, decoder, _, block in same for row in _first_rows(block, decoder, kind)]
+    joints = max((len(row.names) for row in rows), default=0)
+    if joints > MOST_JOINTS and is_wanted:
+        raise InputError(
+            f"{path}: a message on topic {topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
+            "choose another topic with --topic"
         )
-    return candidates
+    decoders = {connection.key: decoder for connection, decoder, *_ in same}
+    messages = _sum(connection.messages for connection, *_ in same)
+    return Candidate(topic=topic, type=first.type, messages=messages, kind=kind, decoders=decoders, rows=rows)
 
 
 def _decoder(
@@ -290,8 +276,7 @@ def _read_part(
 ) -> tuple[JointSamples, int] | None:
     """Decode the first messages, from which time counts, and those of the part asked for, found by log time.
 
-    Returns the samples, and how many of the first ones are no more than the origin; None if the log time does not
-    follow the clock chosen.
+    Returns also how many are the first ones; None if the log time does not follow the clock chosen.
     """
     samples = JointSamples(len(decoder.joints), chosen.channels, 0)
     for connection in stream.connections:

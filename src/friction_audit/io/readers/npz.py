@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
-from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.arrays import ArrayTable, topics_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.table import Part, part_in_blocks, read_table
@@ -219,8 +219,4 @@ def recognises(path: Path) -> bool:
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the arrays of an archive."""
     with _opened(path) as archive:
-        entries, _ = _entries(archive, path)
-    return tuple(
-        Topic(name=name, type=f"array {entry.shape} {entry.dtype}", messages=entry.shape[0], readable=True)
-        for name, entry in entries.items()
-    )
+        return topics_of(_entries(archive, path)[0])

@@ -1,6 +1,7 @@
 """Read a log of any format: the list of readers, the checks, and the hash of the content.
 
-A format is added by writing one file with ``recognises``, ``read`` and ``topics``, and its line in READERS.
+A format is added by writing one file with ``read`` and ``topics``, and its line in READERS, with what its files begin
+with; without that, the file has ``recognises``.
 """
 
 from collections.abc import Sequence
@@ -39,14 +40,14 @@ from friction_audit.log_in_blocks import LogInBlocks
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
-    Reader("parquet", (".parquet", ".pq")),
+    Reader("parquet", (".parquet", ".pq"), b"PAR1"),
     Reader("npz", (".npz",)),
-    Reader("npy", (".npy",)),
-    Reader("mat", (".mat",)),
+    Reader("npy", (".npy",), b"\x93NUMPY", "arrays"),
+    Reader("mat", (".mat",), b"MATLAB "),
     Reader("lerobot", ()),
-    Reader("rosbag1", (".bag",)),
+    Reader("rosbag1", (".bag",), b"#ROSBAG V"),
     Reader("rosbag2", (".db3", ".zstd", ".zst")),
-    Reader("mcap", (".mcap",)),
+    Reader("mcap", (".mcap",), b"\x89MCAP0\r\n"),
     Reader("csv", (".csv", ".tsv", ".txt", ".dat", ".csv.gz", ".csv.zst")),
 )
 _DEFAULT = ReadOptions()
@@ -200,11 +201,7 @@ def _source(recording: Recording, first: float, *, path: str, sha256: str, forma
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
-    """Return the name of a file's format, and the topics or tables in it.
-
-    Raises:
-        InputError: If it is of no known format.
-    """
+    """Return the name of a file's format, and the topics or tables in it."""
     file = Path(path)
     _stamp(file)
     reader = choose_reader(file)
@@ -215,11 +212,7 @@ def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
 
 
 def choose_reader(path: Path) -> Reader:
-    """Return the reader that recognises a file by its content, else the one of its suffix.
-
-    Raises:
-        InputError: If there is none.
-    """
+    """Return the reader that recognises a file by its content, else the one of its suffix."""
     by_suffix = [reader for reader in READERS if reader.is_named(path)]
     for reader in (*by_suffix, *READERS):
         if reader.recognises(path):

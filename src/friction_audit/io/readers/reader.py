@@ -32,12 +32,7 @@ class TooLargeError(InputError):
 
 
 def refuse_too_large(path: Path, needed: int, packed: int) -> None:
-    """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later.
-
-    Raises:
-        TooLargeError: If they are larger than the memory.
-        InputError: If no recording can be packed so tightly.
-    """
+    """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later."""
     refuse_bomb(path, needed, packed)
     try:
         memory = min(address_limit(), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
@@ -51,11 +46,7 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
 
 
 def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
-    """Refuse more content than a recording can be packed to, both in bytes.
-
-    Raises:
-        InputError: If there is more.
-    """
+    """Refuse more content than a recording can be packed to, both in bytes."""
     if unpacked > max(_BOMB_BYTES, _BOMB_RATIO * packed):
         raise InputError(
             f"{path}: {unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that "
@@ -64,11 +55,7 @@ def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
 
 
 def refuse_lfs_pointer(path: Path) -> None:
-    """Refuse a file that stands for one that Git has not fetched.
-
-    Raises:
-        InputError: If it is one.
-    """
+    """Refuse a file that stands for one that Git has not fetched."""
     if starts_with(path, _GIT_LFS):
         raise InputError(
             f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
@@ -86,15 +73,11 @@ def address_limit() -> float:
 
 
 class SeveralLogsError(UsageError):
-    """A log holds several arms, or a data set several episodes, and the user named none.
-
-    Attributes:
-        topics: What ``--topic`` may say, once for each.
-    """
+    """A log holds several arms, or a data set several episodes, and the user named none."""
 
     def __init__(self, message: str, topics: Sequence[str]) -> None:
         super().__init__(message, tuple(topics))
-        self.topics = tuple(topics)
+        self.topics = tuple(topics)  # what --topic may say, once for each
 
     def __str__(self) -> str:
         """Return the message."""
@@ -219,8 +202,10 @@ class Topic:
 class Reader:
     """A container format; its module is loaded when a file may be of it."""
 
-    name: str  # of the module, shown to people and stored in results
+    name: str  # shown to people and stored in results
     suffixes: tuple[str, ...]  # file name endings, lower case, with the dot
+    magic: bytes = b""  # what each file begins with; without it the module says what is of this format
+    module: str = ""  # if it is not called as the format is
 
     def is_named(self, path: Path) -> bool:
         """Return True if the file's name ends as this format does."""
@@ -228,7 +213,7 @@ class Reader:
 
     def recognises(self, path: Path) -> bool:
         """Return True if this file (or directory) is of this format, from its content; never raises."""
-        return bool(self._module.recognises(path))
+        return starts_with(path, self.magic) if self.magic else bool(self._module.recognises(path))
 
     def read(self, path: Path, options: ReadOptions) -> Recording:
         """Read it."""
@@ -242,4 +227,4 @@ class Reader:
 
     @property
     def _module(self) -> ModuleType:
-        return import_module(f"{__package__}.{self.name}")
+        return import_module(f"{__package__}.{self.module or self.name}")

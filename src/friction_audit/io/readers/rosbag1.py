@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.files import starts_with
 from friction_audit.io.readers.message_stream import (
     Block,
     BlockCollector,
@@ -239,11 +238,6 @@ def _heads_like(head: bytes) -> Heads:
 def _in_ns(clock: NDArray[np.uint8]) -> NDArray[np.int64]:
     sec, nsec = clock.view("<u4").T
     return sec.astype(np.int64) * _NANOSECONDS + nsec
-
-
-def recognises(path: Path) -> bool:
-    """Return True if the file begins as a ROS 1 bag does."""
-    return starts_with(path, b"#ROSBAG V")
 
 
 read, topics = partial(read_messages, Rosbag1Stream), partial(topics_of, Rosbag1Stream)
