@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from friction_audit.io.writers.ros_messages import (
     MessageType,
     encode,
     load_types,
+    ros_writer,
 )
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
 from friction_audit.joint_log import JointLog
@@ -189,26 +189,20 @@ def _write_foxglove(
 
 
 MCAP_DIALECTS = (
-    *(
-        Writer(
-            name=name,
-            suffix=".mcap",
-            write=partial(_write_ros, message),
-            summary=summary,
-            holds=message.holds,
-            joints=message.joints,
-        )
-        for name, message, summary in (
-            ("mcap", JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
-            ("mcap-franka-robot-state", FRANKA_ROBOT_STATE,
-             "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)"),
-            ("mcap-franka-robot-state-flat", FRANKA_ROBOT_STATE_FLAT,
-             "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)"),
-            ("mcap-franka-state", FRANKA_STATE,
-             "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)"),
-            ("mcap-ros1", JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
-        )
+    ros_writer("mcap", ".mcap", _write_ros, JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
+    ros_writer(
+        "mcap-franka-robot-state", ".mcap", _write_ros, FRANKA_ROBOT_STATE,
+        "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)",
     ),
+    ros_writer(
+        "mcap-franka-robot-state-flat", ".mcap", _write_ros, FRANKA_ROBOT_STATE_FLAT,
+        "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)",
+    ),
+    ros_writer(
+        "mcap-franka-state", ".mcap", _write_ros, FRANKA_STATE,
+        "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)",
+    ),
+    ros_writer("mcap-ros1", ".mcap", _write_ros, JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
     Writer(name="mcap-json", suffix=".mcap", write=_write_json, summary="MCAP of foxglove.JointStates as JSON",
            holds=_HOLDS),
     Writer(name="mcap-protobuf", suffix=".mcap", write=_write_protobuf,

@@ -2,7 +2,7 @@
 
 import shutil
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -38,11 +38,6 @@ class MessageType:
     robot_time: str | None = None  # path of the robot's own clock, or None
     joints: int | None = None  # number of joints that it holds, or None for any
     definitions: Mapping[str, str]  # type -> file of its definition, for types that ROS does not come with
-
-    @property
-    def holds(self) -> tuple[str, ...]:
-        """Channels that it has a place for."""
-        return tuple(self.fields.values())
 
     @property
     def encoding(self) -> str:
@@ -232,26 +227,36 @@ def _write_humble_db3(message: MessageType, log: JointLog, path: Path) -> None:
     shutil.rmtree(folder)
 
 
-BAGS = tuple(
-    Writer(
-        name=name,
-        suffix=suffix,
-        write=partial(write, message),
-        summary=summary,
-        holds=message.holds,
-        joints=message.joints,
-    )
-    for name, suffix, write, message, summary in (
-        ("rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
-        ("rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
-         "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4"),
-        ("rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE,
-         "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage"),
-        ("rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE,
-         "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage"),
-        ("rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE,
-         "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records"),
-        ("rosbag2-db3-franka-state", ".db3", _write_humble_db3, FRANKA_STATE,
-         "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions"),
-    )
+def ros_writer(
+    name: str, suffix: str, write: Callable[[MessageType, JointLog, Path], None], message: MessageType, summary: str
+) -> Writer:
+    """Return what writes a log as messages of one type."""
+    own, holds = partial(write, message), tuple(message.fields.values())
+    return Writer(name=name, suffix=suffix, write=own, summary=summary, holds=holds, joints=message.joints)
+
+
+BAGS = (
+    ros_writer(
+        "rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"
+    ),
+    ros_writer(
+        "rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
+        "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4",
+    ),
+    ros_writer(
+        "rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE,
+        "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage",
+    ),
+    ros_writer(
+        "rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE,
+        "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage",
+    ),
+    ros_writer(
+        "rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE,
+        "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records",
+    ),
+    ros_writer(
+        "rosbag2-db3-franka-state", ".db3", _write_humble_db3, FRANKA_STATE,
+        "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions",
+    ),
 )  # fmt: skip
