@@ -60,12 +60,6 @@ def storage_of(path: Path) -> Path:
     return next(file for file in path.iterdir() if file.suffix in (".db3", ".mcap")) if path.is_dir() else path
 
 
-def empty(path: Path) -> Path:
-    """Leave nothing in a file, as a full disk does."""
-    storage_of(path).write_bytes(b"")
-    return path
-
-
 def cut(path: Path, share: float = 0.6) -> Path:
     """Leave the beginning of a file, as a broken copy does."""
     storage = storage_of(path)
@@ -80,31 +74,16 @@ def replace_content(path: Path, content: bytes) -> Path:
     return path
 
 
-def grow(path: Path) -> None:
-    """Add to a file, as a recorder that still runs does."""
-    with storage_of(path).open("ab") as stream:
-        stream.write(b"\n")
-
-
-def with_other_suffix(path: Path, suffix: str) -> Path:
-    """Rename a log so that its name lies about the content."""
-    return path.rename(path.with_suffix(suffix))
-
-
 def _not_finite(log: JointLog, value: float) -> JointLog:
     spoiled = np.array(log.tau_J)
     spoiled[100:110, 1] = value
     return with_arrays(log, tau_J=spoiled)
 
 
-def _never_finite(log: JointLog) -> JointLog:
-    return with_arrays(log, tau_J=np.full_like(log.q, np.nan))
-
-
 SPOILED: Mapping[str, Callable[[], JointLog]] = {
     "nan": lambda: _not_finite(swinging_log(), np.nan),
     "infinity": lambda: _not_finite(swinging_log(), np.inf),
-    "only nan": lambda: _never_finite(swinging_log()),
+    "only nan": lambda: with_arrays(swinging_log(), tau_J=np.full((SAMPLES, 2), np.nan)),
     "zero samples": lambda: swinging_log(0),
     "one sample": lambda: swinging_log(1),
     "constant time": lambda: with_arrays(swinging_log(), t=np.zeros(SAMPLES)),

@@ -8,8 +8,7 @@ import pandas as pd
 import pytest
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers import ReadOptions, read_log
-from tests.io.synthetic_recordings import motion
+from tests.io.synthetic_recordings import motion, read_text
 
 SAMPLES = 300
 
@@ -20,23 +19,16 @@ def long_frame(joints: int = 3, **names: str) -> pd.DataFrame:
     return pd.DataFrame(table | {names.get(c, c): arrays[c].reshape(-1) for c in ("q", "dq", "tau_J")})
 
 
-def written(path: Path, frame: pd.DataFrame) -> Path:
-    frame.to_csv(path, index=False)
-    return path
-
-
 @pytest.mark.parametrize("mapping", [{"tau_J": "effort"}, {"tau_J": "#5"}, {"t": "time:s", "tau_J": "effort"}])
 def test_a_mapping_names_single_columns(tmp_path: Path, mapping: dict[str, str]) -> None:
-    log = read_log(written(tmp_path / "run.csv", long_frame(tau_J="effort")), ReadOptions(mapping=mapping))
+    log = read_text(tmp_path, long_frame(tau_J="effort"), mapping=mapping)
     np.testing.assert_array_equal(log.tau_J, motion(SAMPLES)["tau_J"])
     assert log.source.channels["tau_J"] == "effort"
 
 
 def test_a_mapping_wins_over_the_guess(tmp_path: Path) -> None:
     frame = long_frame(dq="speed", tau_J="effort")
-    log = read_log(
-        written(tmp_path / "run.csv", frame), ReadOptions(mapping={"dq": "speed", "tau_interaction": "effort"})
-    )
+    log = read_text(tmp_path, frame, mapping={"dq": "speed", "tau_interaction": "effort"})
     np.testing.assert_array_equal(log.dq, motion(SAMPLES)["dq"])
     np.testing.assert_array_equal(log.tau_interaction, motion(SAMPLES)["tau_J"])
     assert log.tau_J is None
@@ -44,14 +36,14 @@ def test_a_mapping_wins_over_the_guess(tmp_path: Path) -> None:
 
 def test_a_mapped_column_that_a_long_table_lacks(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"no column for --map tau_J=efort \(did you mean effort"):
-        read_log(written(tmp_path / "run.csv", long_frame(tau_J="effort")), ReadOptions(mapping={"tau_J": "efort"}))
+        read_text(tmp_path, long_frame(tau_J="effort"), mapping={"tau_J": "efort"})
 
 
 @pytest.mark.parametrize(("name", "stated"), [("q_deg", "q_deg"), ("angle", "angle:deg"), ("q_deg", "q_deg:deg")])
 def test_degrees_of_a_mapped_column(tmp_path: Path, name: str, stated: str) -> None:
     frame = long_frame(q=name)
     frame[name] = np.degrees(frame[name])
-    log = read_log(written(tmp_path / "run.csv", frame), ReadOptions(mapping={"q": stated}))
+    log = read_text(tmp_path, frame, mapping={"q": stated})
     np.testing.assert_allclose(log.q, motion(SAMPLES)["q"], atol=1e-12)
     assert log.source.findings == ()
 
@@ -61,7 +53,7 @@ def test_numbers_of_joints_are_sorted_as_numbers(tmp_path: Path, label: str) -> 
     frame = long_frame(12)
     frame["joint"] = frame["joint"].map(label.format)
     shuffled = frame.sample(frac=1.0, random_state=1).sort_values("time", kind="stable")
-    log = read_log(written(tmp_path / "run.csv", shuffled))
+    log = read_text(tmp_path, shuffled)
     np.testing.assert_array_equal(log.q, motion(SAMPLES, 12)["q"])
     assert log.joint_names[10:] == (("J11", "J12") if label == "J{}" else ("joint11", "joint12"))
 
@@ -71,15 +63,15 @@ def test_melted_tables_are_refused_with_the_way_out(tmp_path: Path) -> None:
     with pytest.raises(
         InputError, match=r"one row per number .*table\.pivot\(index=\['time', 'joint'\], columns='signal'"
     ):
-        read_log(written(tmp_path / "run.csv", melted))
+        read_text(tmp_path, melted)
     pivoted = melted.pivot(index=["time", "joint"], columns="signal", values="value").reset_index()  # noqa: PD010 - as the message says
-    np.testing.assert_array_equal(read_log(written(tmp_path / "pivoted.csv", pivoted)).q, motion(SAMPLES)["q"])
+    np.testing.assert_array_equal(read_text(tmp_path, pivoted).q, motion(SAMPLES)["q"])
 
 
 def test_shuffled_rows_are_told_in_the_right_unit(tmp_path: Path) -> None:
     frame = long_frame(1).drop(columns="joint").sample(frac=1.0, random_state=1)
     with pytest.raises(InputError, match=r"time \(time \[s\]\) goes back at"):
-        read_log(written(tmp_path / "run.csv", frame))
+        read_text(tmp_path, frame)
 
 
 @pytest.mark.parametrize("name", ["torque", "tau", "effort", "torque_1"])
@@ -88,18 +80,18 @@ def test_a_torque_of_the_only_joint_may_be_either(tmp_path: Path, name: str, *, 
     if is_long and name == "torque_1":
         pytest.skip("a long table has no numbers in its columns' names")
     frame = long_frame(1, tau_J=name)
-    path = written(tmp_path / "run.csv", frame if is_long else frame.drop(columns="joint"))
-    findings = read_log(path).source.findings
+    frame = frame if is_long else frame.drop(columns="joint")
+    findings = read_text(tmp_path, frame).source.findings
     assert [finding.code for finding in findings] == ["torque_ambiguous"]
     assert f"--map tau_interaction={name}" in findings[0].message
-    log = read_log(path, ReadOptions(mapping={"tau_interaction": name}))
+    log = read_text(tmp_path, frame, mapping={"tau_interaction": name})
     assert (log.tau_J, log.source.findings) == (None, ())
-    assert read_log(path, ReadOptions(mapping={"tau_J": name})).source.findings == ()
+    assert read_text(tmp_path, frame, mapping={"tau_J": name}).source.findings == ()
 
 
 def test_a_clear_torque_is_not_doubted(tmp_path: Path) -> None:
     one = long_frame(1).drop(columns="joint")
-    assert read_log(written(tmp_path / "clear.csv", one)).source.findings == ()
+    assert read_text(tmp_path, one).source.findings == ()
     gravity = one.rename(columns={"tau_J": "torque"}).assign(gravity=0.0)
-    assert read_log(written(tmp_path / "gravity.csv", gravity)).source.findings == ()
-    assert read_log(written(tmp_path / "three.csv", long_frame(3, tau_J="torque"))).source.findings == ()
+    assert read_text(tmp_path, gravity).source.findings == ()
+    assert read_text(tmp_path, long_frame(3, tau_J="torque")).source.findings == ()

@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.readers import rosbag1
-from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.readers.rosbag1 import Rosbag1Stream
 from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
@@ -18,6 +16,7 @@ from tests.io.bag_writing import (
     header,
     joint_state,
     joint_states,
+    read,
     ros1_store,
     samples,
     stamp_ns,
@@ -39,10 +38,6 @@ bool[3] errors
 """
 
 
-def read(path: Path, **options: Any) -> Recording:
-    return rosbag1.read(path, ReadOptions(**options))
-
-
 def codes(recording: Recording) -> set[str]:
     return {finding.code for finding in recording.findings}
 
@@ -62,9 +57,16 @@ def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
 def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
     store = ros1_store((FRANKA_STATE, FRANKA_DEFINITION))
     values = samples(90)
+    topic = "/franka_state_controller/joint_states"
+    own = read(
+        write_rosbag1(
+            tmp_path / "own.bag", STORE, [joint_states(STORE, values), joint_states(STORE, values, topic, every=2)]
+        )
+    )
+    assert (own.topic, codes(own)) == (topic, {"topic_chosen"})
     streams = [
         joint_states(store, values, every=30),
-        joint_states(store, values, "/franka_state_controller/joint_states", every=10),
+        joint_states(store, values, topic, every=10),
         joint_states(store, values, "/franka_state_controller/joint_states_desired", every=10),
         franka_messages(store, FRANKA_STATE, values),
     ]
@@ -78,17 +80,6 @@ def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.t, np.arange(90) * 1e-3, atol=1e-12)
     (chosen,) = [finding for finding in recording.findings if finding.code == "topic_chosen"]
     assert "/joint_states (sensor_msgs/msg/JointState, 3 messages)" in chosen.message
-
-
-def test_first_hand_joint_states_before_the_republished_ones(tmp_path: Path) -> None:
-    values = samples(60)
-    streams = [
-        joint_states(STORE, values),
-        joint_states(STORE, values, "/franka_state_controller/joint_states", every=2),
-    ]
-    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, streams))
-    assert recording.topic == "/franka_state_controller/joint_states"
-    assert "topic_chosen" in codes(recording)
 
 
 def test_two_arms_in_one_message(tmp_path: Path) -> None:
