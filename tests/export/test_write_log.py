@@ -1,5 +1,3 @@
-import subprocess
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -66,18 +64,9 @@ def test_start_of_the_recording_is_kept(name: str, tmp_path: Path) -> None:
     assert_allclose(start_s, 1_700_000_000.25, rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("name", "dialect"),
-    [
-        ("a.parquet", "parquet"),
-        ("a.csv", "csv"),
-        ("a.NPZ", "npz"),
-        ("a.mcap", "mcap"),
-        ("a.bag", "rosbag1-joint-state"),
-    ],
-)
-def test_ending_chooses_the_writer(name: str, dialect: str) -> None:
-    assert choose_writer(Path(name)).name == dialect
+def test_ending_chooses_the_writer() -> None:
+    chosen = {name: choose_writer(Path(f"a.{name}")).name for name in ("parquet", "csv", "NPZ", "mcap", "bag")}
+    assert chosen == {name: name.lower() for name in chosen} | {"bag": "rosbag1-joint-state"}
 
 
 @pytest.mark.parametrize(
@@ -135,9 +124,3 @@ def test_any_number_survives(name: str, number: float, tmp_path_factory: pytest.
     path = tmp_path_factory.mktemp("log") / f"log{next(w.suffix for w in WRITERS if w.name == name)}"
     write_log(replace(log, tau_J=torque), path, dialect=name)
     assert_array_equal(read_log(path).channels()["tau_J"], torque)
-
-
-def test_writers_are_listed_without_their_libraries() -> None:
-    heavy = ("pandas", "pyarrow", "rosbags", "mcap", "google.protobuf", "scipy")
-    code = f"import sys, friction_audit.io.writers; print([name for name in {heavy} if name in sys.modules])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"

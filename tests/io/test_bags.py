@@ -139,6 +139,30 @@ def test_no_messages(tmp_path: Path, write: Write) -> None:
         read(write(tmp_path, []))
 
 
+@pytest.mark.parametrize("share", [0.3, 0.75, 0.98])
+@pytest.mark.parametrize(
+    "write",
+    [
+        *(partial(bag1, compression=compression) for compression in (None, "LZ4")),
+        *(partial(mcap, **options) for options in ({}, {"use_chunking": False}, {"compression": CompressionType.NONE})),
+    ],
+)
+def test_what_breaks_off_is_read_up_to_there(tmp_path: Path, write: Write, share: float) -> None:
+    values = samples(9000)
+    path = write(tmp_path, [joint_states(store_of(write), values)])
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    recording = read(path)
+    saved = len(recording.t)
+    assert max(1000, (share - 0.25) * 9000) < saved <= 9000
+    assert_read(recording, {name: array[:saved] for name, array in values.items()})
+    (finding,) = recording.findings
+    assert (finding.code, finding.damaged) == ("truncated", True)
+    assert f" of {int(share * len(whole))} " in finding.message
+    assert f"the {saved} messages outside the damage were read" in finding.message
+    assert (finding.amount or 0) <= share * len(whole)
+
+
 SQLITE, MCAP_MAGIC, BAG = b"SQLite format 3\x00", b"\x89MCAP0\r\n", b"#ROSBAG V2.0\n"
 
 

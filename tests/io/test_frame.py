@@ -79,14 +79,15 @@ def test_options_are_those_of_a_file(frame: pd.DataFrame) -> None:
 def test_missing_numbers_are_found(frame: pd.DataFrame) -> None:
     gap = frame.astype("Float64")
     gap.iloc[100:103, 1:] = pd.NA
-    found = friction_audit.log_from_frame(gap)
-    assert "non_finite" in {one.code for one in found.source.findings}
+    assert "non_finite" in {one.code for one in friction_audit.log_from_frame(gap).source.findings}
 
 
 @pytest.mark.parametrize("wrong", [3.0, "run.csv", np.zeros((3, 4)), [1, 2]])
 def test_what_is_no_frame_is_refused(wrong: object) -> None:
     with pytest.raises(UsageError, match="expected a pandas or polars DataFrame, or a dict of arrays by name"):
         friction_audit.log_from_frame(wrong)
+    with pytest.raises(UsageError, match="found a dict, expected a path; log_from_frame"):
+        friction_audit.read_log({})  # type: ignore[arg-type]
 
 
 def test_an_empty_frame_is_refused(frame: pd.DataFrame) -> None:
@@ -97,8 +98,3 @@ def test_an_empty_frame_is_refused(frame: pd.DataFrame) -> None:
     short = {str(name): frame[name].to_numpy()[: 500 if name == frame.columns[1] else 800] for name in frame}
     with pytest.raises(InputError, match=r"has shape \(500,\), .* has 800 samples; expected one row per sample"):
         friction_audit.log_from_frame(short)
-
-
-def test_a_frame_is_no_path() -> None:
-    with pytest.raises(UsageError, match="found a dict, expected a path; log_from_frame"):
-        friction_audit.read_log({})  # type: ignore[arg-type]

@@ -1,7 +1,6 @@
 """MCAP files: ROS 2, ROS 1, JSON and protobuf messages, whole and broken."""
 
 import math
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -77,25 +76,6 @@ def test_encoding_that_is_not_read(tmp_path: Path) -> None:
         read(path)
 
 
-@pytest.mark.parametrize("options", [{}, {"use_chunking": False}, {"compression": CompressionType.NONE}])
-@pytest.mark.parametrize("share", [0.3, 0.8, 0.995])
-def test_file_that_breaks_off_is_salvaged(tmp_path: Path, options: dict[str, Any], share: float) -> None:
-    values = samples(2000)
-    path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, values)], **options)
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(share * len(whole))])
-    recording = read(path)
-    saved = len(recording.t)
-    assert saved >= (share - 0.25) * 2000
-    assert_read(recording, {name: array[:saved] for name, array in values.items()})
-    (finding,) = recording.findings
-    assert (finding.code, finding.damaged) == ("truncated", True)
-    assert f"of {int(share * len(whole))} " in finding.message
-    assert f"the {saved} messages outside the damage were read" in finding.message
-    assert finding.amount is not None
-    assert finding.amount <= share * len(whole)
-
-
 def test_file_without_its_closing_magic_is_read_whole(tmp_path: Path) -> None:
     values = samples(100)
     path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, values)])
@@ -117,16 +97,6 @@ def test_chunk_with_a_flipped_bit_is_left_out(tmp_path: Path, compression: Compr
     kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
     assert 1000 < kept.sum() == len(recording.t) < 2000
     np.testing.assert_array_equal(recording.channels["tau_J"], values["tau_J"][kept])
-
-
-@pytest.mark.parametrize("step", [491, pytest.param(97, marks=pytest.mark.thorough)])
-def test_every_place_to_break_off_gives_a_log_or_a_message(step: int, tmp_path: Path) -> None:
-    path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, samples(60))], chunk_size=4096)
-    whole = path.read_bytes()
-    for size in range(0, len(whole), step):
-        path.write_bytes(whole[:size])
-        with suppress(InputError):
-            assert len(read(path).t) <= 60
 
 
 def test_broken_definition_matters_only_on_the_topic_asked_for(tmp_path: Path) -> None:

@@ -145,22 +145,6 @@ def test_effort_that_is_empty_is_no_channel(tmp_path: Path) -> None:
     assert "channel_empty" in codes(recording)
 
 
-@pytest.mark.parametrize("compression", [None, "LZ4"])
-@pytest.mark.parametrize("share", [0.3, 0.75, 0.98])
-def test_bag_that_breaks_off_is_salvaged(tmp_path: Path, compression: str | None, share: float) -> None:
-    values = samples(9000)
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)], compression)
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(share * len(whole))])
-    recording = read(path)
-    saved = len(recording.t)
-    assert 1000 < saved <= 9000
-    assert_read(recording, {name: array[:saved] for name, array in values.items()})
-    (finding,) = recording.findings
-    assert (finding.code, finding.damaged) == ("truncated", True)
-    assert f"the {saved} messages outside the damage were read" in finding.message
-
-
 def test_bag_that_was_never_closed_is_read_without_its_index(tmp_path: Path) -> None:
     values = samples(4000)
     path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)])

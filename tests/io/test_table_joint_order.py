@@ -12,7 +12,7 @@ import pytest
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import ReadOptions, read_log
-from tests.io.synthetic_recordings import motion
+from tests.io.synthetic_recordings import motion, read_text, tidy_frame
 
 SAMPLES = 300
 FIELDS = {"position": "q", "velocity": "dq", "effort": "tau_J"}
@@ -109,10 +109,8 @@ def test_the_user_chooses_among_several_arms(tmp_path: Path, write: Callable[...
 
 
 def test_an_arm_of_a_table_without_joint_names(tmp_path: Path) -> None:
-    table = {"time": motion(SAMPLES)["t"], **{f"{c}_1": motion(SAMPLES)[c][:, 0] for c in ("q", "dq", "tau_J")}}
-    pd.DataFrame(table).to_csv(tmp_path / "run.csv", index=False)
     with pytest.raises(InputError, match="no arm 'left' in this table; it has no joints by name; leave --topic out"):
-        read_log(tmp_path / "run.csv", ReadOptions(topic="#left"))
+        read_text(tmp_path, tidy_frame(SAMPLES, 1), topic="#left")
 
 
 @pytest.mark.parametrize("mapping", [{"tau_interaction": "field.effort{i}"}, {"q": "field.position{i}"}])
@@ -146,10 +144,8 @@ def test_joints_that_change_their_places_are_refused(tmp_path: Path, change: Seq
 
 
 def test_names_of_another_message_are_not_taken(tmp_path: Path) -> None:
-    arrays = motion(SAMPLES, 7)
-    table: dict[str, Any] = {"time": arrays["t"], "gripper.name": [list(SCRAMBLED)] * SAMPLES}
-    table |= {channel: arrays[channel].tolist() for channel in ("q", "dq", "tau_J")}
-    pq.write_table(pa.table(table), tmp_path / "run.parquet")
+    table = {name: array.tolist() for name, array in motion(SAMPLES, 7).items()}
+    pq.write_table(pa.table({**table, "gripper.name": [list(SCRAMBLED)] * SAMPLES}), tmp_path / "run.parquet")
     log = read_log(tmp_path / "run.parquet")
     assert log.joint_names[0] == "joint1"
-    np.testing.assert_array_equal(log.q, arrays["q"])
+    np.testing.assert_array_equal(log.q, table["q"])

@@ -28,13 +28,10 @@ class DefinitionError(Exception):
 
 
 class MessageDecoder(ABC):
-    """Decodes payloads of one connection.
+    """Decodes payloads of one connection."""
 
-    Attributes:
-        paths: Dotted paths of the fields that hold numbers, strings or time stamps, one level of nesting deep;
-            ``list[].field`` for the fields of a list's entries.
-    """
-
+    # Dotted paths of the fields that hold numbers, strings or time stamps, one level of nesting deep; list[].field for
+    # the fields of a list's entries.
     paths: tuple[str, ...]
 
     @abstractmethod
@@ -49,8 +46,7 @@ class MessageDecoder(ABC):
 def decoder_for(connection: Connection, payload: bytes | None = None) -> MessageDecoder | None:
     """Make the decoder of a connection; None if its type is not known, or cannot be known without a message.
 
-    Raises:
-        DefinitionError: If the definition in the file cannot be used.
+    DefinitionError if the definition in the file cannot be used.
     """
     if connection.encoding in ("cdr", "ros1"):
         types = _find_definition(connection, payload)

@@ -104,11 +104,7 @@ class Row:
 
 
 def row_of(message: object, kind: MessageKind) -> Row:
-    """Take the joint values out of a decoded message.
-
-    Raises:
-        UndecodableError: If a field holds something else than numbers.
-    """
+    """Take the joint values out of a decoded message; UndecodableError if a field holds no numbers."""
     try:
         if kind.elements:
             entries: list[object] = list(value_at(message, kind.elements) or ())  # type: ignore[call-overload]

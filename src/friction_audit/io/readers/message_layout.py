@@ -7,7 +7,7 @@ strings with a zero; ROS 1 does neither.
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,12 +32,11 @@ class LayoutError(Exception):
     """The payload does not fit its definition, or the definition has no constant layout."""
 
 
-@dataclass(frozen=True, slots=True)
-class Leaf:
-    """Numbers at a fixed place: offset from the start of the payload [byte], type of one number, how many."""
+class Leaf(NamedTuple):
+    """Numbers at a fixed place."""
 
-    offset: int
-    dtype: str
+    offset: int  # from the start of the payload [byte]
+    dtype: str  # of one number
     count: int
 
 
@@ -48,17 +47,13 @@ class Layout:
     size: int  # length of the payload [byte]
     numbers: Mapping[str, Leaf]  # dotted path of a field -> where its numbers lie
     strings: Mapping[str, tuple[str, ...]]  # dotted path of a string or of an array of strings -> its content
-    # offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header). Payloads
-    # of the same size that agree in these bytes have the same layout and the same strings
+    # Offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header): payloads
+    # of the same size that agree in these bytes have the same layout and the same strings.
     fixed: NDArray[np.intp]
 
 
 def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: str) -> Layout:
-    """Walk a message definition over one payload.
-
-    Raises:
-        LayoutError: If the definition and the payload do not fit, or the payload is big-endian.
-    """
+    """Walk a message definition over one payload; LayoutError if they do not fit, or the payload is big-endian."""
     if encoding == "cdr" and payload[:2] != _CDR_LITTLE_ENDIAN:
         raise LayoutError("not little-endian plain CDR")
     walk = _Walk(payload, types, is_cdr=encoding == "cdr")
@@ -144,11 +139,7 @@ class _Walk:
 
 
 class BlockDecoder:
-    """Decodes blocks whose messages are all laid out as the first one was.
-
-    Attributes:
-        layout: Layout of the first message.
-    """
+    """Decodes blocks whose messages are all laid out as the first one was."""
 
     def __init__(self, layout: Layout, payload: bytes, paths: tuple[str, ...]) -> None:
         """Keep the first message's deciding bytes and the fields wanted."""

@@ -31,17 +31,12 @@ class Piece:
 
 
 class JointSamples:
-    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order.
-
-    Attributes:
-        rows: Number of samples so far.
-        count: Number of those that are kept.
-    """
+    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order."""
 
     def __init__(self, joints: int, channels: Iterable[str], expected: int, *, every: int = 1) -> None:
         """Make room for the number of samples expected, which grows with the pieces; keep one of so many."""
         room = max(expected // every, _SMALLEST_CAPACITY)
-        self.rows = self.count = 0
+        self.rows = self.count = 0  # samples so far, and those of them that are kept
         self.channels = {name: np.empty((room, joints), order="F") for name in channels}
         self._times: dict[str, NDArray[Any]] = {name: np.empty(room, np.int64) for name in ("log_time", "stamp")}
         self._times["robot_time"] = np.empty(room)
@@ -81,13 +76,7 @@ class JointSamples:
 
 
 class JointDecoder:
-    """Decodes blocks of one topic to the values of some joints.
-
-    Attributes:
-        joints: Their names.
-        undecodable: Messages that do not fit their definition.
-        incomplete: Messages that lack some of the joints.
-    """
+    """Decodes blocks of one topic to the values of some joints."""
 
     def __init__(
         self,
@@ -96,7 +85,9 @@ class JointDecoder:
         kind: MessageKind,
         decoders: Mapping[int, MessageDecoder],
     ) -> None:
-        self.undecodable = self.incomplete = 0
+        self.undecodable = self.incomplete = (
+            0  # messages that do not fit their definition, that lack some of the joints
+        )
         self.joints, self._channels, self._kind, self._decoders = joints, channels, kind, decoders
         self._paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths]
         self._paths += [kind.robot_time] if kind.robot_time else []

@@ -153,32 +153,25 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """Where a file is broken: ``byte`` is the offset up to which it was sound, None where that is not known."""
+    """Where a file is broken."""
 
-    byte: int | None
+    byte: int | None  # offset up to which it was sound, None where that is not known
     file_bytes: int
     reason: str
 
 
 class MessageStream(AbstractContextManager["MessageStream"]):
-    """An open container of messages.
+    """An open container of messages."""
 
-    Attributes:
-        connections: Connections in the file.
-        notes: What the file says of its own by name; complete, as ``damage`` is, once all blocks have been read.
-        stated: Number of messages of each topic that a file next to it states.
-        is_lasting: False if what it reads is deleted when it is closed.
-    """
-
-    connections: tuple[Connection, ...]
-    is_lasting = True
-    stated: Mapping[str, int] = {}
+    connections: tuple[Connection, ...]  # in the file
+    is_lasting = True  # False if what it reads is deleted when it is closed
+    stated: Mapping[str, int] = {}  # number of messages of each topic that a file next to it states
+    notes: Mapping[str, str] = {}  # what the file says of its own by name; complete once all blocks have been read
 
     def __init__(self, path: Path) -> None:
         """Open the file; InputError if nothing in it can be read."""
         self._path, self._bytes = path, path.stat().st_size
         self._damage: dict[int | str, Damage] = {}
-        self.notes: Mapping[str, str] = {}
 
     def __exit__(self, *_: object) -> None:
         """Keep nothing: files are open only while they are read."""

@@ -46,9 +46,7 @@ def choose_topic(
 ) -> tuple[Candidate, tuple[str, ...], tuple[Finding, ...]]:
     """Return the topic to read, the joints of the arm to read, and what to say about the choice.
 
-    Raises:
-        InputError: If there is nothing to read, or the topic wanted is not there.
-        SeveralLogsError: If the file holds several arms and the user named none.
+    SeveralLogsError if the file holds several arms and the user named none.
     """
     if wanted is not None:
         name, _, arm = wanted.partition("#")

@@ -125,7 +125,7 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
     """
     if not log.t.size:
         return
-    sample, recorded = _blank(types, message.name), log.channels()
+    sample, recorded = _blank(types, (2, message.name)), log.channels()
     arrays = {path: recorded[channel] for path, channel in message.fields.items() if channel in recorded}
     for path in message.names:
         _set(sample, path, list(log.joint_names))
@@ -163,30 +163,20 @@ def _set(sample: Any, path: str, value: object) -> None:  # noqa: ANN401
     setattr(sample, name, value)
 
 
-def _blank(types: "Typestore", name: str) -> Any:  # noqa: ANN401
-    """Return a message that says nothing: numbers NaN or 0, lists empty."""
-    _, fields = types.fielddefs[name]
-    return types.types[name](**{field: _blank_field(types, kind) for field, kind in fields})
-
-
-def _blank_field(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401
+def _blank(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401
+    """Return a field, or a message, that says nothing: numbers NaN or 0, lists empty."""
     from rosbags.interfaces import Nodetype
 
     node, detail = kind
     if node == Nodetype.NAME:
-        return _blank(types, detail)
+        return types.types[detail](**{name: _blank(types, inner) for name, inner in types.fielddefs[detail][1]})
     if node == Nodetype.BASE:
-        return _blank_base(detail[0])
+        return {"s": "", "f": float("nan")}.get(detail[0][0], 0)  # string, float32 and float64
     (element, (base, *_)), length = detail
+    size = length if node == Nodetype.ARRAY else 0
     if element == Nodetype.NAME or base == "string":
-        return [_blank_field(types, detail[0]) for _ in range(length if node == Nodetype.ARRAY else 0)]
-    return np.full(length if node == Nodetype.ARRAY else 0, _blank_base(base), dtype=base)
-
-
-def _blank_base(base: str) -> str | bool | int | float:
-    if base == "string":
-        return ""
-    return float("nan") if base.startswith("float") else 0
+        return [_blank(types, detail[0]) for _ in range(size)]
+    return np.full(size, _blank(types, detail[0]), dtype=base)
 
 
 def _write_rosbag1(message: MessageType, log: JointLog, path: Path, *, lz4: bool = False) -> None:
