@@ -1,12 +1,16 @@
-"""Names of joints: which arm each belongs to, in which order, and which robot they say."""
+"""Names of joints and topics: which arm each belongs to, in which order, and which robot they say."""
 
 import re
 from collections.abc import Iterable, Sequence
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.reader import SeveralLogsError
+from friction_audit.joint_log import Source
 from friction_audit.presets import PRESETS, candidates
 
+# Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished.
+DRIVER_NODES = {"franka_state_controller", "franka_robot_state_broadcaster", "joint_state_broadcaster",
+                 "joint_state_controller", "franka"}  # fmt: skip
 UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
 # panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
 _ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
@@ -81,3 +85,21 @@ def robot_of(names: Iterable[str]) -> str:
 def numbered_joints(count: int) -> tuple[str, ...]:
     """Name joints that carry no names: joint1..joint{count}."""
     return tuple(f"joint{number}" for number in range(1, count + 1))
+
+
+def namespace(topic: str) -> str:
+    """Return what stands before a topic's name, nodes of drivers left out: ``left`` of ``/left/joint_states``."""
+    return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in DRIVER_NODES)
+
+
+def arm_of_log(source: Source, joint_names: Sequence[str]) -> str:
+    """Return the serial number or the name of the arm of a log, or nothing where the log has neither.
+
+    ``left`` of joints called ``left_joint1``, or of a topic ``/left/joint_states``; nothing of ``panda_joint1``, which
+    every Panda's are called.
+    """
+    if source.serial:
+        return source.serial
+    prefixes = list(arms_in(joint_names))
+    named = arm_name(prefixes[0]) if len(prefixes) == 1 else ""
+    return named or namespace(source.topic or "")

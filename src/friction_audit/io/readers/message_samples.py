@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import numbered_joints
-from friction_audit.io.readers.message_decoder import MessageDecoder
-from friction_audit.io.readers.message_kinds import MessageKind, Row, row_of
+from friction_audit.io.readers.message_kinds import Row, row_of
 from friction_audit.io.readers.message_layout import BlockDecoder, Layout, Records
 from friction_audit.io.readers.message_stream import Block, Int, UndecodableError
+from friction_audit.io.readers.topics import Candidate
 from friction_audit.joint_log import Finding, Float
 
 _NANOSECONDS = 10**9
@@ -78,17 +78,10 @@ class JointSamples:
 class JointDecoder:
     """Decodes blocks of one topic to the values of some joints."""
 
-    def __init__(
-        self,
-        joints: tuple[str, ...],
-        channels: Sequence[str],
-        kind: MessageKind,
-        decoders: Mapping[int, MessageDecoder],
-    ) -> None:
-        self.undecodable = self.incomplete = (
-            0  # messages that do not fit their definition, that lack some of the joints
-        )
-        self.joints, self._channels, self._kind, self._decoders = joints, channels, kind, decoders
+    def __init__(self, chosen: Candidate, joints: tuple[str, ...], channels: Sequence[str]) -> None:
+        self.undecodable = self.incomplete = 0  # messages that do not fit their definition, or lack some of the joints
+        kind = chosen.kind
+        self.chosen, self.joints, self._channels = chosen, joints, channels
         self._paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths]
         self._paths += [kind.robot_time] if kind.robot_time else []
         self._fast: dict[int, BlockDecoder] = {}
@@ -106,7 +99,7 @@ class JointDecoder:
         return self._of_records(records, known.layout, block) or self.of_messages(block)
 
     def _block_decoder(self, block: Block) -> BlockDecoder | None:
-        layout = self._decoders[block.key].layout(block.payload(0))
+        layout = self.chosen.decoders[block.key].layout(block.payload(0))
         if layout is None or any(path not in layout.numbers for path in self._paths):
             return None
         return BlockDecoder(layout, block.payload(0), tuple(dict.fromkeys(self._paths)))
@@ -121,7 +114,7 @@ class JointDecoder:
 
     def _of_records(self, records: Records, layout: Layout, block: Block) -> Piece | None:
         """View records of constant layout; None if their arrays do not fit their names."""
-        kind = self._kind
+        kind = self.chosen.kind
         names = layout.strings.get(kind.names, ()) if kind.names else ()
         if not any(names):
             counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
@@ -139,10 +132,10 @@ class JointDecoder:
 
     def of_messages(self, block: Block) -> Piece:
         """Decode message by message, with the library's decoder; one that holds none of the joints is passed over."""
-        decoder, found = self._decoders[block.key], list[tuple[int, Row, NDArray[np.intp]]]()
+        decoder, found = self.chosen.decoders[block.key], list[tuple[int, Row, NDArray[np.intp]]]()
         for index, log_time in enumerate(block.log_time.tolist()):
             try:
-                row = row_of(decoder.decode(block.payload(index)), self._kind)
+                row = row_of(decoder.decode(block.payload(index)), self.chosen.kind)
             except UndecodableError:
                 self.undecodable += 1
                 continue

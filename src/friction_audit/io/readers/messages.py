@@ -62,11 +62,11 @@ def topics_of(open_stream: Open, path: Path) -> tuple[Topic, ...]:
 def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     candidates = _candidates(path, stream, options)
     chosen, joints, findings = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
-    decoder = JointDecoder(joints, chosen.channels, chosen.kind, chosen.decoders)
+    decoder = JointDecoder(chosen, joints, chosen.channels)
     row_bytes = np.float64().itemsize * (len(chosen.channels) * len(joints) + _CLOCKS)
     expected = min(chosen.messages or 0, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
     size, missing, blocks, skipped = expected * row_bytes, list[Finding](), None, 0
-    part = _read_part(path, stream, decoder, chosen, options) if options.reads_part(size) else None
+    part = _read_part(path, stream, decoder, options) if options.reads_part(size) else None
     if part is None:
         in_blocks = options.in_blocks and stream.is_lasting and size > IN_BLOCKS_BYTES
         if in_blocks:  # the clocks alone
@@ -75,7 +75,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
             refuse_too_large(path, size, size)
             samples = JointSamples(len(joints), chosen.channels, expected)
         decoder.undecodable = decoder.incomplete = 0
-        missing = _missing(stream, chosen, _collect(stream, decoder, chosen, samples))
+        missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     else:
         samples, skipped = part
     if not samples.count:
@@ -87,7 +87,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:
         t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in chosen.channels}
-        blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, chosen, joints, clock, samples.rows))
+        blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, decoder, clock, samples.rows))
     shown = f"{kind.elements}[{{i}}].%s" if kind.elements else "%s[{i}]"
     units = {name: found[0] for name, text in options.mapping.items() if (found := _UNIT.search(text))}
     left_out = dict.fromkeys(name for row in chosen.rows for name in row.names if name not in joints)
@@ -112,20 +112,15 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
 
 
 def _blocks(
-    stream: MessageStream,
-    chosen: Candidate,
-    joints: tuple[str, ...],
-    clock: MessageClock,
-    rows: int,
-    names: Collection[str],
+    stream: MessageStream, decoder: JointDecoder, clock: MessageClock, rows: int, names: Collection[str]
 ) -> Iterator[tuple[Float, dict[str, Float]]]:
     """Yield the clock of many messages, and those of their channels that are asked for, again and again."""
+    chosen, joints = decoder.chosen, decoder.joints
     wanted = [name for name in chosen.channels if name in names]
     if not wanted and len(clock.t) == rows:
         yield from ((clock.t[first : first + _BLOCK_ROWS].copy(), {}) for first in range(0, rows, _BLOCK_ROWS))
         return
-    decoder = JointDecoder(joints, wanted, chosen.kind, chosen.decoders)
-    samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
+    decoder, samples = JointDecoder(chosen, joints, wanted), JointSamples(len(joints), wanted, _BLOCK_ROWS)
     for block in chain(stream.blocks(list(chosen.decoders)), [None]):  # None at the end
         if block is not None:
             samples.add(decoder.decode(block))
@@ -254,15 +249,11 @@ def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapp
 
 
 def _collect(
-    stream: MessageStream,
-    decoder: JointDecoder,
-    chosen: Candidate,
-    samples: JointSamples,
-    window: Window | None = None,
+    stream: MessageStream, decoder: JointDecoder, samples: JointSamples, window: Window | None = None
 ) -> Counter[int]:
     """Decode the messages of the topic chosen; returns how many each connection has."""
     seen: Counter[int] = Counter()
-    for found in stream.blocks(list(chosen.decoders), window):
+    for found in stream.blocks(list(decoder.chosen.decoders), window):
         block = window.part_of(found) if window else found
         seen[block.key] += len(block)
         if len(block):
@@ -272,12 +263,13 @@ def _collect(
 
 
 def _read_part(
-    path: Path, stream: MessageStream, decoder: JointDecoder, chosen: Candidate, options: ReadOptions
+    path: Path, stream: MessageStream, decoder: JointDecoder, options: ReadOptions
 ) -> tuple[JointSamples, int] | None:
     """Decode the first messages, from which time counts, and those of the part asked for, found by log time.
 
     Returns also how many are the first ones; None if the log time does not follow the clock chosen.
     """
+    chosen = decoder.chosen
     samples = JointSamples(len(decoder.joints), chosen.channels, 0)
     for connection in stream.connections:
         if connection.key in chosen.decoders and (first := _first_block(stream, connection)):
@@ -291,7 +283,7 @@ def _read_part(
         origin + _NANOSECONDS * (start - MARGIN_S - _CLOCK_DRIFT * abs(start)),
         origin + _NANOSECONDS * (stop + MARGIN_S + _CLOCK_DRIFT * abs(stop)),
     )
-    _collect(stream, decoder, chosen, samples, window)
+    _collect(stream, decoder, samples, window)
     if samples.count == skipped:
         duration = max(window.latest - origin, 0.0) / _NANOSECONDS * options.time_scale
         find_window(np.array([0.0, duration]), options.t_start_s, options.t_end_s, str(path))

@@ -4,7 +4,6 @@ A format is added by writing one file with ``read`` and ``topics``, and its line
 with; without that, the file has ``recognises``.
 """
 
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -15,15 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, UsageError
 from friction_audit.io.checks import examine
 from friction_audit.io.checks.clock import leave_out_far
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.join import join_recordings
-from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.motor_current import convert_torque, doubt_current
 from friction_audit.io.readers.reader import (
     TAKE_A_PART,
     OneOfSeveral,
@@ -36,7 +33,9 @@ from friction_audit.io.readers.reader import (
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source
+from friction_audit.joint_numbers import require_joints, write_joint_numbers
 from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.presets import CURRENT, ESTIMATE, PRESETS, candidates
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
@@ -51,6 +50,7 @@ READERS: tuple[Reader, ...] = (
     Reader("csv", (".csv", ".tsv", ".txt", ".dat", ".csv.gz", ".csv.zst")),
 )
 _DEFAULT = ReadOptions()
+_PARTS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 
 
@@ -86,7 +86,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
                 parts.append((at[0], part))
             at = files[0]
             recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
-            recording = convert_torque(recording, options, str(path))
+            recording = _convert_torque(recording, options, str(path))
             recording = _examined(recording, options, str(path))
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
@@ -104,7 +104,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
     recording = recording.with_findings(*(one for file, before, _ in files for one in _growth(before, _stamp(file))))
-    recording = doubt_current(recording)
+    recording = _doubt_current(recording)
     name, content, form = str(path), contents[0], files[0][2].name
     log = to_joint_log(recording, options, path=name, sha256=content, format=form)
     others = zip(files[1:], contents[1:], strict=True)
@@ -134,8 +134,8 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
         InputError: If it cannot be read as a joint log.
     """
     arrays = arrays_of_frame(frame, name)
-    recording = convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
-    recording = doubt_current(_examined(recording, options, name))
+    recording = _convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
+    recording = _doubt_current(_examined(recording, options, name))
     digest = sha256()
     for column, array in arrays.items():
         digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
@@ -284,16 +284,51 @@ def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
     return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
 
 
-def arm_of_log(source: Source, joint_names: Sequence[str]) -> str:
-    """Return the serial number or the name of the arm of a log, or nothing where the log has neither.
+def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Recording:
+    """Multiply the measured torque, tau_J where there is one, by constant, ratio and scale of each joint; in place."""
+    factors = {name: values for name in _PARTS if (values := getattr(options, name))}
+    if not factors and not options.flip:
+        return recording
+    joints = len(recording.joint_names)
+    require_joints(options.flip, joints, f"{path}: --flip")
+    for name, values in factors.items():
+        if len(values) not in (1, joints):
+            option = name.replace("_", "-")
+            raise UsageError(
+                f"{path}: --{option}: {len(values)} numbers; expected one, or one for each of {joints} joints"
+            )
+    channel = next(c for c in ("tau_J", *TORQUE_CHANNELS) if c in recording.channels)
+    name = recording.mapping.get(channel, channel)
+    unit = torque_unit(name)
+    is_current = bool(options.torque_constant)
+    total = np.where(np.isin(np.arange(1, joints + 1), options.flip), -1.0, 1.0)
+    for values in factors.values():
+        total = total * np.asarray(values)
+    recording = recording.scaled(channel, total * (1e-3 if is_current and unit == "mA" else 1.0))
+    parts = [_PARTS[one].format(", ".join(f"{value:g}" for value in values)) for one, values in factors.items()]
+    parts += [f"-1 in joint {write_joint_numbers(options.flip)}"] if options.flip else []
+    message = f"{channel} is {name} times {' times '.join(parts)}"
+    if is_current:
+        message += "; a torque from a motor current: its friction is that of motor, gear and joint"
+    recording = recording.with_findings(Finding(code="torque_converted", message=message))
+    return replace(recording, torque_unit="N m" if is_current else unit)
 
-    ``left`` of joints called ``left_joint1``, or of a topic ``/left/joint_states``; nothing of ``panda_joint1``, which
-    every Panda's are called.
-    """
-    from friction_audit.io.readers.topics import namespace
 
-    if source.serial:
-        return source.serial
-    prefixes = list(arms_in(joint_names))
-    named = arm_name(prefixes[0]) if len(prefixes) == 1 else ""
-    return named or namespace(source.topic or "")
+def _doubt_current(recording: Recording) -> Recording:
+    """Note where the arm by its name has no torque sensor: its effort is a current, or a torque made from one."""
+    names = (recording.robot,) if recording.robot in PRESETS else candidates(recording.joint_names)
+    kinds = {PRESETS[name].torque for name in names}
+    name = recording.mapping.get("tau_J", "")
+    if "tau_J" not in recording.channels or (recording.torque_unit or torque_unit(name)) != "N m":
+        return recording
+    arm = PRESETS[names[0]].label if len(names) == 1 else "these arms"
+    if kinds == {CURRENT} and "effort" in name.lower() and not recording.torque_unit:
+        message = (
+            f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques; if "
+            "these are amperes, put :A after the names in --map tau_J"
+        )
+        return recording.with_findings(Finding(code="effort_is_current", message=message))
+    if kinds == {ESTIMATE}:
+        message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
+        return recording.with_findings(Finding(code="torque_from_current", message=message))
+    return recording

@@ -7,15 +7,12 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.joint_names import UNNAMED_ARM, arm_name, arms_in
+from friction_audit.io.readers.joint_names import DRIVER_NODES, UNNAMED_ARM, arm_name, arms_in, namespace
 from friction_audit.io.readers.message_decoder import MessageDecoder
 from friction_audit.io.readers.message_kinds import MessageKind, Row
 from friction_audit.io.readers.reader import SeveralLogsError, Topic
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 
-# Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished.
-_DRIVER_NODES = {"franka_state_controller", "franka_robot_state_broadcaster", "joint_state_broadcaster",
-                 "joint_state_controller", "franka"}  # fmt: skip
 _NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
 
 
@@ -66,14 +63,9 @@ def choose_topic(
 
 def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:
     """Torque before none, libfranka's own messages before others, first hand before republished, then the rate."""
-    first_hand = bool(_DRIVER_NODES & set(candidate.topic.split("/")))
+    first_hand = bool(DRIVER_NODES & set(candidate.topic.split("/")))
     torque = any(name in candidate.channels for name in TORQUE_CHANNELS)
     return not torque, candidate.kind.rank, not first_hand, -(candidate.messages or 0)
-
-
-def namespace(topic: str) -> str:
-    """Return what stands before a topic's name, nodes of drivers left out: ``left`` of ``/left/joint_states``."""
-    return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in _DRIVER_NODES)
 
 
 def _best_of_each_arm(candidates: Sequence[Candidate]) -> list[str]:
