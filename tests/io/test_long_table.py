@@ -1,4 +1,4 @@
-"""Long and melted tables, and tables of one joint whose torque has no clear name."""
+"""Long tables, and tables of one joint whose torque has no clear name."""
 
 from pathlib import Path
 from typing import Any
@@ -56,16 +56,6 @@ def test_numbers_of_joints_are_sorted_as_numbers(tmp_path: Path, label: str) -> 
     log = read_text(tmp_path, shuffled)
     np.testing.assert_array_equal(log.q, motion(SAMPLES, 12)["q"])
     assert log.joint_names[10:] == (("J11", "J12") if label == "J{}" else ("joint11", "joint12"))
-
-
-def test_melted_tables_are_refused_with_the_way_out(tmp_path: Path) -> None:
-    melted = long_frame().melt(id_vars=["time", "joint"], var_name="signal")
-    with pytest.raises(
-        InputError, match=r"one row per number .*table\.pivot\(index=\['time', 'joint'\], columns='signal'"
-    ):
-        read_text(tmp_path, melted)
-    pivoted = melted.pivot(index=["time", "joint"], columns="signal", values="value").reset_index()  # noqa: PD010 - as the message says
-    np.testing.assert_array_equal(read_text(tmp_path, pivoted).q, motion(SAMPLES)["q"])
 
 
 def test_shuffled_rows_are_told_in_the_right_unit(tmp_path: Path) -> None:

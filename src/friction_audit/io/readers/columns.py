@@ -26,7 +26,6 @@ REQUIRED = ("q", "dq")
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
-_MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
 _SEVERAL = re.compile(r"\{i\}|,|-")  # in a --map entry that names a column per joint
 _AMBIGUOUS = ("torque", "tau", "effort")
 
@@ -89,7 +88,6 @@ def map_columns(
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
     if time is None or lacks:
-        _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
@@ -145,19 +143,6 @@ def _outside_the_arm(
     joints = {**labels} or own
     kept = choose_arm(list(joints.values()), arm, path=path)
     return frozenset(cell for cell, joint in joints.items() if joint not in kept)
-
-
-def _refuse_melted(names: Sequence[str], path: str) -> None:
-    """Refuse a table with one row per number, which names its channels in a column instead of in the header."""
-    lower = [name.lower() for name in names]
-    signal, value = (next((n for n, low in zip(names, lower, strict=True) if low in w), None) for w in _MELTED)
-    if signal is None or value is None:
-        return
-    index = [name for name in names if name not in (signal, value)]
-    raise InputError(
-        f"{path}: one row per number ({', '.join(names)}); expected one column per channel; bring it to that with "
-        f"pandas: table.pivot(index={index}, columns={signal!r}, values={value!r}).reset_index()"
-    )
 
 
 def _guessed_groups(
