@@ -2,7 +2,7 @@ import tracemalloc
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -16,10 +16,19 @@ def test_a_log_of_panda_py(tmp_path: Path) -> None:
     """What get_log() returns: lists of vectors, time in ms as vectors of length 1."""
     arrays = motion(300, 7)
     time = [np.array([5_000 + n]) for n in range(300)]
-    signals = {"q": arrays["q"], "dq": arrays["dq"], "tau_J": arrays["tau_J"], "tau_ext_hat_filtered": arrays["q"]}
-    others = {"O_T_EE": np.zeros((300, 16)), "elbow": np.zeros((300, 2)), "control_command_success_rate": time}
+    signals: dict[str, Any] = {
+        "q": arrays["q"],
+        "dq": arrays["dq"],
+        "tau_J": arrays["tau_J"],
+        "tau_ext_hat_filtered": arrays["q"],
+    }
+    others: dict[str, Any] = {
+        "O_T_EE": np.zeros((300, 16)),
+        "elbow": np.zeros((300, 2)),
+        "control_command_success_rate": time,
+    }
     path = tmp_path / "run.npz"
-    np.savez(path, time=time, **{name: list(array) for name, array in {**signals, **others}.items()})  # type: ignore[arg-type]
+    np.savez(path, time=time, **{name: list(array) for name, array in {**signals, **others}.items()})
     log = read_log(path)
     np.testing.assert_array_equal(log.q, arrays["q"])
     np.testing.assert_array_equal(log.tau_ext_hat_filtered, arrays["q"])

@@ -7,7 +7,7 @@ strings with a zero; ROS 1 does neither.
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,8 @@ class LayoutError(Exception):
     """The payload does not fit its definition, or the definition has no constant layout."""
 
 
-class Leaf(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class Leaf:
     """Numbers at a fixed place."""
 
     offset: int  # from the start of the payload [byte]

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,17 +16,18 @@ from friction_audit.io.readers.topics import Candidate
 from friction_audit.joint_log import Finding, Float
 
 _NANOSECONDS = 10**9
-_CLOCKS = ("stamp", "robot_time")  # of the source, where it has them
+# Clocks and their units per second, the best first: the robot's own, the time stamp of the source, the recorder's.
+_CLOCKS = {"robot_time": 1.0, "header_stamp": 1e9, "log_time": 1e9}
 _SMALLEST_CAPACITY = 1024
 
+Times = Mapping[str, NDArray[Any]]
+"""Clock -> its reading in each message, nanoseconds as integers; a clock that some messages lack is not there."""
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Piece:
+
+class Piece(NamedTuple):
     """Values of some joints in n messages that follow each other."""
 
-    log_time: Int  # time at which each message was recorded [ns]
-    stamp: Int | None  # time stamp of the source, None if not every message has one [ns]
-    robot_time: Float | None  # the robot's own clock, None if not every message has it [s]
+    times: Times
     channels: Mapping[str, Sequence[NDArray[Any]]]  # channel -> a column per joint
 
 
@@ -38,26 +39,23 @@ class JointSamples:
         room = max(expected // every, _SMALLEST_CAPACITY)
         self.rows = self.count = 0  # samples so far, and those of them that are kept
         self.channels = {name: np.empty((room, joints), order="F") for name in channels}
-        self._times: dict[str, NDArray[Any]] = {name: np.empty(room, np.int64) for name in ("log_time", "stamp")}
-        self._times["robot_time"] = np.empty(room)
-        self._absent: set[str] = set()
+        self._times = {name: np.empty(room, np.int64 if unit > 1.0 else np.float64) for name, unit in _CLOCKS.items()}
         self._every = every
 
     def add(self, piece: Piece) -> None:
         """Append a piece."""
+        count = len(piece.times["log_time"])
         kept = slice(-self.rows % self._every, None, self._every)
-        rows = slice(self.count, self.count + len(piece.log_time[kept]))
+        rows = slice(self.count, self.count + len(range(count)[kept]))
         if rows.stop > len(self._times["log_time"]):
             self.resize(max(rows.stop, 2 * rows.start))
-        self.rows, self.count = self.rows + len(piece.log_time), rows.stop
+        self.rows, self.count = self.rows + count, rows.stop
         for name, array in self.channels.items():
             for joint, column in enumerate(piece.channels[name]):
                 array[rows, joint] = column[kept]
+        self._times = {name: times for name, times in self._times.items() if name in piece.times}
         for name, times in self._times.items():
-            if (own := getattr(piece, name)) is None:
-                self._absent.add(name)
-            else:
-                times[rows] = own[kept]
+            times[rows] = piece.times[name][kept]
 
     def resize(self, rows: int) -> None:
         """Move everything, one array at a time; memory that was never written to costs nothing."""
@@ -68,11 +66,9 @@ class JointSamples:
                 arrays[name] = new
 
     @property
-    def times(self) -> tuple[Int, Int | None, Float | None]:
-        """Time of recording, time stamp of the source, the robot's own clock; None if a piece has none."""
-        log_time, *others = (array[: self.count] for array in self._times.values())
-        stamp, robot_time = (None if name in self._absent else one for name, one in zip(_CLOCKS, others, strict=True))
-        return log_time, stamp, robot_time
+    def times(self) -> Times:
+        """The clocks that all pieces have."""
+        return {name: array[: self.count] for name, array in self._times.items()}
 
 
 class JointDecoder:
@@ -122,13 +118,13 @@ class JointDecoder:
         columns, fields = self._columns_of(names), {name: records[kind.fields[name]] for name in self._channels}
         if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):
             return None
-        stamp = None
+        times = {"log_time": block.log_time}
         if kind.stamps:
             seconds, nanoseconds = kind.stamp_paths
-            stamp = records[seconds][:, 0].astype(np.int64) * _NANOSECONDS + records[nanoseconds][:, 0]
-        robot_time = records[kind.robot_time][:, 0] if kind.robot_time else None
-        channels = {name: [field[:, column] for column in columns] for name, field in fields.items()}
-        return Piece(block.log_time, stamp, robot_time, channels)
+            times["header_stamp"] = records[seconds][:, 0].astype(np.int64) * _NANOSECONDS + records[nanoseconds][:, 0]
+        if kind.robot_time:
+            times["robot_time"] = records[kind.robot_time][:, 0]
+        return Piece(times, {name: [field[:, column] for column in columns] for name, field in fields.items()})
 
     def of_messages(self, block: Block) -> Piece:
         """Decode message by message, with the library's decoder; one that holds none of the joints is passed over."""
@@ -152,13 +148,13 @@ class JointDecoder:
                 values = row.channels.get(name, np.empty(0))
                 there = (columns >= 0) & (columns < len(values))
                 array[there, at] = values[columns[there]]
-        stamps, times = [row.stamp for _, row, _ in found], [row.robot_time for _, row, _ in found]
-        return Piece(
-            np.array([log_time for log_time, *_ in found], np.int64),
-            None if None in stamps else np.array(stamps, np.int64),
-            None if None in times else np.array(times, np.float64),
-            {name: list(array) for name, array in arrays.items()},
-        )
+        own: dict[str, list[Any]] = {
+            "header_stamp": [row.stamp for _, row, _ in found],
+            "robot_time": [row.robot_time for _, row, _ in found],
+        }
+        times = {name: np.array(readings) for name, readings in own.items() if None not in readings}
+        times["log_time"] = np.array([log_time for log_time, *_ in found], np.int64)
+        return Piece(times, {name: list(array) for name, array in arrays.items()})
 
 
 _FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
@@ -179,34 +175,22 @@ class MessageClock:
     origin_s: float  # its reading at t = 0 [s]
     start_s: float | None  # that, if it is Unix time [s]
     findings: tuple[Finding, ...]
-    first: Any  # its smallest value, in its own unit
-    per_second: float  # of the robot's own time, as it is written
+    first: Any  # its smallest reading
+    per_second: float  # of its units
 
-    def time_of(self, log_time: Int, stamp: Int | None, robot_time: Float | None) -> Float:
+    def time_of(self, times: Times) -> Float:
         """Return t of other messages."""
-        if self.name == "robot_time":
-            return np.asarray(np.asarray(robot_time) / self.per_second - self.first)
-        raw = log_time if stamp is None or self.name == "log_time" else stamp
-        return np.asarray((raw - self.first) / 1e9)
+        return np.asarray((times.get(self.name, times["log_time"]) - self.first) / self.per_second)
 
 
-def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> MessageClock:
-    """Choose the best clock that runs.
-
-    Args:
-        log_time: Time of recording, shape (n,) [ns]
-        stamp: Time stamp of the source, if there is one. [ns]
-        robot_time: The robot's own clock, if there is one. [s]
-    """
-    robot_time, findings = (None, []) if robot_time is None else _in_seconds(robot_time, log_time)
-    per_second = float(findings[0].amount or 1.0) if findings else 1.0
+def choose_clock(times: Times) -> MessageClock:
+    """Choose the best clock that runs."""
+    units, findings = dict(_CLOCKS), list[Finding]()
+    if "robot_time" in times:
+        units["robot_time"], findings = _robot_unit(times["robot_time"], times["log_time"])
     # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
-    offered = {
-        "robot_time": None if robot_time is None else robot_time - np.min(robot_time),
-        "header_stamp": None if stamp is None else (stamp - stamp.min()) / 1e9,
-        "log_time": (log_time - log_time.min()) / 1e9,
-    }
-    clocks = {name: t for name, t in offered.items() if t is not None}
+    first = {name: times[name].min() for name in units if name in times}
+    clocks: dict[str, Float] = {name: (times[name] - low) / units[name] for name, low in first.items()}
     # A single message cannot show that a clock runs.
     running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
     chosen = next(iter(running), "log_time")
@@ -216,25 +200,22 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
     if chosen != "log_time":
         findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
     # The robot's clock counts from its start, so the log time stands in for it.
-    source = stamp if chosen == "header_stamp" and stamp is not None else log_time
-    start_s = float(source.min()) / 1e9
+    start_s = float(first["log_time" if chosen == "robot_time" else chosen]) / _NANOSECONDS
     unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
-    first = {"robot_time": robot_time, "header_stamp": stamp, "log_time": log_time}[chosen]
-    assert first is not None
-    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first.min(), per_second)
+    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first[chosen], units[chosen])
 
 
-def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]:
+def _robot_unit(robot_time: Float, log_time: Int) -> tuple[float, list[Finding]]:
     """Recognise a robot's clock that counts in milli-, micro- or nanoseconds: by that factor faster than the log."""
-    logged_s = float(np.ptp(log_time)) / 1e9
+    logged_s = float(np.ptp(log_time)) / _NANOSECONDS
     ratio = float(np.ptp(robot_time)) / logged_s if logged_s > 0.0 else 1.0
     for factor, unit in _ROBOT_TIME_UNITS:
         if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
             text = (
                 f"the robot's own time counts in {unit}, by comparison with the log time; it was divided by {factor:g}"
             )
-            return robot_time / factor, [Finding(code="robot_time_unit", message=text, amount=factor)]
-    return robot_time, []
+            return factor, [Finding(code="robot_time_unit", message=text, amount=factor)]
+    return 1.0, []
 
 
 def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:

@@ -83,7 +83,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
             f"{path}: none of the messages on topic {chosen.topic} can be decoded as {chosen.type}; choose another "
             "topic with --topic"
         )
-    clock, kind = choose_clock(*samples.times), chosen.kind
+    clock, kind = choose_clock(samples.times), chosen.kind
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:
         t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in chosen.channels}
@@ -126,7 +126,7 @@ def _blocks(
             samples.add(decoder.decode(block))
         if samples.count >= (1 if block is None else _BLOCK_ROWS):
             samples.resize(samples.count)
-            yield clock.time_of(*samples.times), samples.channels
+            yield clock.time_of(samples.times), samples.channels
             samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
 
 
@@ -278,7 +278,7 @@ def _read_part(
     if not skipped:
         return None
     start, stop = options.window_of_clock()
-    origin = float(samples.times[0].min())
+    origin = float(samples.times["log_time"].min())
     window = Window(
         origin + _NANOSECONDS * (start - MARGIN_S - _CLOCK_DRIFT * abs(start)),
         origin + _NANOSECONDS * (stop + MARGIN_S + _CLOCK_DRIFT * abs(stop)),
@@ -288,7 +288,7 @@ def _read_part(
         duration = max(window.latest - origin, 0.0) / _NANOSECONDS * options.time_scale
         find_window(np.array([0.0, duration]), options.t_start_s, options.t_end_s, str(path))
         return None
-    t = choose_clock(*samples.times).t
+    t = choose_clock(samples.times).t
     t = t[skipped:] - t[:skipped].min()
     reached = (not window.before or t.min() <= start) and (not window.after or t.max() >= stop)
     return (samples, skipped) if reached else None

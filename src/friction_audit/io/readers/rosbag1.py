@@ -237,7 +237,7 @@ def _heads_like(head: bytes) -> Heads:
 
 def _in_ns(clock: NDArray[np.uint8]) -> NDArray[np.int64]:
     sec, nsec = clock.view("<u4").T
-    return sec.astype(np.int64) * _NANOSECONDS + nsec
+    return np.asarray(sec.astype(np.int64) * _NANOSECONDS + nsec)
 
 
 read, topics = partial(read_messages, Rosbag1Stream), partial(topics_of, Rosbag1Stream)
