@@ -40,10 +40,6 @@ class ArrayTable(ColumnTable):
         array: NDArray[Any] = self._arrays[name].reshape(len(self._arrays[name]), -1)
         return array if rows is None else array[rows]
 
-    def packed_bytes(self, name: str) -> int:
-        """Return the bytes that an array takes where it is kept."""
-        return int(self._arrays[name].nbytes)
-
     def size(self, columns: ColumnMap) -> tuple[int, int]:
         """Return the number of samples, and the bytes of the arrays of these columns."""
         wanted = [*columns.time.cells, *(cell for cells in columns.channels.values() for cell in cells)]
@@ -55,7 +51,7 @@ class ArrayTable(ColumnTable):
                     f"{self.path}: {name} has shape {shape}, {columns.time.name} has {samples} samples; expected one "
                     "row per sample; save it transposed or cut to the same length"
                 )
-        return samples, sum(map(self.packed_bytes, names))
+        return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
     def read_clock(self, time: TimeColumn) -> Clock:
         """Read all stamps."""

@@ -52,6 +52,11 @@ class Entry:
         return prod(self.shape[1:])
 
     @property
+    def nbytes(self) -> int:
+        """Bytes in the file."""
+        return self.info.compress_size
+
+    @property
     def is_mapped(self) -> bool:
         """Whether its columns lie one after the other in the file, as they are."""
         return self.by_column and self.info.compress_type == zipfile.ZIP_STORED
@@ -84,10 +89,6 @@ class NpzTable(ArrayTable):
     def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
         """Return an array as (n, k), in the rows of a mask or in all."""
         return _array(self._archive, self._entries[name], rows)
-
-    def packed_bytes(self, name: str) -> int:
-        """Return the bytes that an array takes in the file."""
-        return self._entries[name].info.compress_size
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:
         """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""

@@ -86,36 +86,22 @@ class SeveralLogsError(UsageError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ReadOptions:
-    """What the user says about how to read a log; the defaults leave every choice to the reader.
+    """What the user says about how to read a log; the defaults leave every choice to the reader."""
 
-    Attributes:
-        topic: Topic to read, for files that hold several; with several arms on it ``TOPIC#ARM``, in a table ``#ARM``.
-        mapping: Channel (or ``"t"``) -> name in the file, ``{i}`` standing for the joint's index, or names
-            separated by commas; wins over the automatic choice.
-        robot: Robot stated by the user, wins over the log's own names.
-        time_scale: Factor on the log's clock, for a log whose clock is known to be stretched.
-        allow_short: Read a log that looks like a libfranka exception log all the same.
-        t_start_s: Start of the part to read, from the log's first sample, or None. [s]
-        t_end_s: End of that part, or None. [s]
-        torque_constant: Of the motors, one number or one per joint; the torque column is then a motor current. [N m/A]
-        gear_ratio: Turns of the motor per turn of the joint, likewise.
-        torque_scale: Factor on the measured torque, likewise.
-        flip: Numbers (1..n) of joints whose measured torque has the other sign.
-        join: Further files of the same log, whose channels are interpolated at the stamps of the first.
-    """
-
-    topic: str | None = None
+    topic: str | None = None  # topic to read of several; of several arms on it TOPIC#ARM, in a table #ARM
+    # Channel (or "t") -> name in the file, {i} standing for the joint's index, or names separated by commas.
     mapping: Mapping[str, str] = field(default_factory=dict)
-    robot: str | None = None
-    time_scale: float = 1.0
-    allow_short: bool = False
-    t_start_s: float | None = None
-    t_end_s: float | None = None
+    robot: str | None = None  # robot stated by the user, wins over the log's own names
+    time_scale: float = 1.0  # factor on the log's clock, for a log whose clock is known to be stretched
+    allow_short: bool = False  # read a log that looks like a libfranka exception log all the same
+    t_start_s: float | None = None  # start of the part to read, from the log's first sample, or None [s]
+    t_end_s: float | None = None  # end of that part, or None [s]
+    # Of the motors, one number or one per joint; the torque column is then a motor current. [N m/A]
     torque_constant: tuple[float, ...] = ()
-    gear_ratio: tuple[float, ...] = ()
-    torque_scale: tuple[float, ...] = ()
-    flip: tuple[int, ...] = ()
-    join: tuple[str, ...] = ()
+    gear_ratio: tuple[float, ...] = ()  # turns of the motor per turn of the joint, likewise
+    torque_scale: tuple[float, ...] = ()  # factor on the measured torque, likewise
+    flip: tuple[int, ...] = ()  # numbers (1..n) of joints whose measured torque has the other sign
+    join: tuple[str, ...] = ()  # further files of the log, whose channels are interpolated at the stamps of the first
 
     partial: ClassVar[bool] = False
     hashed: ClassVar[bool] = True
@@ -132,19 +118,16 @@ class ReadOptions:
         object.__setattr__(self, "join", tuple(map(str, join)))
         wrong = []
         for channel in (one for one in self.mapping if one not in _MAPPABLE):
-            near = get_close_matches(channel, _MAPPABLE, n=2)
-            wrong.append(
-                f"--map {channel}: no such channel" + (f" (did you mean {' or '.join(near)}?)" if near else "")
-            )
+            near = " or ".join(get_close_matches(channel, _MAPPABLE, n=2))
+            wrong.append(f"--map {channel}: no such channel" + (f" (did you mean {near}?)" if near else ""))
         if wrong:
             raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(_MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
         for name in ("torque_constant", "gear_ratio", "torque_scale"):
             if not all(0.0 < value < inf for value in getattr(self, name)):
-                raise UsageError(
-                    f"--{name.replace('_', '-')}: expected numbers above zero; a sign is turned with --flip"
-                )
+                option = name.replace("_", "-")
+                raise UsageError(f"--{option}: expected numbers above zero; a sign is turned with --flip")
         if self.gear_ratio and not self.torque_constant:
             raise UsageError("--gear-ratio without --torque-constant: expected both, or --torque-scale for a torque")
         if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
