@@ -204,11 +204,14 @@ def write_mcap_payloads(
     schema_encoding: str,
     *,
     chunk_size: int = 64 * 1024,
+    notes: dict[str, str] | None = None,
     **options: Any,
 ) -> Path:
     with path.open("wb") as file:
         writer: Any = McapWriter(file, chunk_size=chunk_size, **options)
         writer.start(profile="")
+        if notes:
+            writer.add_metadata("robot", notes)
         channels = []
         for topic, kind, _ in streams:
             name = kind.replace("/msg/", "/") if message_encoding == "ros1" else kind

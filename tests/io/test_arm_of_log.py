@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from mcap.writer import Writer
 
 from friction_audit.io.readers import arm_of_log, read_log
 from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import Source
+from tests.io.bag_writing import joint_states, ros2_store, samples, write_mcap
 
 ROOT = Path(__file__).parents[2]
 SAMPLES = ROOT / "sample_logs" / "formats"
@@ -63,25 +63,11 @@ def test_parquet_keeps_serial_number_and_start(tmp_path: Path) -> None:
 
 
 def test_mcap_tells_it_in_a_metadata_record(tmp_path: Path) -> None:
-    original = SAMPLES / "mcap.mcap"
-    assert read_log(original).source.serial == ""
-    path = tmp_path / "marked.mcap"
-    path.write_bytes(with_metadata(original.read_bytes(), tmp_path / "note.mcap"))
-    assert read_log(path).source.serial == "295341"
-
-
-def with_metadata(content: bytes, scratch: Path) -> bytes:
-    """Put a metadata record before the first record behind the header."""
-    with scratch.open("wb") as stream:
-        writer = Writer(stream)
-        writer.start()
-        writer.add_metadata("robot", {"serial": "295341"})
-        writer.finish()  # type: ignore[no-untyped-call]
-    header = 8 + 9 + int.from_bytes(content[9:17], "little")
-    note = scratch.read_bytes()
-    start = 8 + 9 + int.from_bytes(note[9:17], "little")
-    length = 9 + int.from_bytes(note[start + 1 : start + 9], "little")
-    return content[:header] + note[start : start + length] + content[header:]
+    streams = [joint_states(ros2_store(), samples(20))]
+    for number, chunked in enumerate((True, False)):
+        path = tmp_path / f"{number}.mcap"
+        write_mcap(path, ros2_store(), streams, notes={"serial": "295341"}, use_chunking=chunked)
+        assert read_log(path).source.serial == "295341"
 
 
 def test_a_bag_tells_it_in_its_custom_data(tmp_path: Path) -> None:

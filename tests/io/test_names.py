@@ -175,20 +175,6 @@ def test_an_incomplete_channel_that_is_not_needed_is_left_out() -> None:
     assert [finding.code for finding in columns.findings] == ["incomplete_channel"]
 
 
-@pytest.mark.parametrize(
-    ("paths", "torque", "robot_time"),
-    [
-        ("header.stamp header.frame_id name position velocity effort", "effort", None),
-        ("header.stamp q q_d dq tau_J tau_J_d time", "tau_J", "time"),
-        ("header.stamp q q_d dq tau_j tau_j_d time", "tau_j", "time"),  # ROS 2 forces lower case
-    ],
-)
-def test_messages_are_matched_by_their_fields(paths: str, torque: str, robot_time: str | None) -> None:
-    kind = match_kind(paths.split())
-    assert kind is not None
-    assert (kind.fields["tau_J"], kind.robot_time, kind.stamps) == (torque, robot_time, ("header.stamp",))
-
-
 @pytest.mark.parametrize("paths", ["joint_names desired.positions actual.positions", "position.x orientation.w"])
 def test_commands_and_poses_are_no_joint_states(paths: str) -> None:
     assert match_kind(["header.stamp", *paths.split()]) is None

@@ -8,46 +8,29 @@ import pytest
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import read_log
-from tests.io.synthetic_recordings import motion, read_text, tidy_frame, write_tidy_csv
+from tests.io.synthetic_recordings import motion, read_text, tidy_frame
+
+FRAME = tidy_frame(300)
+PLAIN = FRAME.to_csv(index=False)
+HEAD, *LINES = PLAIN.splitlines()
+SAME: dict[str, str | bytes] = {
+    **{f"{sign!r} between": FRAME.to_csv(index=False, sep=sign) for sign in ",;\t "},
+    "decimal commas": FRAME.to_csv(index=False, sep=";", decimal=","),
+    "header in a comment, as of savetxt": "# " + FRAME.to_csv(index=False, sep=" "),
+    "lines of Windows, byte order mark": b"\xef\xbb\xbf" + PLAIN.replace("\n", "\r\n").encode() + b"\r\n\r\n",
+    "a separator at the end of every line": "\n".join([HEAD, *(line + "," for line in LINES)]) + "\n",
+    "compressed, under any name": gzip.compress(PLAIN.encode()),
+    "no line feed after what is not read": FRAME.assign(note="fine").to_csv(index=False).rstrip("\n"),
+    "comments": "# a comment\n\n" * 100_000 + PLAIN,
+}
 
 
-def test_tidy_table_is_read_to_the_bit(tmp_path: Path) -> None:
-    log = read_log(write_tidy_csv(tmp_path / "run.csv"))
-    expected = motion(300)
-    np.testing.assert_array_equal(log.t, expected["t"])
-    np.testing.assert_array_equal(log.dq, expected["dq"])
-    assert log.source.format == "csv"
-    assert log.source.channels["t"] == "time [s]"
-    assert log.source.findings == ()
-
-
-@pytest.mark.parametrize("separator", [";", "\t", ",", " "])
-def test_separators(tmp_path: Path, separator: str) -> None:
-    log = read_log(write_tidy_csv(tmp_path / "run.csv", separator=separator))
-    np.testing.assert_array_equal(log.tau_J, motion(300)["tau_J"])
-
-
-def test_decimal_commas(tmp_path: Path) -> None:
-    text = tidy_frame(300).to_csv(index=False, sep=";", decimal=",")
-    np.testing.assert_array_equal(read_text(tmp_path, text).q, motion(300)["q"])
-
-
-def test_header_written_by_savetxt_as_a_comment(tmp_path: Path) -> None:
-    frame = tidy_frame(300)
-    path = tmp_path / "run.txt"
-    np.savetxt(path, frame.to_numpy(), header=" ".join(frame.columns), fmt="%.17g")
-    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
-
-
-def test_windows_line_ends_byte_order_mark_and_blank_lines(tmp_path: Path) -> None:
-    text = tidy_frame(300).to_csv(index=False, lineterminator="\r\n")
-    assert len(read_text(tmp_path, b"\xef\xbb\xbf" + text.encode() + b"\r\n\r\n").t) == 300
-
-
-def test_a_separator_at_the_end_of_every_line(tmp_path: Path) -> None:
-    head, *lines = tidy_frame(300).to_csv(index=False).splitlines()
-    log = read_text(tmp_path, "\n".join([head, *(line + "," for line in lines)]) + "\n")
-    np.testing.assert_array_equal(log.tau_J, motion(300)["tau_J"])
+@pytest.mark.parametrize("content", SAME.values(), ids=SAME)
+def test_tables_that_are_read_to_the_bit(tmp_path: Path, content: str | bytes) -> None:
+    log = read_text(tmp_path, content)
+    for name, array in motion(300).items():
+        np.testing.assert_array_equal(getattr(log, name), array)
+    assert (log.source.format, log.source.channels["t"], log.source.findings) == ("csv", "time [s]", ())
 
 
 def libfranka(generation: str, rows: int, joints: int = 7) -> str:
@@ -209,42 +192,31 @@ def test_dates_beyond_every_clock_are_missing_values(tmp_path: Path) -> None:
         read_text(tmp_path, frame)
 
 
-@pytest.mark.parametrize("end", ["", "\n", "\0\0\0\0"])
-def test_a_last_line_cut_short_is_left_out(tmp_path: Path, end: str) -> None:
-    text = tidy_frame(300).to_csv(index=False).rstrip("\n")
-    log = read_text(tmp_path, text[: text.rindex(",")] + end)
+SIX_DIGITS = FRAME.map("{:.6f}".format).to_csv(index=False).rstrip("\n")
+CUT = PLAIN[: PLAIN.rindex(",")]
+
+
+@pytest.mark.parametrize(
+    ("text", "words", "damaged"),
+    [
+        *((CUT + end, "is cut short (9 of 10 fields)", True) for end in ("", "\n", "\0\0\0\0")),
+        (f"{CUT},-", "is cut short ('-' where a number belongs)", True),
+        (SIX_DIGITS, "may be cut short", False),
+        (SIX_DIGITS[:-8], "is cut short", True),
+    ],
+)
+def test_a_last_line_that_ends_early_is_left_out(tmp_path: Path, text: str, words: str, damaged: bool) -> None:
+    log = read_text(tmp_path, text)
     assert len(log.t) == 299
-    assert [(f.code, f.damaged) for f in log.source.findings] == [("truncated", True)]
-    assert "line 301, the last one, is cut short (9 of 10 fields)" in log.source.findings[0].message
-
-
-def test_a_last_line_whose_last_number_is_cut_says_what_stands_there(tmp_path: Path) -> None:
-    text = tidy_frame(300).to_csv(index=False).rstrip("\n")
-    log = read_text(tmp_path, text[: text.rindex(",") + 1] + "-")
-    assert len(log.t) == 299
-    assert "line 301, the last one, is cut short ('-' where a number belongs)" in log.source.findings[0].message
-
-
-@pytest.mark.parametrize(("cut", "damaged"), [(0, False), (8, True)])
-def test_a_last_line_without_a_line_feed_is_left_out(tmp_path: Path, cut: int, damaged: bool) -> None:
-    text = tidy_frame(300).round(6).map("{:.6f}".format).to_csv(index=False).rstrip("\n")
-    log = read_text(tmp_path, text[: len(text) - cut])
-    assert len(log.t) == 299
-    assert [(finding.code, finding.damaged) for finding in log.source.findings] == [("truncated", damaged)]
-
-
-def test_a_last_line_is_kept_where_its_end_is_not_read(tmp_path: Path) -> None:
-    text = tidy_frame(300).assign(note="fine").to_csv(index=False).rstrip("\n")
-    assert len(read_text(tmp_path, text).t) == 300
+    (found,) = log.source.findings
+    assert (found.code, found.damaged) == ("truncated", damaged)
+    assert f"line 301, the last one, {words}" in found.message
 
 
 def test_files_of_many_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 1000)
-    path = write_tidy_csv(tmp_path / "run.csv")
-    np.testing.assert_array_equal(read_log(path).tau_J, motion(300)["tau_J"])
-    lines = path.read_text().splitlines()
-    lines[200] = lines[200].replace(".", "x", 1)
-    log = read_text(tmp_path, "\n".join(lines) + "\n")
+    np.testing.assert_array_equal(read_text(tmp_path, PLAIN).tau_J, motion(300)["tau_J"])
+    log = read_text(tmp_path, "\n".join([HEAD, *LINES[:199], LINES[199].replace(".", "x", 1), *LINES[200:]]) + "\n")
     assert len(log.t) == 299
     assert "line 201, column time" in log.source.findings[0].message
 
@@ -258,19 +230,16 @@ def test_a_measured_libfranka_log() -> None:
     assert {f.code: f.amount for f in log.source.findings} == {"dropped_samples": 19 + 2 * 7 + 3 * 2}
 
 
-def test_a_table_below_a_megabyte_of_comments(tmp_path: Path) -> None:
-    text = "# a comment\n\n" * 100_000 + tidy_frame(300).to_csv(index=False)
-    np.testing.assert_array_equal(read_text(tmp_path, text).q, motion(300)["q"])
+def test_lines_are_counted_below_a_megabyte_of_comments(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"line 200301 has 11 fields"):
-        read_text(tmp_path, text.rstrip("\n") + ",1\n" + text.splitlines()[-1] + "\n")
+        read_text(tmp_path, "# a comment\n\n" * 100_000 + f"{PLAIN[:-1]},1\n{LINES[0]}\n")
     with pytest.raises(InputError, match="all lines are blank or comments"):
         read_text(tmp_path, "# a comment, and no more\n" * 100_000)
 
 
 def test_lines_longer_than_what_is_looked_at_first(tmp_path: Path) -> None:
-    more = {f"{number}_{'a' * 6000}": np.zeros(5) for number in range(200)}
-    frame = pd.concat([tidy_frame(5), pd.DataFrame(more)], axis=1)
-    assert len(read_text(tmp_path, frame).t) == 5
+    more = pd.DataFrame({f"{number}_{'a' * 6000}": np.zeros(5) for number in range(200)})
+    assert len(read_text(tmp_path, pd.concat([tidy_frame(5), more], axis=1)).t) == 5
 
 
 def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
@@ -280,7 +249,3 @@ def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
     for text in (wide, long):
         with pytest.raises(InputError, match=r"2000 .*expected at most 1000"):
             read_text(tmp_path, text)
-
-
-def test_a_compressed_table_is_read_under_any_name(tmp_path: Path) -> None:
-    assert len(read_text(tmp_path, gzip.compress(tidy_frame(30).to_csv(index=False).encode())).t) == 30

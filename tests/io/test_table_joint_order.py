@@ -84,17 +84,6 @@ def test_joints_are_sorted_by_name_and_fingers_left_out(tmp_path: Path, write: C
 
 
 @WRITERS
-@pytest.mark.parametrize(
-    ("prefix", "robot"),
-    [("panda1", "panda"), ("left_panda", "panda"), ("fer", "panda"), ("fr3", "fr3"), ("left_fr3", "fr3")],
-)
-def test_the_robot_is_told_by_every_table(tmp_path: Path, write: Callable[..., Path], prefix: str, robot: str) -> None:
-    log = read_log(write(tmp_path, [f"{prefix}_joint{joint + 1}" for joint in ORDER]))
-    assert log.joint_names == tuple(f"{prefix}_joint{i}" for i in range(1, 8))
-    assert log.source.robot == robot
-
-
-@WRITERS
 def test_the_user_chooses_among_several_arms(tmp_path: Path, write: Callable[..., Path]) -> None:
     path = write(tmp_path, [f"{side}_joint{i}" for i in (3, 1, 2) for side in ("left", "right")])
     with pytest.raises((UsageError, InputError), match=r"several arms .*--topic '#left' or --topic '#right'"):
