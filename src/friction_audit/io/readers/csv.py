@@ -76,10 +76,8 @@ class CsvTable(Table):
     def __init__(self, path: Path, dialect: Dialect) -> None:
         super().__init__(path, dialect.names[: dialect.width])
         self._dialect = dialect
-        self.is_libfranka = [name.strip().lower() for name in dialect.names[1:2]] in (
-            ["success rate"],
-            ["success_rate"],
-        )
+        second = dialect.names[1].strip().lower() if len(dialect.names) > 1 else ""
+        self.is_libfranka = second in ("success rate", "success_rate")
         first = zip(range(dialect.width), dialect.rows[0], strict=False)
         # rostopic echo -p writes the joints' names into every line
         self._labels = {cell: text.strip() for cell, text in first if text.strip() and is_label(dialect.names[cell])}

@@ -36,7 +36,7 @@ _CHUNK_TIMES = struct.Struct("<QQ")
 _RECORD_START = struct.Struct("<BQ")
 _MESSAGE_TIME = struct.Struct("<HIQ")  # channel, sequence, log time; the time of publication follows
 # Of opcode, length and channel; sequence and times differ.
-_HEADS = Heads(width=31, constant=slice(11), clock=15, in_ns=lambda clock: clock.view("<i8")[:, 0] & LATEST_TIME_NS)
+_HEADS = Heads(width=31, constant=(slice(11),), clock=15, in_ns=lambda clock: clock.view("<i8")[:, 0] & LATEST_TIME_NS)
 _LOOSE_BYTES = 1 << 20
 
 

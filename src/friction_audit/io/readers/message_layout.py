@@ -5,7 +5,7 @@ strings with a zero; ROS 1 does neither.
 """
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -51,6 +51,25 @@ class Layout:
     # Offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header): payloads
     # of the same size that agree in these bytes have the same layout and the same strings.
     fixed: NDArray[np.intp]
+    content: NDArray[np.uint8]  # these bytes
+
+    def records(self, block: Block, paths: Sequence[str]) -> Records | None:
+        """View a block as records, one per message, one field per path; None if any message is laid out differently."""
+        size, count = self.size, len(block)
+        if not self.numbers.keys() >= {*paths} or not (block.size == size).all():
+            return None
+        buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
+        stride = int(steps[0]) if count > 1 else size
+        if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
+            buffer, start, stride = b"".join(block.payload(index) for index in range(count)), 0, size
+        rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
+        if not (rows[:, self.fixed] == self.content).all():
+            return None
+        leaves = [self.numbers[path] for path in paths]
+        formats = [(leaf.dtype, (leaf.count,)) for leaf in leaves]
+        offsets = [leaf.offset for leaf in leaves]
+        kind = np.dtype({"names": list(paths), "formats": formats, "offsets": offsets, "itemsize": size})
+        return np.ndarray((count,), kind, buffer, offset=start, strides=(stride,))
 
 
 def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: str) -> Layout:
@@ -65,7 +84,8 @@ def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: 
     spare = len(payload) - walk.position
     if spare < 0 or spare > (_CDR_TRAILING_PADDING_BYTES if walk.is_cdr else 0):
         raise LayoutError(f"{spare} bytes left over")
-    return Layout(len(payload), walk.numbers, walk.strings, np.flatnonzero(walk.fixed))
+    fixed = np.flatnonzero(walk.fixed)
+    return Layout(len(payload), walk.numbers, walk.strings, fixed, np.frombuffer(payload, np.uint8)[fixed])
 
 
 class _Walk:
@@ -137,35 +157,3 @@ class _Walk:
     def align(self, width: int) -> None:
         if self.is_cdr:
             self.position += -(self.position - _CDR_HEADER_BYTES) % width
-
-
-class BlockDecoder:
-    """Decodes blocks whose messages are all laid out as the first one was."""
-
-    def __init__(self, layout: Layout, payload: bytes, paths: tuple[str, ...]) -> None:
-        """Keep the first message's deciding bytes and the fields wanted."""
-        self.layout = layout
-        self._fixed_bytes = np.frombuffer(payload, np.uint8)[layout.fixed]
-        leaves = [layout.numbers[path] for path in paths]
-        self._dtype = np.dtype(
-            {
-                "names": list(paths),
-                "formats": [(leaf.dtype, (leaf.count,)) for leaf in leaves],
-                "offsets": [leaf.offset for leaf in leaves],
-                "itemsize": layout.size,
-            }
-        )
-
-    def decode(self, block: Block) -> Records | None:
-        """View a block as records, one per message, one field per path; None if any message is laid out differently."""
-        size, count = self.layout.size, len(block)
-        if not (block.size == size).all():
-            return None
-        buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
-        stride = int(steps[0]) if count > 1 else size
-        if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
-            buffer, start, stride = b"".join(block.payload(index) for index in range(count)), 0, size
-        rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
-        if not (rows[:, self.layout.fixed] == self._fixed_bytes).all():
-            return None
-        return np.ndarray((count,), self._dtype, buffer, offset=start, strides=(stride,))

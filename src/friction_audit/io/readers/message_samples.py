@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import numbered_joints
 from friction_audit.io.readers.message_kinds import Row, row_of
-from friction_audit.io.readers.message_layout import BlockDecoder, Layout, Records
+from friction_audit.io.readers.message_layout import Layout, Records
 from friction_audit.io.readers.message_stream import Block, Int, UndecodableError
 from friction_audit.io.readers.topics import Candidate
 from friction_audit.joint_log import Finding, Float
@@ -78,27 +78,21 @@ class JointDecoder:
         self.undecodable = self.incomplete = 0  # messages that do not fit their definition, or lack some of the joints
         kind = chosen.kind
         self.chosen, self.joints, self._channels = chosen, joints, channels
-        self._paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths]
-        self._paths += [kind.robot_time] if kind.robot_time else []
-        self._fast: dict[int, BlockDecoder] = {}
+        paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths, kind.robot_time]
+        self._paths = list(dict.fromkeys(path for path in paths if path))
+        self._layouts: dict[int, Layout] = {}
         self._columns: dict[tuple[str, ...], NDArray[np.intp]] = {}
 
     def decode(self, block: Block) -> Piece:
         """Decode by the layout in use, or by that of the block's own first message; else message by message."""
-        known = self._fast.get(block.key)
-        records = known.decode(block) if known else None
-        if records is None and (known := self._block_decoder(block)) is not None:
-            records = known.decode(block)
-        if known is None or records is None:
+        layout = self._layouts.get(block.key)
+        records = layout.records(block, self._paths) if layout else None
+        if records is None and (layout := self.chosen.decoders[block.key].layout(block.payload(0))):
+            records = layout.records(block, self._paths)
+        if layout is None or records is None:
             return self.of_messages(block)
-        self._fast[block.key] = known
-        return self._of_records(records, known.layout, block) or self.of_messages(block)
-
-    def _block_decoder(self, block: Block) -> BlockDecoder | None:
-        layout = self.chosen.decoders[block.key].layout(block.payload(0))
-        if layout is None or any(path not in layout.numbers for path in self._paths):
-            return None
-        return BlockDecoder(layout, block.payload(0), tuple(dict.fromkeys(self._paths)))
+        self._layouts[block.key] = layout
+        return self._of_records(records, layout, block) or self.of_messages(block)
 
     def _columns_of(self, names: tuple[str, ...]) -> NDArray[np.intp]:
         """Return, for each joint, its index in a message with these names, or -1 where it lacks the joint."""

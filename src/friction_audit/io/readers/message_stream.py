@@ -201,9 +201,7 @@ class Heads(NamedTuple):
     """What the records of a connection's messages look like up to their payloads."""
 
     width: int  # their length [byte]
-    constant: (
-        Any  # indices of the bytes that they share where the payloads are equally long: all but clocks and counters
-    )
+    constant: tuple[slice, ...]  # bytes that they share if the payloads are equally long: no clocks and counters
     clock: int  # where the eight bytes of the log time begin
     in_ns: Callable[[NDArray[np.uint8]], Int]  # from these bytes, shape (n, 8), to the log time
     pattern: re.Pattern[bytes] | None = None  # what one looks like, where writers differ
@@ -229,7 +227,7 @@ class BlockCollector:
         begin = start - heads.width
         count = (len(self._data) - begin) // stride
         rows = np.ndarray((count, heads.width), np.uint8, self._data, offset=begin, strides=(stride, 1))
-        same = (rows[:, heads.constant] == rows[0, heads.constant]).all(axis=1)
+        same = np.logical_and.reduce([(rows[:, part] == rows[0, part]).all(axis=1) for part in heads.constant])
         run = count if same.all() else int(same.argmin())
         if wanted:
             log_time = heads.in_ns(np.ascontiguousarray(rows[:run, heads.clock : heads.clock + 8]))

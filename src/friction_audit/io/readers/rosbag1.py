@@ -231,7 +231,7 @@ def _heads_like(head: bytes) -> Heads:
         text += re.escape(head[copied:begin]) + b"(?P<%b>.{%d})" % (name, stop - begin)
         copied = stop
     text += re.escape(head[copied:end]) + b"(?P<length>.{4})"
-    constant = np.setdiff1d(np.arange(len(head)), np.arange(time, time + 8))
+    constant = (slice(time), slice(time + 8, len(head)))
     return Heads(len(head), constant, time, _in_ns, re.compile(text, re.DOTALL))
 
 

@@ -106,9 +106,8 @@ def _refuse_several_recordings(path: Path, names: Sequence[str]) -> None:
     numbered = all(_NUMBER.search(name.partition(".")[0]) for name in names)
     if len(names) == 1 or (len(stems) == 1 and numbered):
         return
-    shown = ", ".join(names[:_MOST_SHOWN]) + (
-        f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
-    )
+    more = f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
+    shown = ", ".join(names[:_MOST_SHOWN]) + more
     raise InputError(
         f"{path}: {len(names)} storage files that are not parts of one recording ({shown}); expected metadata.yaml or "
         "names such as run_0.db3, run_1.db3; give one of the files"
