@@ -9,10 +9,9 @@ from numpy.typing import NDArray
 
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import numbered_joints
-from friction_audit.io.readers.message_kinds import Row, row_of
+from friction_audit.io.readers.message_kinds import Candidate, Row, row_of
 from friction_audit.io.readers.message_layout import Layout, Records
 from friction_audit.io.readers.message_stream import Block, Int, UndecodableError
-from friction_audit.io.readers.topics import Candidate
 from friction_audit.joint_log import Finding, Float
 
 _NANOSECONDS = 10**9

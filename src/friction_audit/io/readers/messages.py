@@ -18,7 +18,7 @@ from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import robot_of
 from friction_audit.io.readers.message_decoder import DefinitionError, MessageDecoder, decoder_for, needs_message
-from friction_audit.io.readers.message_kinds import MessageKind, Row, match_kind, row_of
+from friction_audit.io.readers.message_kinds import Candidate, MessageKind, Row, choose_topic, match_kind, row_of
 from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
 from friction_audit.io.readers.message_stream import (
     Block,
@@ -29,7 +29,6 @@ from friction_audit.io.readers.message_stream import (
     block_of_payloads,
 )
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large
-from friction_audit.io.readers.topics import Candidate, choose_topic
 from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float, find_window
 

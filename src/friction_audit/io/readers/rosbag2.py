@@ -32,17 +32,17 @@ class Rosbag2Stream(MessageStream):
         """Give each type the definition that any of the files has for it."""
         super().__init__(path)
         self._streams, self.stated, self.notes = streams, _stated_counts(metadata), _custom_data(metadata)
-        known = {c.type: c for stream in streams for c in stream.connections if c.definition}
-        self._places = [(stream, connection.key) for stream in streams for connection in stream.connections]
-        connections = (connection for stream in streams for connection in stream.connections)
+        own = [(stream, connection) for stream in streams for connection in stream.connections]
+        known = {c.type: c for _, c in own if c.definition}
+        self._places = [(stream, c.key) for stream, c in own]
         self.connections = tuple(
             replace(
-                connection,
+                c,
                 key=key,
-                definition=known.get(connection.type, connection).definition,
-                definition_format=known.get(connection.type, connection).definition_format,
+                definition=known.get(c.type, c).definition,
+                definition_format=known.get(c.type, c).definition_format,
             )
-            for key, connection in enumerate(connections)
+            for key, (_, c) in enumerate(own)
         )
 
     @property
