@@ -198,7 +198,7 @@ class Candidate:
 
     topic: str  # its name
     type: str  # its message type
-    messages: int | None  # number of messages, or None when the file does not say
+    messages: int  # number of messages
     kind: MessageKind  # which fields are which channel
     decoders: Mapping[int, MessageDecoder]  # key of each connection -> its decoder
     rows: Sequence[Row] = field(default=())  # the first messages, decoded
@@ -241,7 +241,7 @@ def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:
     """Torque before none, libfranka's own messages before others, first hand before republished, then the rate."""
     first_hand = bool(DRIVER_NODES & set(candidate.topic.split("/")))
     torque = any(name in candidate.channels for name in TORQUE_CHANNELS)
-    return not torque, candidate.kind.rank, not first_hand, -(candidate.messages or 0)
+    return not torque, candidate.kind.rank, not first_hand, -candidate.messages
 
 
 def _best_of_each_arm(candidates: Sequence[Candidate]) -> list[str]:
@@ -258,11 +258,7 @@ def _topic(candidate: Candidate, arm: str) -> str:
 
 
 def _choices(candidates: Sequence[Candidate]) -> str:
-    lines = []
-    for candidate in candidates:
-        count = "" if candidate.messages is None else f" ({candidate.messages} messages)"
-        lines += [f"--topic '{_topic(candidate, arm)}'{count}" for arm in candidate.arms]
-    return " or ".join(lines)
+    return " or ".join(f"--topic '{_topic(c, arm)}' ({c.messages} messages)" for c in candidates for arm in c.arms)
 
 
 def _arm_joints(path: Path, candidate: Candidate, wanted: str) -> tuple[str, ...]:
@@ -320,17 +316,14 @@ def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequen
 
 
 def _listed(topics: Sequence[Topic]) -> str:
-    listed = ", ".join(f"{topic.name} ({topic.type}{_count(topic.messages)})" for topic in topics)
+    listed = ", ".join(f"{topic.name} ({topic.type}, {topic.messages} messages)" for topic in topics)
     return f"topics are {listed}" if topics else "there are no topics"
-
-
-def _count(messages: int | None) -> str:
-    return "" if messages is None else f", {messages} messages"
 
 
 def _others_finding(best: Candidate, others: Sequence[Candidate]) -> tuple[Finding, ...]:
     if not others:
         return ()
-    names = ", ".join(f"{c.topic} ({c.type}{_count(c.messages)})" for c in others)
-    message = f"{best.topic} ({best.type}{_count(best.messages)}) was read; also there: {names}; choose with --topic"
+    names = ", ".join(f"{c.topic} ({c.type}, {c.messages} messages)" for c in others)
+    own = f"{best.topic} ({best.type}, {best.messages} messages)"
+    message = f"{own} was read; also there: {names}; choose with --topic"
     return (Finding(code="topic_chosen", message=message),)

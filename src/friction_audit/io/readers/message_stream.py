@@ -99,7 +99,7 @@ class Connection:
     encoding: str  # how payloads are serialised: "ros1", "cdr", "json", "protobuf" or something else
     definition: bytes = b""  # the message definition that the file carries, empty if it carries none
     definition_format: str = ""  # language of the definition, e.g. "ros2msg", "ros2idl", "protobuf"
-    messages: int | None = None  # number of messages, or None when the file does not say
+    messages: int = 0  # number of messages
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from difflib import get_close_matches
@@ -63,7 +63,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     chosen, joints, findings = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
     decoder = JointDecoder(chosen, joints, chosen.channels)
     row_bytes = np.float64().itemsize * (len(chosen.channels) * len(joints) + _CLOCKS)
-    expected = min(chosen.messages or 0, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
+    expected = min(chosen.messages, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
     size, missing, blocks, skipped = expected * row_bytes, list[Finding](), None, 0
     part = _read_part(path, stream, decoder, options) if options.reads_part(size) else None
     if part is None:
@@ -135,14 +135,9 @@ def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Top
     for connection in stream.connections:
         groups.setdefault(connection.topic, []).append(connection)
     return tuple(
-        Topic(name=name, type=own[-1].type, messages=_sum(c.messages for c in own), readable=name in readable)
+        Topic(name=name, type=own[-1].type, messages=sum(c.messages for c in own), readable=name in readable)
         for name, own in groups.items()
     )
-
-
-def _sum(counts: Iterable[int | None]) -> int | None:
-    known = [*counts]
-    return None if None in known else sum(filter(None, known))
 
 
 def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list[Candidate]:
@@ -183,7 +178,7 @@ def _candidate(path: Path, topic: str, group: Sequence[_Readable], *, is_wanted:
             "choose another topic with --topic"
         )
     decoders = {connection.key: decoder for connection, decoder, *_ in same}
-    messages = _sum(connection.messages for connection, *_ in same)
+    messages = sum(connection.messages for connection, *_ in same)
     return Candidate(topic=topic, type=first.type, messages=messages, kind=kind, decoders=decoders, rows=rows)
 
 
@@ -213,7 +208,7 @@ def _first_block(stream: MessageStream, connection: Connection) -> Block | None:
     """Return the first messages of a connection, which may lie in several blocks."""
     blocks = stream.blocks([connection.key])
     timed = ((int(one.log_time[index]), one.payload(index)) for one in blocks for index in range(len(one)))
-    found = list(islice(timed, min(_SAMPLED_MESSAGES, connection.messages or 1)))
+    found = list(islice(timed, min(_SAMPLED_MESSAGES, connection.messages)))
     return block_of_payloads(connection.key, *zip(*found, strict=True)) if found else None
 
 
@@ -296,8 +291,8 @@ def _read_part(
 def _missing(stream: MessageStream, chosen: Candidate, seen: Mapping[int, int]) -> list[Finding]:
     """Compare the messages read with their number by the file's own index and by metadata.yaml."""
     own = [c for c in stream.connections if c.topic == chosen.topic]
-    indexed = sum(max((c.messages or 0) - seen[c.key], 0) for c in own if c.key in chosen.decoders)
-    found = sum(seen[c.key] if c.key in chosen.decoders else c.messages or 0 for c in own)
+    indexed = sum(max(c.messages - seen[c.key], 0) for c in own if c.key in chosen.decoders)
+    found = sum(seen[c.key] if c.key in chosen.decoders else c.messages for c in own)
     lost = max(indexed, stream.stated.get(chosen.topic, 0) - found)
     if lost <= 0:
         return []
