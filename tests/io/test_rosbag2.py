@@ -12,7 +12,7 @@ from rosbags.typesys.store import Typestore
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import list_topics, read_log, rosbag2
-from friction_audit.io.readers.message_decoder import _ERROR_FLAGS, _FRANKA_GENERATIONS, _franka_definitions
+from friction_audit.io.readers.message_decoder import _ERRORS, _FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.io.readers.reader import ReadOptions
 from tests.io.bag_writing import (
     JOINTS,
@@ -89,9 +89,9 @@ def franka_store(typename: str, generation: int) -> Typestore:
 
 
 GENERATIONS = [("FrankaRobotState", 2)] + [
-    (name.partition("_")[0], index * len(_ERROR_FLAGS) + flags)
+    (name.partition("_")[0], index * len(_ERRORS) + flags)
     for index, name in enumerate(_FRANKA_GENERATIONS)
-    for flags in range(len(_ERROR_FLAGS))
+    for flags in range(len(_ERRORS))
 ]
 
 

@@ -4,7 +4,7 @@ The definition of a ROS message is from the file, from the standard set, or one 
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cache
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 # Files in franka_msgs/, in the order in which they are tried.
 _FRANKA_GENERATIONS = ("FrankaRobotState_nested", "FrankaState_flat", "FrankaState_multipanda")
 _FRANKA_TYPES = ("franka_msgs/msg/FrankaState", "franka_msgs/msg/FrankaRobotState")
-_ERROR_FLAGS = (36, 41)  # flags in franka_msgs/Errors, by generation
+_ERRORS = ("Errors_36", "Errors_41")  # which have so many flags
 _DEEPEST, _MOST_FIELDS = 64, 100_000  # the largest state message, FrankaRobotState, has some 200 fields in five levels
 _STAMP_TYPES = ("builtin_interfaces/msg/Time",)
 
@@ -193,20 +193,23 @@ def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()
 
 
 def _franka_definitions(typename: str) -> Iterator["Typesdict"]:
+    for generation in _FRANKA_GENERATIONS:
+        for errors in _ERRORS:
+            yield franka_types((errors, "CollisionIndicators", "Elbow", generation), typename)
+
+
+def franka_types(names: Sequence[str], own: str) -> "Typesdict":
+    """Return the types in some files of franka_msgs/, which are called as the types are; the last one is ``own``."""
     from importlib.resources import files
 
     from rosbags.typesys import get_types_from_msg
 
-    folder = files("friction_audit.io.readers") / "franka_msgs"
-    parts: Typesdict = {}
-    for name in ("CollisionIndicators", "Elbow"):
-        text = (folder / f"{name}.msg").read_text(encoding="utf-8")
-        parts.update(get_types_from_msg(text, f"franka_msgs/msg/{name}"))
-    for generation in _FRANKA_GENERATIONS:
-        text = (folder / f"{generation}.msg").read_text(encoding="utf-8")
-        for flags in _ERROR_FLAGS:
-            errors = get_types_from_msg(f"bool[{flags}] flags", "franka_msgs/msg/Errors")
-            yield {**parts, **errors, **get_types_from_msg(text, typename)}
+    found: Typesdict = {}
+    for name in names:
+        text = (files("friction_audit.io.readers") / "franka_msgs" / f"{name}.msg").read_text(encoding="utf-8")
+        typename = own if name == names[-1] else f"franka_msgs/msg/{name.partition('_')[0]}"
+        found.update(get_types_from_msg(text, typename))
+    return found
 
 
 def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[str]:

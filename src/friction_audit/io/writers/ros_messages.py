@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.io.readers.message_decoder import franka_types
 from friction_audit.io.readers.message_layout import find_layout
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
 from friction_audit.joint_log import JointLog
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 
-_OWN = "io/writers/franka_msgs"
-_SHARED = "io/readers/franka_msgs"  # definitions that the readers know too
 _BLOCK = 4096  # messages made at once
 
 
@@ -37,7 +35,7 @@ class MessageType:
     names: tuple[str, ...] = ()  # paths of the lists of joint names
     robot_time: str | None = None  # path of the robot's own clock, or None
     joints: int | None = None  # number of joints that it holds, or None for any
-    definitions: Mapping[str, str]  # type -> file of its definition, for types that ROS does not come with
+    definitions: tuple[str, ...] = ()  # files in readers/franka_msgs/ of what ROS does not come with, its own at last
 
     @property
     def encoding(self) -> str:
@@ -51,7 +49,6 @@ JOINT_STATE = MessageType(
     ros=2,
     fields={"position": "q", "velocity": "dq", "effort": "tau_J"},
     names=("name",),
-    definitions={},
 )
 JOINT_STATE_ROS1 = replace(JOINT_STATE, ros=1)
 _STATE = ("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered")
@@ -62,10 +59,7 @@ FRANKA_STATE_ROS1 = MessageType(  # franka_ros 0.10
     fields={name: name for name in _STATE},
     robot_time="time",
     joints=7,
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_41.msg",
-        "franka_msgs/msg/FrankaState": f"{_OWN}/FrankaState_ros1.msg",
-    },
+    definitions=("Errors_41", "FrankaState_ros1"),
 )
 FRANKA_STATE = MessageType(  # multipanda_ros2, the fork for the Panda
     name="franka_msgs/msg/FrankaState",
@@ -74,18 +68,12 @@ FRANKA_STATE = MessageType(  # multipanda_ros2, the fork for the Panda
     fields={name.lower(): name for name in _STATE},
     robot_time="time",
     joints=7,
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_41.msg",
-        "franka_msgs/msg/FrankaState": f"{_SHARED}/FrankaState_multipanda.msg",
-    },
+    definitions=("Errors_41", "FrankaState_multipanda"),
 )
 FRANKA_ROBOT_STATE_FLAT = replace(  # franka_ros2 up to v0.1.9
     FRANKA_STATE,
     name="franka_msgs/msg/FrankaRobotState",
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_36.msg",
-        "franka_msgs/msg/FrankaRobotState": f"{_SHARED}/FrankaState_flat.msg",
-    },
+    definitions=("Errors_36", "FrankaState_flat"),
 )
 FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
     FRANKA_ROBOT_STATE_FLAT,
@@ -98,23 +86,16 @@ FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
     },
     names=("measured_joint_state.name", "desired_joint_state.name", "tau_ext_hat_filtered.name"),
     joints=None,
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_36.msg",
-        "franka_msgs/msg/CollisionIndicators": f"{_SHARED}/CollisionIndicators.msg",
-        "franka_msgs/msg/Elbow": f"{_SHARED}/Elbow.msg",
-        "franka_msgs/msg/FrankaRobotState": f"{_SHARED}/FrankaRobotState_nested.msg",
-    },
+    definitions=("Errors_36", "CollisionIndicators", "Elbow", "FrankaRobotState_nested"),
 )
 
 
 def load_types(message: MessageType) -> "Typestore":
     """Return the types that a message is made of."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC if message.ros == 1 else Stores.ROS2_HUMBLE)
-    for name, place in message.definitions.items():
-        text = (files("friction_audit") / place).read_text(encoding="utf-8")
-        store.register(get_types_from_msg(text, name))
+    store.register(franka_types(message.definitions, message.name))
     return store
 
 

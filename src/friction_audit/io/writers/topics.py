@@ -107,7 +107,6 @@ MESSAGE = MessageType(
     topic="/joint_trajectory_controller/joint_trajectory",  # of ros2_control
     ros=2,
     fields={},
-    definitions={},
 )
 
 
