@@ -53,12 +53,7 @@ class McapStream(MessageStream):
         self._channels: dict[int, Channel] = {}
         self._schemas: dict[int, Schema] = {}
         self._counts: dict[int, int] = {}
-        with open_log(path) as file:
-            if file.read(len(MAGIC)) != MAGIC:
-                raise InputError(
-                    f"{path}: {'is empty' if not self._bytes else 'does not begin as an MCAP file'}; "
-                    "expected the bytes 89 4D 43 41 50 30 0D 0A; check the file's type and that it was copied whole"
-                )
+        with open_log(path, MAGIC, "an MCAP file") as file:
             is_whole = self._read_summary(file)
         if not is_whole:
             self._channels, self._schemas, self._counts = {}, {}, {}

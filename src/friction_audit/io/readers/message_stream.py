@@ -252,10 +252,15 @@ def block_of_payloads(key: int, log_time: Sequence[int], payloads: Sequence[byte
 
 
 @contextmanager
-def open_log(path: Path) -> Iterator[BinaryIO]:
-    """Open a log for reading; InputError if it cannot be opened or read."""
+def open_log(path: Path, magic: bytes = b"", what: str = "") -> Iterator[BinaryIO]:
+    """Open a log for reading after its first bytes; InputError if it cannot be read, or does not begin with these."""
     try:
         with path.open("rb") as file:
+            if (found := file.read(len(magic))) != magic:
+                raise InputError(
+                    f"{path}: {f'does not begin as {what}' if found else 'is empty'}; expected the bytes "
+                    f"{magic!r}; check the file's type and that it was copied whole"
+                )
             yield file
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; check the path and its permissions") from error

@@ -63,8 +63,7 @@ class Rosbag1Stream(MessageStream):
         self._chunks: list[Chunk] = []
         self._times: dict[int, tuple[int, int]] = {}
         self._uncounted = 0  # of the chunks, the last ones, which no index follows
-        with open_log(path) as file:
-            _check_magic(path, file.readline(64), self._bytes)
+        with open_log(path, _MAGIC, "a ROS 1 bag of version 2.0") as file:
             self._survey(file)
         if self._damage or self._uncounted or not self._connections:
             counted = self._chunks[: len(self._chunks) - self._uncounted]
@@ -179,16 +178,6 @@ class Rosbag1Stream(MessageStream):
         if _kind(header) == _CONNECTION and "topic" in header:
             described, _ = _read_header(BytesIO(_LENGTH.pack(len(data)) + data + bytes(_LENGTH.size)))
             self._connections.setdefault(_number(header, "conn"), described | {"topic": header["topic"]})
-
-
-def _check_magic(path: Path, first_line: bytes, size: int) -> None:
-    if first_line == _MAGIC:
-        return
-    if not size:
-        raise InputError(f"{path}: is empty; expected a ROS 1 bag; check that it was copied whole")
-    if first_line.startswith(b"#ROSBAG V1"):
-        raise InputError(f"{path}: is a ROS bag of version 1; expected 2.0; convert it with `rosbag fix`")
-    raise InputError(f"{path}: does not begin with '#ROSBAG V2.0'; expected a ROS 1 bag; check the file's type")
 
 
 def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:

@@ -148,13 +148,8 @@ class Sqlite3Stream(MessageStream):
         super().__init__(path)
         self._database = database or path
         self._last_sound = _LAST_ID
-        with open_log(path) as file:
-            header = file.read(HEADER_BYTES)
-        if not header.startswith(SQLITE_MAGIC):
-            raise InputError(
-                f"{path}: {'does not begin as an SQLite file' if header else 'is empty'}; expected the sqlite3 storage "
-                "of a ROS 2 bag; check the file's type and that it was copied whole"
-            )
+        with open_log(path, SQLITE_MAGIC, "an SQLite file") as file:
+            header = SQLITE_MAGIC + file.read(HEADER_BYTES - len(SQLITE_MAGIC))
         if database is not None:
             self._note(self._bytes, "the file is cut off there", stated_bytes(header))
         try:
