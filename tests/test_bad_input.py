@@ -1,8 +1,10 @@
-"""Whatever a file is: the documented exit code, one message by the rule, no traceback, nothing half-written."""
+"""Small logs in every form, and whatever a file is: the documented exit code, one message, nothing half-written."""
 
+import copy
 import os
 import re
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,8 +15,97 @@ import pytest
 from friction_audit.cli import main
 from friction_audit.io.readers.reader import Reader, ReadOptions
 from friction_audit.io.recording import Recording
-from tests import bad_files
-from tests.bad_files import BAGS, FORMS, SPOILED
+from friction_audit.io.writers.write_log import WRITERS
+from friction_audit.joint_log import Float, JointLog, Source
+
+SAMPLES = 400
+RATE_HZ = 200.0
+JOINTS = ("shoulder", "elbow")
+
+TABLES = {"csv": "log.csv", "csv-long": "log.csv", "parquet": "log.parquet", "npz": "log.npz"}
+BAGS = {
+    "rosbag1-joint-state": "log.bag",
+    "rosbag2-db3": "log.db3",
+    "rosbag2-sqlite3": "log_bag",
+    "rosbag2-mcap": "log_bag",
+    "mcap": "log.mcap",
+    "mcap-ros1": "log.mcap",
+    "mcap-json": "log.mcap",
+    "mcap-protobuf": "log.mcap",
+}
+FORMS: Mapping[str, str] = {**TABLES, **BAGS}
+"""Dialect of a writer -> name of the file or directory, at least one for every reader and every encoding."""
+
+
+def swinging_log(samples: int = SAMPLES) -> JointLog:
+    """Return a log of two joints that swing."""
+    t = np.arange(max(samples, 2)) / RATE_HZ
+    rate = np.array([3.0, 4.0])
+    q, dq = 0.5 * np.sin(np.outer(t, rate)), 0.5 * rate * np.cos(np.outer(t, rate))
+    source = Source(path="made", sha256="0" * 64, format="made", start_s=1.7e9)
+    log = JointLog(t=t, q=q, dq=dq, tau_J=0.3 * np.sign(dq) + 0.1 * dq, joint_names=JOINTS, source=source)
+    return with_arrays(log, **{name: array[:samples] for name, array in {"t": log.t, **log.channels()}.items()})
+
+
+def with_arrays(log: JointLog, **arrays: Float) -> JointLog:
+    """Return a log with other arrays, whatever a JointLog promises: files promise nothing."""
+    spoiled = copy.copy(log)
+    for name, array in arrays.items():
+        object.__setattr__(spoiled, name, array)
+    return spoiled
+
+
+def write(folder: Path, dialect: str, log: JointLog | None = None, name: str | None = None) -> Path:
+    """Write a log in a dialect and return its path."""
+    path = folder / (name or FORMS[dialect])
+    writer = next(writer for writer in WRITERS if writer.name == dialect)
+    writer.write(swinging_log() if log is None else log, path)
+    return path
+
+
+def storage_of(path: Path) -> Path:
+    """Return the file itself, or the storage file in the directory of a bag."""
+    return next(file for file in path.iterdir() if file.suffix in (".db3", ".mcap")) if path.is_dir() else path
+
+
+def cut(path: Path, share: float = 0.6) -> Path:
+    """Leave the beginning of a file, as a broken copy does."""
+    storage = storage_of(path)
+    content = storage.read_bytes()
+    storage.write_bytes(content[: int(len(content) * share)])
+    return path
+
+
+def replace_content(path: Path, content: bytes) -> Path:
+    """Put something else under the name of a log."""
+    storage_of(path).write_bytes(content)
+    return path
+
+
+def _not_finite(log: JointLog, value: float) -> JointLog:
+    spoiled = np.array(log.tau_J)
+    spoiled[100:110, 1] = value
+    return with_arrays(log, tau_J=spoiled)
+
+
+SPOILED: Mapping[str, Callable[[], JointLog]] = {
+    "nan": lambda: _not_finite(swinging_log(), np.nan),
+    "infinity": lambda: _not_finite(swinging_log(), np.inf),
+    "only nan": lambda: with_arrays(swinging_log(), tau_J=np.full((SAMPLES, 2), np.nan)),
+    "zero samples": lambda: swinging_log(0),
+    "one sample": lambda: swinging_log(1),
+    "constant time": lambda: with_arrays(swinging_log(), t=np.zeros(SAMPLES)),
+    "time runs back": lambda: with_arrays(swinging_log(), t=swinging_log().t[::-1].copy()),
+}
+"""Fault -> a log that has it."""
+
+
+def copy_of(path: Path, folder: Path) -> Path:
+    """Copy a file or a directory, to spoil the copy."""
+    target = folder / path.name
+    shutil.copytree(path, target) if path.is_dir() else shutil.copy(path, target)
+    return target
+
 
 USAGE, UNREADABLE, NO_ANSWER, DAMAGED = 2, 3, 4, 6
 
@@ -46,13 +137,13 @@ def run(capsys: pytest.CaptureFixture[str]) -> Run:
 @pytest.fixture(scope="session")
 def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Return a sound log in each form, to be copied."""
-    return {form: bad_files.write(tmp_path_factory.mktemp("sound"), form) for form in FORMS}
+    return {form: write(tmp_path_factory.mktemp("sound"), form) for form in FORMS}
 
 
 @pytest.fixture(params=FORMS)
 def log(request: pytest.FixtureRequest, sound: dict[str, Path], tmp_path: Path) -> Path:
     """Return a log in one of the forms."""
-    return bad_files.copy_of(sound[request.param], tmp_path)
+    return copy_of(sound[request.param], tmp_path)
 
 
 def assert_refused(answer: Answer, path: Path, message: str, *, code: int = UNREADABLE) -> None:
@@ -80,7 +171,7 @@ def test_sound_logs_are_read(run: Run, log: Path) -> None:
 
 
 def test_empty_file(run: Run, log: Path) -> None:
-    refuse(run, bad_files.replace_content(log, b""), r"empty")
+    refuse(run, replace_content(log, b""), r"empty")
 
 
 TRUNCATED = {
@@ -101,13 +192,13 @@ TRUNCATED = {
 
 @pytest.mark.parametrize("form", FORMS)
 def test_truncated(run: Run, form: str, sound: dict[str, Path], tmp_path: Path) -> None:
-    path = bad_files.copy_of(sound[form], tmp_path)
+    path = copy_of(sound[form], tmp_path)
     code, message = TRUNCATED[form]
     if form in ("csv", "csv-long"):
         text = path.read_text()
         path.write_text(text[: text.rindex(",", 0, len(text) * 3 // 5)].rpartition(",")[0])
     else:
-        bad_files.cut(path)
+        cut(path)
     if code == UNREADABLE:
         refuse(run, path, message)
         return
@@ -127,7 +218,7 @@ RENAMED = [*((form, others[place % 6]) for place, (form, others) in enumerate(OT
 def test_wrong_extension_is_read_by_its_content_and_noticed(
     run: Run, form: str, suffix: str, sound: dict[str, Path], tmp_path: Path
 ) -> None:
-    path = bad_files.copy_of(sound[form], tmp_path)
+    path = copy_of(sound[form], tmp_path)
     path = path.rename(path.with_suffix(suffix))
     answer = run("convert", path, tmp_path / "new.parquet")
     assert answer.code == 0, answer.err
@@ -147,7 +238,7 @@ def test_wrong_extension_is_read_by_its_content_and_noticed(
     ids=["words", "picture", "zeros", "pointer", "web page"],
 )
 def test_something_else_under_the_name_of_a_log(run: Run, log: Path, content: bytes, message: str) -> None:
-    refuse(run, bad_files.replace_content(log, content), message)
+    refuse(run, replace_content(log, content), message)
 
 
 def test_no_such_topic(run: Run, log: Path) -> None:
@@ -160,7 +251,7 @@ def test_no_such_topic(run: Run, log: Path) -> None:
 
 @pytest.mark.parametrize("form", ["csv", "parquet"])
 def test_missing_columns_are_named_at_once_with_near_misses(run: Run, form: str, tmp_path: Path) -> None:
-    path = bad_files.write(tmp_path, form)
+    path = write(tmp_path, form)
     frame = pd.read_csv(path) if form == "csv" else pd.read_parquet(path)
     frame.columns = [str(name).replace("time", "tyme").replace("dq_", "velocty_") for name in frame]
     frame = frame.drop(columns=["tau_J_1", "tau_J_2"])
@@ -192,7 +283,7 @@ WORDS = {
 @pytest.mark.parametrize("fault", SPOILED)
 @pytest.mark.parametrize("form", FORMS)
 def test_spoiled_content(run: Run, form: str, fault: str, tmp_path: Path) -> None:
-    path = bad_files.write(tmp_path, form, SPOILED[fault]())
+    path = write(tmp_path, form, SPOILED[fault]())
     code, message = WORDS[fault]
     if code == UNREADABLE:
         refuse(run, path, message)
@@ -203,7 +294,7 @@ def test_spoiled_content(run: Run, form: str, fault: str, tmp_path: Path) -> Non
 
 
 def test_no_permission(run: Run, log: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    storage = bad_files.storage_of(log)
+    storage = storage_of(log)
     opened = Path.open
 
     def forbidden(path: Path, *args: object, **named: object) -> object:
@@ -224,7 +315,7 @@ def still_recorded(log: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         try:
             return read_whole(reader, path, options)
         finally:
-            with bad_files.storage_of(path).open("ab") as stream:
+            with storage_of(path).open("ab") as stream:
                 stream.write(b"\n")
 
     monkeypatch.setattr(Reader, "read", read_and_grow)
@@ -234,7 +325,7 @@ def still_recorded(log: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 @pytest.mark.parametrize("whole", [True, False])
 def test_file_that_grows(run: Run, still_recorded: Path, whole: bool) -> None:
     if not whole:
-        bad_files.cut(still_recorded, 0.001)
+        cut(still_recorded, 0.001)
     answer = run("convert", still_recorded, still_recorded.parent / "new.parquet")
     assert answer.code == (DAMAGED if whole else UNREADABLE)
     assert re.search(r"changed while it was read( \(\d+ bytes before, \d+ after\)|: )", answer.err)
@@ -250,9 +341,9 @@ def test_directory(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
 
 
 def test_storage_under_the_other_name(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
-    bag = bad_files.copy_of(sound["rosbag2-mcap"], tmp_path)
+    bag = copy_of(sound["rosbag2-mcap"], tmp_path)
     (bag / "metadata.yaml").unlink()
-    storage = bad_files.storage_of(bag)
+    storage = storage_of(bag)
     storage.rename(storage.with_suffix(".db3"))
     assert run("convert", bag, tmp_path / "new.parquet").code == 0
 
@@ -293,7 +384,7 @@ def test_texts(run: Run, content: bytes, message: str, tmp_path: Path) -> None:
 
 
 def test_transposed_arrays(run: Run, tmp_path: Path) -> None:
-    log = bad_files.swinging_log()
+    log = swinging_log()
     path = tmp_path / "log.npz"
     np.savez(path, time=log.t, **{name: array.T for name, array in log.channels().items()})  # type: ignore[arg-type]
     refuse(run, path, r"transposed")
@@ -335,4 +426,4 @@ def test_path_with_blanks_and_letters(run: Run, sound: dict[str, Path], tmp_path
     for form, path in sound.items():
         folder = tmp_path / f"ein Lög #1 %20 {form}"
         folder.mkdir()
-        assert run("convert", bad_files.copy_of(path, folder), folder / "neü.mcap").code == 0
+        assert run("convert", copy_of(path, folder), folder / "neü.mcap").code == 0

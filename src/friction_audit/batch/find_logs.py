@@ -64,10 +64,9 @@ class LogFile:
 def find_logs(
     names: Sequence[str], rows: Mapping[str, ManifestRow], *, leave_out: Iterable[Path] = ()
 ) -> list[LogFile]:
-    """Find the logs that a user names: files, folders (searched to the bottom), globs, URLs, and those of a manifest.
+    """Find the logs that a user names: files, folders (searched to the bottom), globs, URLs, those of a manifest.
 
-    ``rows`` are those of the manifest by the place of their log; ``leave_out`` are no logs: the manifest itself, the
-    folder of the results.
+    ``leave_out`` are no logs: the manifest itself, the folder of the results.
     """
     closed = {os.path.realpath(path) for path in leave_out}
     found: dict[str, LogFile] = {}

@@ -27,25 +27,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Channel:
-    """The channel and how its messages are written."""
+    """A channel, its schema, and how its messages are written."""
 
-    topic: str  # topic
-    schema: str  # name of the schema
-    schema_encoding: str  # language of the schema
-    schema_data: bytes  # the schema
-    encoding: str  # encoding of the messages
-    profile: str = ""  # profile of the file
-    notes: Mapping[str, str] = field(default_factory=dict)  # metadata of the channel
+    topic: str
+    schema: str  # its name
+    schema_encoding: str
+    schema_data: bytes
+    encoding: str
+    profile: str = ""  # of the file
+    notes: Mapping[str, str] = field(default_factory=dict)
 
 
 def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[tuple[int, int, bytes]]) -> None:
-    """Write messages, given with their time [ns] and the place of their channel, in chunks compressed with zstd.
-
-    Args:
-        path: Where to.
-        channels: The channels; those of one schema name share the schema. The first one's profile is the file's.
-        messages: In the order of time, so that a viewer reads each chunk once.
-    """
+    """Write messages in the order of time: time [ns], place of the channel, payload; channels may share a schema."""
     from mcap.writer import Writer as McapWriter
 
     schemas: dict[str, int] = {}
