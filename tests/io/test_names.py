@@ -1,4 +1,4 @@
-"""What names say: of columns the channel, of joints the arm and the robot, of message fields the kind, of logs the arm."""
+"""What names say: of columns the channel, of joints arm and robot, of message fields the kind, of logs their arm."""
 
 import shutil
 from collections.abc import Mapping, Sequence

@@ -7,7 +7,7 @@ strings with a zero; ROS 1 does neither.
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,27 +103,19 @@ class _Walk:
 
     def field(self, description: "FieldDesc", path: str) -> None:
         # Node types of rosbags: 1 a base type, 2 a named message, 3 an array, 4 a sequence (with its length before it).
-        match description:
-            case (1 | 2 as kind, detail):
-                self.elements(kind, detail, path, count=None)
-            case (3, ((kind, detail), size)):
-                self.elements(kind, detail, path, count=size)
-            case (_, ((kind, detail), _)):
-                self.elements(kind, detail, path, count=self.length())
-
-    def elements(self, kind: int, detail: object, path: str, count: int | None) -> None:
-        """Take one element (count None) or an array of them."""
-        if kind == 1:
-            base = detail[0]  # type: ignore[index]
-            if base == "string":
-                self.strings[path] = tuple(self.string() for _ in range(1 if count is None else count))
-            else:
-                self.numeric(base, path, 1 if count is None else count)
-        elif count is None:
-            self.message(str(detail), f"{path}.")
+        node: Any = int(description[0])
+        detail: Any = description[1]
+        count = None
+        if node > 2:  # noqa: PLR2004
+            (inner, detail), size = detail
+            node, count = int(inner), size if node == 3 else self.length()  # noqa: PLR2004
+        if node == 1 and detail[0] == "string":
+            self.strings[path] = tuple(self.string() for _ in range(1 if count is None else count))
+        elif node == 1:
+            self.numeric(detail[0], path, 1 if count is None else count)
         else:
-            for index in range(count):
-                self.message(str(detail), f"{path}[{index}].")
+            for index in range(1 if count is None else count):
+                self.message(detail, f"{path}." if count is None else f"{path}[{index}].")
 
     def numeric(self, base: str, path: str, count: int) -> None:
         if base not in _NUMBER_TYPES:
