@@ -53,21 +53,22 @@ def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for _, _, name in sorted(numbered))
 
 
-def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ...]:
-    """Return the joints of the arm to read, in their order, from the joints of a table.
+def choose_arm(names: Sequence[str], wanted: str, *, path: str, topic: str = "") -> tuple[str, ...]:
+    """Return the joints of the arm to read, in their order, from the joints of a table or of a topic.
 
     SeveralLogsError if there are several arms and the user named none.
     """
     arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
-    choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
+    choices = " or ".join(f"--topic '{topic}#{arm}'" for arm in arms)
+    where = f"on topic {topic}" if topic else "in this table"
     if wanted and wanted not in arms:
         raise InputError(
-            f"{path}: no arm {wanted!r} in this table; it has {', '.join(arms) or 'no joints by name'}; "
+            f"{path}: no arm {wanted!r} {where}; it has {', '.join(arms) or 'no joints by name'}; "
             f"{f'choose with {choices}' if arms else 'leave --topic out'}"
         )
     if not wanted and len(arms) > 1:
-        message = f"{path}: several arms in one log; choose one with {choices}"
-        raise SeveralLogsError(message, [f"#{arm}" for arm in arms])
+        message = f"{path}: several arms {where if topic else 'in one log'}; choose one with {choices}"
+        raise SeveralLogsError(message, [f"{topic}#{arm}" for arm in arms])
     return arms[wanted] if wanted else next(iter(arms.values()), ())
 
 

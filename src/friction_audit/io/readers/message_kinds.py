@@ -19,6 +19,7 @@ from friction_audit.io.readers.joint_names import (
     UNNAMED_ARM,
     arm_name,
     arms_in,
+    choose_arm,
     namespace,
     numbered_joints,
 )
@@ -204,9 +205,14 @@ class Candidate:
     rows: Sequence[Row] = field(default=())  # the first messages, decoded
 
     @property
+    def names(self) -> list[str]:
+        """Names of joints in the first messages."""
+        return [name for row in self.rows for name in row.names]
+
+    @property
     def arms(self) -> dict[str, tuple[str, ...]]:
         """Prefix of each arm in the messages -> its joints."""
-        return arms_in([name for row in self.rows for name in row.names])
+        return arms_in(self.names)
 
     @property
     def channels(self) -> tuple[str, ...]:
@@ -262,20 +268,9 @@ def _choices(candidates: Sequence[Candidate]) -> str:
 
 
 def _arm_joints(path: Path, candidate: Candidate, wanted: str) -> tuple[str, ...]:
-    arms = {arm or UNNAMED_ARM: joints for arm, joints in candidate.arms.items()}
-    if not arms:
+    if not candidate.arms:
         raise InputError(f"{path}: topic {candidate.topic} has no joints in its messages; choose another with --topic")
-    if wanted in arms:
-        return arms[wanted]
-    if wanted:
-        raise InputError(
-            f"{path}: no arm {wanted!r} on topic {candidate.topic}; it has {', '.join(arms)}; "
-            f"choose with {_choices([candidate])}"
-        )
-    if len(arms) > 1:
-        message = f"{path}: several arms on topic {candidate.topic}; choose one with {_choices([candidate])}"
-        raise SeveralLogsError(message, _best_of_each_arm([candidate]))
-    return next(iter(arms.values()))
+    return choose_arm(candidate.names, wanted, path=str(path), topic=candidate.topic)
 
 
 def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str) -> Candidate:
