@@ -50,7 +50,7 @@ READERS: tuple[Reader, ...] = (
     Reader("csv", (".csv", ".tsv", ".txt", ".dat", ".csv.gz", ".csv.zst")),
 )
 _DEFAULT = ReadOptions()
-_PARTS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
+_FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 
 
@@ -161,7 +161,21 @@ def to_joint_log(
     """Make an examined recording a JointLog whose clock starts at 0, in memory or not."""
     blocks = recording.blocks
     first = float(recording.t[0]) if blocks is None else recording.first_s or 0.0
-    source = _source(recording, first, path=path, sha256=sha256, format=format)
+    torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
+    source = Source(
+        path=path,
+        sha256=sha256,
+        format=format,
+        robot=recording.robot,
+        serial=recording.serial,
+        clock=recording.clock,
+        start_s=None if recording.start_s is None else recording.start_s + first,
+        topic=recording.topic,
+        channels=dict(recording.mapping),
+        torque_unit=recording.torque_unit or torque_unit(recording.mapping.get(torque, "")),
+        clock_windows=recording.clock_windows,
+        findings=recording.findings,
+    )
     if options.has_window:
         source = replace(source, window=(options.t_start_s, options.t_end_s), skipped_s=first)
     if blocks is None:
@@ -179,24 +193,6 @@ def to_joint_log(
         gaps=blocks.gaps,
         read=blocks.read,
         read_whole=partial(_read_log, path, ReadOptions.of(options)),
-    )
-
-
-def _source(recording: Recording, first: float, *, path: str, sha256: str, format: str) -> Source:  # noqa: A002
-    torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
-    return Source(
-        path=path,
-        sha256=sha256,
-        format=format,
-        robot=recording.robot,
-        serial=recording.serial,
-        clock=recording.clock,
-        start_s=None if recording.start_s is None else recording.start_s + first,
-        topic=recording.topic,
-        channels=dict(recording.mapping),
-        torque_unit=recording.torque_unit or torque_unit(recording.mapping.get(torque, "")),
-        clock_windows=recording.clock_windows,
-        findings=recording.findings,
     )
 
 
@@ -286,7 +282,7 @@ def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
 
 def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Recording:
     """Multiply the measured torque, tau_J where there is one, by constant, ratio and scale of each joint; in place."""
-    factors = {name: values for name in _PARTS if (values := getattr(options, name))}
+    factors = {name: values for name in _FACTORS if (values := getattr(options, name))}
     if not factors and not options.flip:
         return recording
     joints = len(recording.joint_names)
@@ -305,7 +301,7 @@ def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Re
     for values in factors.values():
         total = total * np.asarray(values)
     recording = recording.scaled(channel, total * (1e-3 if is_current and unit == "mA" else 1.0))
-    parts = [_PARTS[one].format(", ".join(f"{value:g}" for value in values)) for one, values in factors.items()]
+    parts = [_FACTORS[one].format(", ".join(f"{value:g}" for value in values)) for one, values in factors.items()]
     parts += [f"-1 in joint {write_joint_numbers(options.flip)}"] if options.flip else []
     message = f"{channel} is {name} times {' times '.join(parts)}"
     if is_current:
