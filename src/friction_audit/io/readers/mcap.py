@@ -97,7 +97,7 @@ class McapStream(MessageStream):
 
         Index records are passed over unread: the stream reader of the mcap library spends half its time on them.
         """
-        offset, loose = len(MAGIC), bytearray()
+        offset, loose, begin = len(MAGIC), bytearray(), 0
         with open_log(self._path) as file:
             while True:
                 file.seek(offset)
@@ -106,9 +106,10 @@ class McapStream(MessageStream):
                 is_cut = offset + _RECORD_START.size + length > self._bytes
                 is_end = is_cut or length == _END_LENGTHS.get(opcode)
                 if opcode in _LOOSE and not is_cut:
+                    begin = begin if loose else offset
                     loose += start + file.read(length)
                 if loose and (is_end or opcode == _CHUNK or len(loose) > _LOOSE_BYTES):
-                    yield offset, bytes(loose)
+                    yield begin, bytes(loose)
                     loose.clear()
                 reason = "a record is cut off" if opcode else "it ends without the closing records"
                 if opcode == _CHUNK and (is_cut or window is None or not window.leaves_out(_times_of_chunk(file))):

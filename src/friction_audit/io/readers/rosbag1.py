@@ -4,7 +4,7 @@ import re
 import struct
 from collections.abc import Collection, Iterator, Mapping
 from functools import partial
-from io import SEEK_CUR, BytesIO
+from io import BytesIO
 from operator import itemgetter
 from pathlib import Path
 from typing import BinaryIO, NamedTuple
@@ -185,10 +185,11 @@ def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
     from rosbags.rosbag1.reader import Header, ReaderError
 
     try:
+        start = file.tell()
         claimed = int.from_bytes(file.read(_LENGTH.size), "little")
         if claimed > _LARGEST_HEADER:
             raise BrokenRecordError(f"a record's header claims {claimed} bytes")
-        file.seek(-_LENGTH.size, SEEK_CUR)
+        file.seek(start)
         return Header.read(file), int(_LENGTH.unpack(file.read(_LENGTH.size))[0])
     except (ReaderError, UnicodeDecodeError, struct.error, OSError) as error:
         raise BrokenRecordError("a record is cut off, or its header is broken") from error
@@ -212,9 +213,9 @@ def _number(header: Mapping[str, bytes], name: str) -> int:
 def _heads_like(head: bytes) -> Heads:
     """Learn from one message record up to its payload what others look like; writers differ in the order of fields."""
     conn, time = head.find(b"\x09\0\0\0conn=") + 9, head.find(b"\x0d\0\0\0time=") + 9  # each with its length
-    if head[conn - 1 : conn] != b"=" or head[time - 1 : time] != b"=":
-        raise BrokenRecordError("a message record has no connection or no time")
     end = len(head) - _LENGTH.size
+    if min(conn, time) < 9 or conn + 4 > end or time + 8 > end:  # noqa: PLR2004
+        raise BrokenRecordError("a message record has no connection or no time")
     text, copied = b"", 0
     for name, begin, stop in sorted(((b"conn", conn, conn + 4), (b"time", time, time + 8)), key=itemgetter(1)):
         text += re.escape(head[copied:begin]) + b"(?P<%b>.{%d})" % (name, stop - begin)
