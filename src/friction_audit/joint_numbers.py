@@ -4,20 +4,11 @@ from collections.abc import Iterable
 
 from friction_audit.errors import UsageError, shortened
 
-HIGHEST = 99_999
-"""No arm has so many joints, and no ledger so many sessions of one."""
+HIGHEST = 99_999  # no arm has so many joints, and no ledger so many sessions of one
 
 
 def parse_joint_numbers(text: str, where: str) -> tuple[int, ...]:
-    """Return the joints of ``"1,3-5"``, in order and each once.
-
-    Args:
-        text: Numbers and ranges from 1, separated by commas.
-        where: What a message begins with, e.g. ``"--joints 1,x"``.
-
-    Raises:
-        UsageError: If the text is anything else.
-    """
+    """Return the joints of ``"1,3-5"``, in order and each once; a message begins with ``where``."""
     joints: set[int] = set()
     where = shortened(where, 200)
     for part in text.split(","):
@@ -46,21 +37,13 @@ def write_joint_numbers(joints: Iterable[int]) -> str:
 
 
 def split_joints(text: str, where: str) -> tuple[str, tuple[int, ...] | None]:
-    """Return the text before ``@`` and the joints behind it, or None for all where there is no ``@``.
-
-    Raises:
-        UsageError: If what stands behind it are no joints.
-    """
+    """Return the text before ``@`` and the joints after it, or None for all where there is no ``@``."""
     head, at, joints = text.partition("@")
     return head, parse_joint_numbers(joints, where) if at else None
 
 
 def require_joints(joints: Iterable[int], count: int, where: str) -> None:
-    """Refuse joints that are not there.
-
-    Raises:
-        UsageError: Naming those above ``count``.
-    """
+    """Refuse joints that are not there, those above ``count``."""
     absent = [joint for joint in joints if joint > count]
     if absent:
         there = "there is only joint 1" if count == 1 else f"expected joints from 1 to {count}"

@@ -1,7 +1,8 @@
-"""Bags for tests, written by rosbags' and mcap's own writers."""
+"""Bags for tests, written by rosbags' and mcap's own writers, and how they are read."""
 
 import json
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,10 @@ from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from friction_audit.io.readers.read import choose_reader
+from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.recording import Recording
+from friction_audit.joint_log import Finding
 
 JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
 START_NS = 1_700_000_000_000_000_123
@@ -30,6 +34,14 @@ def samples(n: int, joints: int = 7, seed: int = 0) -> Samples:
     return {name: rng.normal(size=(n, joints)) for name in ("q", "dq", "tau_J")}
 
 
+def read(path: Path, **options: Any) -> Recording:
+    return choose_reader(path).read(path, ReadOptions(**options))
+
+
+def damage(recording: Recording) -> list[Finding]:
+    return [finding for finding in recording.findings if finding.damaged]
+
+
 def assert_read(recording: Recording, values: Samples) -> None:
     """The recording has these channels, to the bit, column by column."""
     assert list(recording.channels) == list(values)
@@ -38,21 +50,16 @@ def assert_read(recording: Recording, values: Samples) -> None:
         assert recording.channels[name].flags.f_contiguous
 
 
-def ros1_store(*definitions: tuple[str, str]) -> Typestore:
-    return _store(Stores.ROS1_NOETIC, definitions)
-
-
-def ros2_store(*definitions: tuple[str, str]) -> Typestore:
-    return _store(Stores.ROS2_HUMBLE, definitions)
-
-
-def _store(base: Stores, definitions: Sequence[tuple[str, str]]) -> Typestore:
+def ros1_store(*definitions: tuple[str, str], base: Stores = Stores.ROS1_NOETIC) -> Typestore:
     store = get_typestore(base)
     types: Any = {}
     for name, text in definitions:
         types.update(get_types_from_msg(text, name))
     store.register(types)
     return store
+
+
+ros2_store = partial(ros1_store, base=Stores.ROS2_HUMBLE)
 
 
 def stamp_ns(index: int) -> int:
@@ -180,13 +187,9 @@ def write_mcap(
     **options: Any,
 ) -> Path:
     """An MCAP file of ROS messages by the mcap library's own writer."""
+    serialise = store.serialize_ros1 if ros1 else store.serialize_cdr
     payloads = [
-        (
-            topic,
-            kind,
-            [(t, bytes((store.serialize_ros1 if ros1 else store.serialize_cdr)(m, kind))) for t, m in messages],
-        )
-        for topic, kind, messages in streams
+        (topic, kind, [(t, bytes(serialise(m, kind))) for t, m in messages]) for topic, kind, messages in streams
     ]
     schemas = {kind: store.generate_msgdef(kind, ros_version=1 if ros1 else 2)[0].encode() for _, kind, _ in streams}
     encodings = ("ros1", "ros1msg") if ros1 else ("cdr", "ros2msg")
@@ -201,11 +204,14 @@ def write_mcap_payloads(
     schema_encoding: str,
     *,
     chunk_size: int = 64 * 1024,
+    notes: dict[str, str] | None = None,
     **options: Any,
 ) -> Path:
     with path.open("wb") as file:
         writer: Any = McapWriter(file, chunk_size=chunk_size, **options)
         writer.start(profile="")
+        if notes:
+            writer.add_metadata("robot", notes)
         channels = []
         for topic, kind, _ in streams:
             name = kind.replace("/msg/", "/") if message_encoding == "ros1" else kind

@@ -1,12 +1,14 @@
 """Recordings of a known motion for the tests of ingest: sines, whose velocity is their derivative."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, JointLog
 
 RATE_HZ = 1000.0
 
@@ -39,6 +41,14 @@ def tidy_frame(samples: int = 3000, joints: int = 3) -> pd.DataFrame:
     for channel, array in arrays.items():
         columns |= {f"{channel}_{joint + 1}": array[:, joint] for joint in range(joints)}
     return pd.DataFrame(columns)
+
+
+def read_text(folder: Path, content: str | bytes | pd.DataFrame, **options: Any) -> JointLog:
+    """Write a text table and read it."""
+    path = folder / "run.csv"
+    text = content.to_csv(index=False) if isinstance(content, pd.DataFrame) else content
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    return read_log(path, ReadOptions(**options))
 
 
 def write_tidy_csv(path: Path, samples: int = 300, joints: int = 3, separator: str = ",") -> Path:

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.io.readers.message_layout import BlockDecoder, LayoutError, find_layout
+from friction_audit.io.readers.message_layout import Layout, LayoutError, find_layout
 from friction_audit.io.readers.message_stream import Block, block_of_payloads
 from tests.io.bag_writing import header, ros1_store, ros2_store
 
@@ -46,22 +46,21 @@ def deserialise(encoding: str, payload: bytes) -> Any:
     return (store.deserialize_cdr if encoding == "cdr" else store.deserialize_ros1)(payload, KIND)
 
 
-def block_decoder(encoding: str, payload: bytes, paths: Sequence[str] = NUMBERS) -> BlockDecoder:
-    layout = find_layout(payload, KIND, STORES[encoding].fielddefs, encoding=encoding)
-    return BlockDecoder(layout, payload, tuple(paths))
+def layout_of(encoding: str, payload: bytes) -> Layout:
+    return find_layout(payload, KIND, STORES[encoding].fielddefs, encoding=encoding)
 
 
 @given(same_layout())
 def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]]) -> None:
     encoding, messages = case
     payloads = [serialise(encoding, message) for message in messages]
-    decoder = block_decoder(encoding, payloads[0])
-    records = decoder.decode(block_of_payloads(0, range(len(payloads)), payloads))
+    layout = layout_of(encoding, payloads[0])
+    records = layout.records(block_of_payloads(0, range(len(payloads)), payloads), NUMBERS)
     assert records is not None
     for record, payload in zip(records, payloads, strict=True):
         reference = deserialise(encoding, payload)
-        assert list(decoder.layout.strings["name"]) == reference.name
-        assert decoder.layout.strings["header.frame_id"] == (reference.header.frame_id,)
+        assert list(layout.strings["name"]) == reference.name
+        assert layout.strings["header.frame_id"] == (reference.header.frame_id,)
         assert record["header.stamp.nanosec"][0] == reference.header.stamp.nanosec
         for field in ("position", "velocity", "effort"):
             assert record[field].tobytes() == getattr(reference, field).tobytes()
@@ -71,11 +70,12 @@ def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]]) ->
 def test_any_other_string_or_length_is_refused(case: tuple[str, list[Any]], data: st.DataObject) -> None:
     encoding, messages = case
     payloads = [bytearray(serialise(encoding, message)) for message in messages]
-    decoder = block_decoder(encoding, bytes(payloads[0]))
+    layout = layout_of(encoding, bytes(payloads[0]))
     victim = data.draw(st.sampled_from(payloads))
-    at = data.draw(st.sampled_from(decoder.layout.fixed.tolist()))
+    at = data.draw(st.sampled_from(layout.fixed.tolist()))
     victim[at] ^= data.draw(st.integers(1, 255))
-    assert decoder.decode(block_of_payloads(0, range(len(payloads)), [bytes(p) for p in payloads])) is None
+    block = block_of_payloads(0, range(len(payloads)), [bytes(p) for p in payloads])
+    assert layout.records(block, NUMBERS) is None
 
 
 def joint_state_payload(encoding: str = "cdr", names: Sequence[str] = ("a_joint1", "a_joint2")) -> bytes:
@@ -91,14 +91,14 @@ def test_payloads_apart_in_the_buffer(gaps: tuple[int, int]) -> None:
     buffer = payload + b"\xff" * gaps[0] + payload + b"\xff" * gaps[1] + payload
     start = np.array([0, size + gaps[0], 2 * size + sum(gaps)], np.int64)
     block = Block(0, np.arange(3), buffer, start, np.full(3, size, np.int64))
-    records = block_decoder("cdr", payload).decode(block)
+    records = layout_of("cdr", payload).records(block, NUMBERS)
     assert records is not None
     np.testing.assert_array_equal(records["effort"], [[10.0, 20.0]] * 3)
 
 
 def test_layout_of_a_cdr_message_known_by_hand() -> None:
     # 4 header, 8 stamp, 4+5 "base\0", 3 padding, 4 count, 4+9 "a_joint1\0", 3 padding, 4+9, 3 padding, 4 count: 64.
-    layout = find_layout(joint_state_payload(), KIND, STORES["cdr"].fielddefs, encoding="cdr")
+    layout = layout_of("cdr", joint_state_payload())
     assert layout.numbers["header.stamp.sec"].offset == 4
     assert layout.numbers["position"].offset == 68
     assert layout.numbers["velocity"].offset == 68 + 16 + 8
@@ -112,4 +112,4 @@ def test_layout_of_a_cdr_message_known_by_hand() -> None:
 )
 def test_payload_that_does_not_fit_has_no_layout(payload: bytes) -> None:
     with pytest.raises(LayoutError):
-        find_layout(payload, KIND, STORES["cdr"].fielddefs, encoding="cdr")
+        layout_of("cdr", payload)

@@ -1,17 +1,24 @@
 """The clock of a table and of messages: which one, in which unit, to the last digit."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.io.checks.columns import Thinned
-from friction_audit.io.readers.message_stream import choose_clock
+from friction_audit.io.readers.message_samples import MessageClock, choose_clock
 from friction_audit.io.readers.time_column import find_time, to_clock
 
 START_NS = 1_700_000_000_000_000_123
 LOG = START_NS + np.arange(1000, dtype=np.int64) * 1_000_000
 SECONDS = np.linspace(0.0, 0.999, 1000)
+
+
+def chosen(log_time: Any, header_stamp: Any = None, robot_time: Any = None) -> MessageClock:
+    times = {"log_time": log_time, "header_stamp": header_stamp, "robot_time": robot_time}
+    return choose_clock({name: readings for name, readings in times.items() if readings is not None})
 
 
 @pytest.mark.parametrize(
@@ -64,21 +71,21 @@ def test_unit_from_a_unix_time(per_second: float, unit: str) -> None:
 def test_nanoseconds_since_1970_keep_their_last_digit() -> None:
     clock = to_clock(1_700_000_000_123_456_789 + np.arange(4, dtype=np.int64), "ns", path="log")
     np.testing.assert_array_equal(clock.t, np.arange(4) / 1e9)
-    stamped = choose_clock(LOG, LOG + 7, None)
+    stamped = chosen(LOG, LOG + 7)
     assert (stamped.name, stamped.findings) == ("header_stamp", ())
     np.testing.assert_array_equal(stamped.t, np.arange(1000) / 1000)
     assert stamped.start_s == pytest.approx(START_NS / 1e9)
 
 
 def test_robot_time_comes_first_and_takes_its_date_from_the_log() -> None:
-    clock = choose_clock(LOG, LOG, 12.0 + SECONDS)
+    clock = chosen(LOG, LOG, 12.0 + SECONDS)
     assert clock.name == "robot_time"
     assert clock.start_s == pytest.approx(START_NS / 1e9)
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds")])
 def test_robot_time_in_another_unit(factor: float, unit: str) -> None:
-    clock = choose_clock(LOG, None, SECONDS * factor)
+    clock = chosen(LOG, None, SECONDS * factor)
     np.testing.assert_allclose(clock.t, np.arange(1000) * 1e-3)
     assert [finding.code for finding in clock.findings] == ["robot_time_unit"]
     assert unit in clock.findings[0].message
@@ -86,7 +93,7 @@ def test_robot_time_in_another_unit(factor: float, unit: str) -> None:
 
 @pytest.mark.parametrize("robot_time", [0.0, np.nan])
 def test_clocks_that_stand_still_are_passed_over(robot_time: float) -> None:
-    clock = choose_clock(LOG, np.zeros(1000, np.int64), np.full(1000, robot_time))
+    clock = chosen(LOG, np.zeros(1000, np.int64), np.full(1000, robot_time))
     assert clock.name == "log_time"
     assert [finding.code for finding in clock.findings] == ["clock_stopped", "clock_stopped"]
 
@@ -94,21 +101,21 @@ def test_clocks_that_stand_still_are_passed_over(robot_time: float) -> None:
 def test_drift_between_clocks() -> None:
     drifting = START_NS + np.arange(100_000, dtype=np.int64) * 1_010_000
     stamps = START_NS + np.arange(100_000, dtype=np.int64) * 1_000_000
-    (finding,) = choose_clock(drifting, stamps, None).findings
+    (finding,) = chosen(drifting, stamps).findings
     assert finding.code == "clock_disagreement"
     assert finding.amount == pytest.approx(0.01)
 
 
 def test_irregular_difference_between_clocks() -> None:
     late = LOG + np.random.default_rng(0).uniform(0.0, 1e8, 1000).astype(np.int64)
-    (finding,) = choose_clock(late, LOG, None).findings
+    (finding,) = chosen(late, LOG).findings
     assert finding.code == "clock_disagreement"
     assert finding.amount == pytest.approx(0.1 / np.sqrt(12), rel=0.1)
 
 
 def test_no_date_and_a_single_message() -> None:
-    assert choose_clock(LOG - START_NS, None, None).start_s is None
-    clock = choose_clock(LOG[:1], LOG[:1], None)
+    assert chosen(LOG - START_NS).start_s is None
+    clock = chosen(LOG[:1], LOG[:1])
     assert (clock.t.tolist(), clock.findings) == ([0.0], ())
 
 

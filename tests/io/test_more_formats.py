@@ -29,22 +29,17 @@ def packed(folder: Path, suffix: str) -> Path:
 
 
 @pytest.mark.parametrize("suffix", [".gz", ".zst"])
-def test_compressed_text(tmp_path: Path, suffix: str) -> None:
+def test_compressed_text_whole_and_cut_off(tmp_path: Path, suffix: str) -> None:
     path = packed(tmp_path, suffix)
     log = read_log(path)
     np.testing.assert_array_equal(log.q, motion(300)["q"])
     assert (log.source.format, log.source.findings) == ("csv", ())
     assert list_topics(path)[1][0].messages == 300
-
-
-@pytest.mark.parametrize("suffix", [".gz", ".zst"])
-@pytest.mark.parametrize("kept", [0.02, 0.9])
-def test_compressed_text_that_breaks_off(tmp_path: Path, suffix: str, kept: float) -> None:
-    path = packed(tmp_path, suffix)
     content = path.read_bytes()
-    path.write_bytes(content[: int(kept * len(content))])
-    with pytest.raises(InputError, match=r"stream breaks off or is damaged .*; copy it again, or read the part"):
-        read_log(path)
+    for kept in (0.9, 0.02):
+        path.write_bytes(content[: int(kept * len(content))])
+        with pytest.raises(InputError, match=r"stream breaks off or is damaged .*; copy it again, or read the part"):
+            read_log(path)
 
 
 def test_a_plain_array(tmp_path: Path) -> None:
@@ -57,13 +52,11 @@ def test_a_plain_array(tmp_path: Path) -> None:
 
 
 def test_an_array_of_records(tmp_path: Path) -> None:
-    arrays = motion(300)
-    kinds = [(name, float, () if array.ndim == 1 else (3,)) for name, array in arrays.items()]
-    records = np.zeros(300, dtype=kinds)
-    for name, array in arrays.items():
+    records = np.zeros(300, dtype=[(name, float, array.shape[1:]) for name, array in motion(300).items()])
+    for name, array in motion(300).items():
         records[name] = array
     np.save(tmp_path / "run.npy", records)
-    np.testing.assert_array_equal(read_log(tmp_path / "run.npy").dq, arrays["dq"])
+    np.testing.assert_array_equal(read_log(tmp_path / "run.npy").dq, motion(300)["dq"])
 
 
 @pytest.mark.parametrize(
@@ -122,15 +115,9 @@ def test_matlab_files_without_a_log(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        (
-            lambda m: {"dq": m["dq"][:-1]},
-            r"no column for dq.*left out: dq of 299x3; expected 300 samples in every array",
-        ),
+        (lambda m: {"dq": m["dq"][:-1]}, r"no column for dq.*left out: dq of 299x3; expected 300 samples in every"),
         (lambda m: {"q": m["q"][:, :, None].repeat(2, 2)}, r"no column for q.*left out: q of 300x3x2"),
-        (
-            lambda m: {"tau_J": m["tau_J"].ravel()},
-            r"left out: dq of 300x3, q of 300x3, t of 300; expected 900 samples",
-        ),
+        (lambda m: {"tau_J": m["tau_J"].ravel()}, r"left out: dq of 300x3, q of 300x3, t of 300; expected 900 sam"),
         (lambda m: {"dq": m["dq"][:, :2]}, r"do not cover the same joints: expected 3 joints.*dq \(2 joints"),
     ],
 )
@@ -183,9 +170,8 @@ def test_an_episode_of_a_data_set(tmp_path: Path, version: str) -> None:
         read_log(root, ReadOptions(topic="episode_000007"))
 
 
-@pytest.mark.parametrize("version", ["v2.1", "v3.0"])
-def test_a_state_whose_elements_say_their_quantity(tmp_path: Path, version: str) -> None:
-    log = read_log(data_set(tmp_path / "set", version, 1, TOGETHER))
+def test_a_state_whose_elements_say_their_quantity(tmp_path: Path) -> None:
+    log = read_log(data_set(tmp_path / "set", "v3.0", 1, TOGETHER))
     assert log.joint_names == ("joint_1", "joint_2", "joint_3")
     assert log.tau_J is not None
     np.testing.assert_allclose(log.tau_J, motion(600, 3, rate_hz=100.0)["tau_J"], atol=1e-6)

@@ -1,18 +1,24 @@
-"""What names say: of columns the channel, of joints the arm and the robot, of message fields the kind."""
+"""What names say: of columns the channel, of joints arm and robot, of message fields the kind, of logs their arm."""
 
+import shutil
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.channel_names import is_label, labels_of, parse_name, torque_unit
+from friction_audit.io.readers import arm_of_log, read_log
+from friction_audit.io.readers.channel_names import is_label, labels_of, parse_name, serial_in, torque_unit
 from friction_audit.io.readers.columns import ColumnMap, map_columns
 from friction_audit.io.readers.joint_names import arms_in, robot_of
 from friction_audit.io.readers.message_kinds import KINDS, match_kind
-from friction_audit.io.readers.reader import SeveralLogsError
-from friction_audit.joint_log import JOINT_CHANNELS
+from friction_audit.io.writers.write_log import write_log
+from friction_audit.joint_log import JOINT_CHANNELS, Source
+from tests.io.bag_writing import joint_states, ros2_store, samples, write_mcap
 
 PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
 TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("q", "dq", "tau_J") for i in (1, 2))]
@@ -69,24 +75,13 @@ def test_names_that_say_degrees(name: str) -> None:
 @pytest.mark.parametrize(
     ("unit", "names"),
     [
-        (
-            "A",
-            [
-                "actual_current_{i}",
-                "target_current",
-                "joint1.curr",
-                "i_{i}",
-                "motorCurrent{i}",
-                "effort_{i} [A]",
-                "#14-#19:A",
-            ],
-        ),
-        ("mA", ["effort_{i} [mA]", "load_{i}:mA"]),
-        ("N m", ["current_torque_{i}", "tau_J_{i}", "amplitude_{i}"]),
+        ("A", "actual_current_{i}|target_current|joint1.curr|i_{i}|motorCurrent{i}|effort_{i} [A]|#14-#19:A"),
+        ("mA", "effort_{i} [mA]|load_{i}:mA"),
+        ("N m", "current_torque_{i}|tau_J_{i}|amplitude_{i}"),
     ],
 )
-def test_a_column_of_motor_current_is_in_ampere(unit: str, names: Sequence[str]) -> None:
-    assert {torque_unit(name) for name in names} == {unit}
+def test_a_column_of_motor_current_is_in_ampere(unit: str, names: str) -> None:
+    assert {torque_unit(name) for name in names.split("|")} == {unit}
 
 
 def test_labels_belong_to_the_columns_of_their_message() -> None:
@@ -181,33 +176,78 @@ def test_columns_that_are_not_there(names: str, mapping: Mapping[str, str], word
         mapped(names, **mapping)
 
 
-def test_two_arms_are_refused_with_their_names() -> None:
-    with pytest.raises(SeveralLogsError, match=r"several arms in one log") as caught:
-        mapped(TWO_ARMS)
-    assert caught.value.topics == ("#left", "#right")
-
-
 def test_an_incomplete_channel_that_is_not_needed_is_left_out() -> None:
     columns = mapped("time q_1 q_2 dq_1 dq_2 tau_J_1 tau_J_2 temperature_1")
     assert "temperature" not in columns.channels
     assert [finding.code for finding in columns.findings] == ["incomplete_channel"]
 
 
-@pytest.mark.parametrize(
-    ("paths", "torque", "robot_time"),
-    [
-        ("header.stamp header.frame_id name position velocity effort", "effort", None),
-        ("header.stamp q q_d dq tau_J tau_J_d time", "tau_J", "time"),
-        ("header.stamp q q_d dq tau_j tau_j_d time", "tau_j", "time"),  # ROS 2 forces lower case
-    ],
-)
-def test_messages_are_matched_by_their_fields(paths: str, torque: str, robot_time: str | None) -> None:
-    kind = match_kind(paths.split())
-    assert kind is not None
-    assert (kind.fields["tau_J"], kind.robot_time, kind.stamps) == (torque, robot_time, ("header.stamp",))
-
-
 @pytest.mark.parametrize("paths", ["joint_names desired.positions actual.positions", "position.x orientation.w"])
 def test_commands_and_poses_are_no_joint_states(paths: str) -> None:
     assert match_kind(["header.stamp", *paths.split()]) is None
     assert all(set(kind.fields) <= set(JOINT_CHANNELS) for kind in KINDS)
+
+
+ROOT = Path(__file__).parents[2]
+SAMPLES = ROOT / "sample_logs" / "formats"
+
+
+@pytest.mark.parametrize(
+    ("topic", "joints", "name"),
+    [
+        (None, "joint", ""),
+        (None, "panda_joint", ""),
+        (None, "fr3v2_joint", ""),
+        (None, "left_joint", "left"),
+        (None, "panda_2_joint", "panda_2"),
+        ("/joint_states", "panda_joint", ""),
+        ("/left/joint_states", "panda_joint", "left"),
+        ("/cell/left/franka_state_controller/franka_states", "panda_joint", "cell/left"),
+        ("/franka_state_controller/franka_states", "panda_joint", ""),
+        ("/left/joint_states", "right_joint", "right"),
+    ],
+)
+def test_serial_numbers_before_names_before_namespaces(topic: str | None, joints: str, name: str) -> None:
+    source = Source(path="x", sha256="0", format="csv", topic=topic)
+    assert arm_of_log(source, [f"{joints}1", f"{joints}2"]) == name
+    assert arm_of_log(replace(source, serial="295341-1324"), [f"{joints}1"]) == "295341-1324"
+
+
+@pytest.mark.parametrize(
+    ("notes", "serial"),
+    [
+        ({"Serial-Number": " 295341 "}, "295341"),
+        ({"robot serial": "A1", "serial": ""}, "A1"),
+        ({"serialised": "x", "port": "serial"}, ""),
+    ],
+)
+def test_serial_numbers_among_notes(notes: dict[str, str], serial: str) -> None:
+    assert serial_in(notes) == serial
+
+
+def test_parquet_keeps_serial_number_and_start(tmp_path: Path) -> None:
+    log = read_log(SAMPLES / "parquet.parquet")
+    marked = replace(log, source=replace(log.source, serial="295341", start_s=1.77e9))
+    write_log(marked, tmp_path / "a.parquet")
+    again = read_log(tmp_path / "a.parquet").source
+    assert (again.serial, again.start_s) == ("295341", 1.77e9)
+    table = pq.read_table(tmp_path / "a.parquet")
+    pq.write_table(table.replace_schema_metadata({"start_s": "soon"}), tmp_path / "b.parquet")
+    other = read_log(tmp_path / "b.parquet").source
+    assert (other.serial, other.start_s) == ("", None)
+
+
+def test_mcap_tells_it_in_a_metadata_record(tmp_path: Path) -> None:
+    streams = [joint_states(ros2_store(), samples(20))]
+    for number, chunked in enumerate((True, False)):
+        path = tmp_path / f"{number}.mcap"
+        write_mcap(path, ros2_store(), streams, notes={"serial": "295341"}, use_chunking=chunked)
+        assert read_log(path).source.serial == "295341"
+
+
+def test_a_bag_tells_it_in_its_custom_data(tmp_path: Path) -> None:
+    bag = shutil.copytree(SAMPLES / "rosbag2-sqlite3", tmp_path / "run")
+    assert read_log(bag).source.serial == ""
+    with (bag / "metadata.yaml").open("a") as stream:
+        stream.write("  custom_data:\n    serial: '295341'\n    operator: Ann\n")
+    assert read_log(bag).source.serial == "295341"

@@ -1,11 +1,15 @@
+"""What is the same for files of all formats: what they are taken for, their hash, a part of them."""
+
 import hashlib
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from friction_audit.errors import InputError
+import friction_audit
+from friction_audit.errors import InputError, UsageError
 from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers import csv as reader
@@ -21,15 +25,12 @@ def test_an_unknown_format(tmp_path: Path) -> None:
         read_log(path)
 
 
-def test_the_hash_is_that_of_the_content(tmp_path: Path) -> None:
+def test_the_hash_is_that_of_the_content_and_of_a_directory_that_of_its_files(tmp_path: Path) -> None:
     path = write_tidy_csv(tmp_path / "run.csv")
     log = read_log(str(path))
     assert log.source.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
     assert log.source.path == str(path)
-
-
-def test_the_hash_of_a_directory_is_that_of_its_files_in_order(tmp_path: Path) -> None:
-    (tmp_path / "b").write_bytes(b"two")
+    path.rename(tmp_path / "b").write_bytes(b"two")
     (tmp_path / "a").write_bytes(b"one")
     assert sha256_of(tmp_path) == hashlib.sha256(b"onetwo").hexdigest()
 
@@ -61,8 +62,50 @@ def test_an_error_of_the_disk_is_an_input_error(tmp_path: Path, monkeypatch: pyt
         read_log(path)
 
 
-def test_importing_ingest_is_light() -> None:
-    heavy = ("pandas", "pyarrow", "rosbags", "mcap")
-    code = f"import sys, friction_audit.io.readers; print([name for name in {heavy} if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+def test_readers_and_writers_are_listed_without_their_libraries() -> None:
+    heavy = ("pandas", "pyarrow", "rosbags", "mcap", "google.protobuf", "scipy")
+    code = "import sys, friction_audit.io.readers, friction_audit.io.writers.write_log; "
+    code += f"print([name for name in {heavy} if name in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+LOGS = sorted((Path(__file__).parents[2] / "sample_logs" / "formats").iterdir())
+WINDOWS = [(0.5, 1.5), (None, 1.0), (1.0, None), (-3.0, 1.0)]
+
+
+@pytest.mark.parametrize("is_large", [False, True], ids=["small", "large"])
+@pytest.mark.parametrize("path", LOGS, ids=[path.name for path in LOGS])
+def test_a_part_is_the_part_of_the_whole(path: Path, is_large: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    if is_large:  # so that readers leave out what lies outside the part
+        monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
+        monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
+    whole = read_log(path)
+    for start_s, stop_s in WINDOWS:
+        part, expected = (
+            read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s)),
+            whole.take_window(start_s, stop_s),
+        )
+        np.testing.assert_array_equal(part.t, expected.t)
+        for channel, array in expected.channels().items():
+            np.testing.assert_array_equal(part.channels()[channel], array)
+        assert part.source.start_s == expected.source.start_s
+        assert part.source.skipped_s == expected.source.skipped_s
+        assert part.take_window(start_s, stop_s) is part
+
+
+def test_a_part_is_on_the_scaled_clock() -> None:
+    options = ReadOptions(t_start_s=1.0, t_end_s=2.0, time_scale=2.0)
+    expected = read_log(LOGS[0], ReadOptions(time_scale=2.0)).take_window(1.0, 2.0)
+    np.testing.assert_array_equal(read_log(LOGS[0], options).t, expected.t)
+
+
+def test_a_part_of_a_part_lies_within_it() -> None:
+    part = friction_audit.read_log(LOGS[0], t_start_s=0.5, t_end_s=2.0)
+    assert part.take_window(0.5, 1.0).source.skipped_s == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize("path", LOGS, ids=[path.name for path in LOGS])
+def test_a_part_beyond_the_end_is_refused_with_the_duration(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
+    with pytest.raises(UsageError, match=r"0 samples between 5000 s .*the log lasts from 0 to"):
+        read_log(path, ReadOptions(t_start_s=5000.0))

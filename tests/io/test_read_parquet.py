@@ -1,4 +1,5 @@
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -24,77 +25,80 @@ def tidy(path: Path, samples: int = 300) -> Path:
     return path
 
 
-def test_scalar_columns_are_read_to_the_bit(tmp_path: Path) -> None:
-    log = read_log(tidy(tmp_path / "run.parquet"))
-    np.testing.assert_array_equal(log.tau_J, motion(300)["tau_J"])
+def lists() -> dict[str, Any]:
+    return {name: array.tolist() for name, array in motion(300).items()}
+
+
+def typed(kind: pa.DataType) -> dict[str, Any]:
+    return {name: column if name == "t" else pa.array(column, type=kind) for name, column in lists().items()}
+
+
+def structs() -> dict[str, Any]:
+    columns = lists()
+    time = columns.pop("t")
+    state = pa.array([dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)])
+    return {"time": time, "robot_state": state}
+
+
+def long() -> dict[str, Any]:
+    arrays = motion(300)
+    columns: dict[str, Any] = {"time": np.repeat(arrays.pop("t"), 3), "joint": ["joint1", "joint2", "joint3"] * 300}
+    return columns | {"state": pa.StructArray.from_arrays([pa.array(a.ravel()) for a in arrays.values()], list(arrays))}
+
+
+SAME: dict[str, Callable[[], dict[str, Any]]] = {
+    "scalars": lambda: {str(name): column for name, column in tidy_frame(300).items()},
+    "lists": lambda: typed(pa.list_(pa.float64())),
+    "lists of one length": lambda: typed(pa.list_(pa.float64(), 3)),
+    "large lists": lambda: typed(pa.large_list(pa.float64())),
+    "structs of lists": structs,
+    "a long table, its channels in a struct": long,
+}
+
+
+@pytest.mark.parametrize("columns", SAME.values(), ids=SAME)
+def test_tables_that_are_read_to_the_bit(tmp_path: Path, columns: Callable[[], dict[str, Any]]) -> None:
+    log = read_log(write(tmp_path / "run.parquet", columns(), row_group_size=64))
+    for name, array in motion(300).items():
+        np.testing.assert_array_equal(getattr(log, name), array)
     assert log.q.flags.f_contiguous
     assert (log.source.format, log.source.findings) == ("parquet", ())
 
 
-@pytest.mark.parametrize("kind", [pa.list_(pa.float64()), pa.list_(pa.float64(), 3), pa.large_list(pa.float32())])
-def test_list_valued_columns(tmp_path: Path, kind: pa.DataType) -> None:
-    arrays = motion(300)
-    columns: dict[str, Any] = {"time": arrays["t"]}
-    columns |= {channel: pa.array(arrays[channel].tolist(), type=kind) for channel in ("q", "dq", "tau_J")}
-    log = read_log(write(tmp_path / "run.parquet", columns, row_group_size=64))
-    np.testing.assert_allclose(log.dq, arrays["dq"], atol=1e-7)
-    assert log.source.channels["dq"] == "dq[{i}]"
-
-
 def test_a_list_column_by_mapping(tmp_path: Path) -> None:
-    arrays = motion(300)
     names = {"q": "observation.state", "dq": "observation.speed", "tau_J": "observation.load"}
-    columns: dict[str, Any] = {"timestamp": arrays["t"]}
-    columns |= {name: pa.array(arrays[channel].tolist()) for channel, name in names.items()}
-    log = read_log(write(tmp_path / "run.parquet", columns), ReadOptions(mapping=names))
-    np.testing.assert_array_equal(log.q, arrays["q"])
+    path = write(tmp_path / "run.parquet", {names.get(name, name): column for name, column in lists().items()})
+    np.testing.assert_array_equal(read_log(path, ReadOptions(mapping=names)).q, motion(300)["q"])
 
 
 def test_lists_of_another_length_are_refused(tmp_path: Path) -> None:
-    arrays = motion(300)
-    columns: dict[str, Any] = {"time": arrays["t"]}
-    for channel in ("q", "dq", "tau_J"):
-        columns[channel] = arrays[channel].tolist()
+    columns = lists()
     columns["dq"][200] = [0.0]
     with pytest.raises(InputError, match="row 201 of dq holds 1 values; expected 3"):
         read_log(write(tmp_path / "run.parquet", columns))
 
 
-def test_missing_lists_are_rows_without_numbers(tmp_path: Path) -> None:
-    arrays = motion(300)
-    columns: dict[str, Any] = {"time": arrays["t"]}
-    columns |= {channel: arrays[channel].tolist() for channel in ("q", "dq", "tau_J")}
-    columns["dq"][200] = None
+@pytest.mark.parametrize("scalar", [True, False])
+def test_missing_numbers_and_lists_are_rows_without_numbers(tmp_path: Path, scalar: bool) -> None:
+    columns = {str(name): column.tolist() for name, column in tidy_frame(300).items()} if scalar else lists()
+    columns["dq_2" if scalar else "dq"][200] = None
     log = read_log(write(tmp_path / "run.parquet", columns))
     assert [(f.code, f.amount) for f in log.source.findings if f.damaged] == [("non_finite", 1)]
 
 
-def test_structs(tmp_path: Path) -> None:
-    arrays = motion(300)
-    state = pa.array(
-        [
-            {"q": q, "dq": dq, "tau_J": tau}
-            for q, dq, tau in zip(*(arrays[c].tolist() for c in ("q", "dq", "tau_J")), strict=True)
-        ]
-    )
-    log = read_log(write(tmp_path / "run.parquet", {"time": arrays["t"], "robot_state": state}))
-    np.testing.assert_array_equal(log.tau_J, arrays["tau_J"])
-
-
-def test_nulls_are_rows_without_numbers(tmp_path: Path) -> None:
-    frame = tidy_frame(300)
-    frame.loc[7, "tau_J_2"] = None
-    frame.to_parquet(tmp_path / "run.parquet")
-    assert [(f.code, f.amount) for f in read_log(tmp_path / "run.parquet").source.findings if f.damaged] == [
-        ("non_finite", 1)
-    ]
+def test_lists_that_begin_empty(tmp_path: Path) -> None:
+    columns = {"name": [[], *[["a", "b", "c"]] * 299], **lists()}
+    for channel in ("q", "dq", "tau_J"):
+        columns[channel][0] = []
+    log = read_log(write(tmp_path / "run.parquet", columns))
+    np.testing.assert_array_equal(log.q, motion(300)["q"][1:])
+    assert any(finding.damaged for finding in log.source.findings)
 
 
 @pytest.mark.parametrize("unit", ["ms", "us", "ns"])
 def test_stamps_as_timestamps(tmp_path: Path, unit: str) -> None:
     frame = tidy_frame(300)
-    stamps = pd.to_datetime(1_700_000_000_000 + np.arange(300), unit="ms").as_unit(unit)  # type: ignore[arg-type]
-    frame["time"] = stamps
+    frame["time"] = pd.to_datetime(1_700_000_000_000 + np.arange(300), unit="ms").as_unit(unit)  # type: ignore[arg-type]
     frame.to_parquet(tmp_path / "run.parquet")
     log = read_log(tmp_path / "run.parquet")
     np.testing.assert_array_equal(log.t, np.arange(300) / 1e3)
@@ -109,28 +113,6 @@ def test_single_precision_and_integers(tmp_path: Path) -> None:
     log = read_log(tmp_path / "run.parquet")
     assert log.q.dtype == np.float64
     assert log.source.channels["t"] == "time [ms]"
-
-
-def test_long_tables(tmp_path: Path) -> None:
-    arrays = motion(300, 2)
-    columns = {"time": np.repeat(arrays["t"], 2), "joint": ["fr3_joint1", "fr3_joint2"] * 300}
-    columns |= {c: arrays[c].reshape(-1) for c in ("q", "dq", "tau_J")}
-    log = read_log(write(tmp_path / "run.parquet", columns))
-    np.testing.assert_array_equal(log.dq, arrays["dq"])
-    assert log.source.robot == "fr3"
-
-
-def _long_columns(samples: int = 300) -> dict[str, Any]:
-    arrays = motion(samples)
-    columns: dict[str, Any] = {"time": np.repeat(arrays["t"], 3), "joint": ["joint1", "joint2", "joint3"] * samples}
-    return columns | {channel: arrays[channel].ravel() for channel in ("q", "dq", "tau_J")}
-
-
-def test_a_long_table_with_its_channels_in_a_struct(tmp_path: Path) -> None:
-    columns = _long_columns()
-    fields = {channel: pa.array(columns.pop(channel)) for channel in ("q", "dq", "tau_J")}
-    columns["state"] = pa.StructArray.from_arrays(list(fields.values()), list(fields))
-    np.testing.assert_array_equal(read_log(write(tmp_path / "run.parquet", columns)).q, motion(300)["q"])
 
 
 def test_a_stamp_that_is_missing_is_refused(tmp_path: Path) -> None:
@@ -223,15 +205,6 @@ def test_a_log_beyond_memory_is_refused_with_a_way_to_a_part(tmp_path: Path, mon
     monkeypatch.setattr("friction_audit.io.readers.reader.address_limit", lambda: 10_000)
     with pytest.raises(InputError, match=r"memory here; read a part of it with .*--t-start 0 --t-end 600"):
         read_log(tidy(tmp_path / "run.parquet"))
-
-
-def test_lists_that_begin_empty(tmp_path: Path) -> None:
-    arrays = motion(300)
-    columns: dict[str, Any] = {"time": arrays["t"], "name": [[], *[["a", "b", "c"]] * 299]}
-    columns |= {channel: [[], *arrays[channel].tolist()[1:]] for channel in ("q", "dq", "tau_J")}
-    log = read_log(write(tmp_path / "run.parquet", columns))
-    np.testing.assert_array_equal(log.q, arrays["q"][1:])
-    assert any(finding.damaged for finding in log.source.findings)
 
 
 def test_text_where_numbers_are_expected(tmp_path: Path) -> None:

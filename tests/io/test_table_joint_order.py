@@ -1,4 +1,4 @@
-"""Joints of a table come by name, whatever the order they are written in."""
+"""Joints of a table come by name, in any order, by columns or by rows; a torque of a single joint is ambiguous."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -12,7 +12,7 @@ import pytest
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import ReadOptions, read_log
-from tests.io.synthetic_recordings import motion
+from tests.io.synthetic_recordings import motion, read_text, tidy_frame
 
 SAMPLES = 300
 FIELDS = {"position": "q", "velocity": "dq", "effort": "tau_J"}
@@ -84,17 +84,6 @@ def test_joints_are_sorted_by_name_and_fingers_left_out(tmp_path: Path, write: C
 
 
 @WRITERS
-@pytest.mark.parametrize(
-    ("prefix", "robot"),
-    [("panda1", "panda"), ("left_panda", "panda"), ("fer", "panda"), ("fr3", "fr3"), ("left_fr3", "fr3")],
-)
-def test_the_robot_is_told_by_every_table(tmp_path: Path, write: Callable[..., Path], prefix: str, robot: str) -> None:
-    log = read_log(write(tmp_path, [f"{prefix}_joint{joint + 1}" for joint in ORDER]))
-    assert log.joint_names == tuple(f"{prefix}_joint{i}" for i in range(1, 8))
-    assert log.source.robot == robot
-
-
-@WRITERS
 def test_the_user_chooses_among_several_arms(tmp_path: Path, write: Callable[..., Path]) -> None:
     path = write(tmp_path, [f"{side}_joint{i}" for i in (3, 1, 2) for side in ("left", "right")])
     with pytest.raises((UsageError, InputError), match=r"several arms .*--topic '#left' or --topic '#right'"):
@@ -109,10 +98,8 @@ def test_the_user_chooses_among_several_arms(tmp_path: Path, write: Callable[...
 
 
 def test_an_arm_of_a_table_without_joint_names(tmp_path: Path) -> None:
-    table = {"time": motion(SAMPLES)["t"], **{f"{c}_1": motion(SAMPLES)[c][:, 0] for c in ("q", "dq", "tau_J")}}
-    pd.DataFrame(table).to_csv(tmp_path / "run.csv", index=False)
     with pytest.raises(InputError, match="no arm 'left' in this table; it has no joints by name; leave --topic out"):
-        read_log(tmp_path / "run.csv", ReadOptions(topic="#left"))
+        read_text(tmp_path, tidy_frame(SAMPLES, 1), topic="#left")
 
 
 @pytest.mark.parametrize("mapping", [{"tau_interaction": "field.effort{i}"}, {"q": "field.position{i}"}])
@@ -146,10 +133,82 @@ def test_joints_that_change_their_places_are_refused(tmp_path: Path, change: Seq
 
 
 def test_names_of_another_message_are_not_taken(tmp_path: Path) -> None:
-    arrays = motion(SAMPLES, 7)
-    table: dict[str, Any] = {"time": arrays["t"], "gripper.name": [list(SCRAMBLED)] * SAMPLES}
-    table |= {channel: arrays[channel].tolist() for channel in ("q", "dq", "tau_J")}
-    pq.write_table(pa.table(table), tmp_path / "run.parquet")
+    table = {name: array.tolist() for name, array in motion(SAMPLES, 7).items()}
+    pq.write_table(pa.table({**table, "gripper.name": [list(SCRAMBLED)] * SAMPLES}), tmp_path / "run.parquet")
     log = read_log(tmp_path / "run.parquet")
     assert log.joint_names[0] == "joint1"
-    np.testing.assert_array_equal(log.q, arrays["q"])
+    np.testing.assert_array_equal(log.q, table["q"])
+
+
+def long_frame(joints: int = 3, **names: str) -> pd.DataFrame:
+    arrays = motion(SAMPLES, joints)
+    table: dict[str, Any] = {"time": np.repeat(arrays["t"], joints), "joint": list(range(1, joints + 1)) * SAMPLES}
+    return pd.DataFrame(table | {names.get(c, c): arrays[c].reshape(-1) for c in ("q", "dq", "tau_J")})
+
+
+@pytest.mark.parametrize("mapping", [{"tau_J": "effort"}, {"tau_J": "#5"}, {"t": "time:s", "tau_J": "effort"}])
+def test_a_mapping_names_single_columns(tmp_path: Path, mapping: dict[str, str]) -> None:
+    log = read_text(tmp_path, long_frame(tau_J="effort"), mapping=mapping)
+    np.testing.assert_array_equal(log.tau_J, motion(SAMPLES)["tau_J"])
+    assert log.source.channels["tau_J"] == "effort"
+
+
+def test_a_mapping_wins_over_the_guess(tmp_path: Path) -> None:
+    frame = long_frame(dq="speed", tau_J="effort")
+    log = read_text(tmp_path, frame, mapping={"dq": "speed", "tau_interaction": "effort"})
+    np.testing.assert_array_equal(log.dq, motion(SAMPLES)["dq"])
+    np.testing.assert_array_equal(log.tau_interaction, motion(SAMPLES)["tau_J"])
+    assert log.tau_J is None
+
+
+def test_a_mapped_column_that_a_long_table_lacks(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"no column for --map tau_J=efort \(did you mean effort"):
+        read_text(tmp_path, long_frame(tau_J="effort"), mapping={"tau_J": "efort"})
+
+
+@pytest.mark.parametrize(("name", "stated"), [("q_deg", "q_deg"), ("angle", "angle:deg"), ("q_deg", "q_deg:deg")])
+def test_degrees_of_a_mapped_column(tmp_path: Path, name: str, stated: str) -> None:
+    frame = long_frame(q=name)
+    frame[name] = np.degrees(frame[name])
+    log = read_text(tmp_path, frame, mapping={"q": stated})
+    np.testing.assert_allclose(log.q, motion(SAMPLES)["q"], atol=1e-12)
+    assert log.source.findings == ()
+
+
+@pytest.mark.parametrize("label", ["{}", "{}.0", "J{}"])
+def test_numbers_of_joints_are_sorted_as_numbers(tmp_path: Path, label: str) -> None:
+    frame = long_frame(12)
+    frame["joint"] = frame["joint"].map(label.format)
+    shuffled = frame.sample(frac=1.0, random_state=1).sort_values("time", kind="stable")
+    log = read_text(tmp_path, shuffled)
+    np.testing.assert_array_equal(log.q, motion(SAMPLES, 12)["q"])
+    assert log.joint_names[10:] == (("J11", "J12") if label == "J{}" else ("joint11", "joint12"))
+
+
+def test_shuffled_rows_are_told_in_the_right_unit(tmp_path: Path) -> None:
+    frame = long_frame(1).drop(columns="joint").sample(frac=1.0, random_state=1)
+    with pytest.raises(InputError, match=r"time \(time \[s\]\) goes back at"):
+        read_text(tmp_path, frame)
+
+
+@pytest.mark.parametrize("name", ["torque", "tau", "effort", "torque_1"])
+@pytest.mark.parametrize("is_long", [True, False])
+def test_a_torque_of_the_only_joint_may_be_either(tmp_path: Path, name: str, *, is_long: bool) -> None:
+    if is_long and name == "torque_1":
+        pytest.skip("a long table has no numbers in its columns' names")
+    frame = long_frame(1, tau_J=name)
+    frame = frame if is_long else frame.drop(columns="joint")
+    findings = read_text(tmp_path, frame).source.findings
+    assert [finding.code for finding in findings] == ["torque_ambiguous"]
+    assert f"--map tau_interaction={name}" in findings[0].message
+    log = read_text(tmp_path, frame, mapping={"tau_interaction": name})
+    assert (log.tau_J, log.source.findings) == (None, ())
+    assert read_text(tmp_path, frame, mapping={"tau_J": name}).source.findings == ()
+
+
+def test_a_clear_torque_is_not_doubted(tmp_path: Path) -> None:
+    one = long_frame(1).drop(columns="joint")
+    assert read_text(tmp_path, one).source.findings == ()
+    gravity = one.rename(columns={"tau_J": "torque"}).assign(gravity=0.0)
+    assert read_text(tmp_path, gravity).source.findings == ()
+    assert read_text(tmp_path, long_frame(3, tau_J="torque")).source.findings == ()

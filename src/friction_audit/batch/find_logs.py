@@ -12,7 +12,7 @@ from typing import Any
 
 from friction_audit.drift.session import natural
 from friction_audit.errors import InputError, UsageError, encodable
-from friction_audit.io.files import DATA_SET, Stamp, stamp_of
+from friction_audit.io.files import DATA_SET, METADATA, STORAGES, Stamp, stamp_of
 from friction_audit.io.readers import READERS
 
 LEDGER = "ledger.sqlite"  # a folder that holds one holds results, not logs
@@ -23,16 +23,12 @@ VERSION_KEYS = (
 )  # fmt: skip
 # What file systems of fsspec raise where a place cannot be reached or may not be looked at.
 UNREACHABLE = (OSError, RuntimeError, ValueError)
-BAG_METADATA = "metadata.yaml"
-STORAGE_SUFFIXES = (".db3", ".mcap")
 COMPRESSED = (".zstd", ".zst")
 # Suffixes of too much that is no log: read where the user names the file, left alone in a folder.
 NEEDS_A_NAME = (".txt", ".dat", *COMPRESSED)
+PACKED_STORAGES = tuple(storage + packed for storage in STORAGES for packed in COMPRESSED)
 # Endings of what is taken for a log in a folder.
-SUFFIXES = tuple(
-    sorted({suffix for reader in READERS for suffix in reader.suffixes if suffix not in NEEDS_A_NAME})
-    + [storage + packed for storage in STORAGE_SUFFIXES for packed in COMPRESSED]
-)
+SUFFIXES = (*sorted({one for reader in READERS for one in reader.suffixes} - {*NEEDS_A_NAME}), *PACKED_STORAGES)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -68,10 +64,9 @@ class LogFile:
 def find_logs(
     names: Sequence[str], rows: Mapping[str, ManifestRow], *, leave_out: Iterable[Path] = ()
 ) -> list[LogFile]:
-    """Find the logs that a user names: files, folders (searched to the bottom), globs, URLs, and those of a manifest.
+    """Find the logs that a user names: files, folders (searched to the bottom), globs, URLs, those of a manifest.
 
-    ``rows`` are those of the manifest by the place of their log; ``leave_out`` are no logs: the manifest itself, the
-    folder of the results.
+    ``leave_out`` are no logs: the manifest itself, the folder of the results.
     """
     closed = {os.path.realpath(path) for path in leave_out}
     found: dict[str, LogFile] = {}
@@ -145,14 +140,10 @@ def _below(
 
 def is_bag(folder: str, files: Sequence[str]) -> bool:
     """Return True if a folder is one ROS 2 bag: it says so, or its storage files are called as it is."""
-    storage = [
-        name for name in files if name.lower().endswith(tuple(s for s in SUFFIXES if s.startswith(STORAGE_SUFFIXES)))
-    ]
+    storage = [name for name in files if name.lower().endswith((*STORAGES, *PACKED_STORAGES))]
     named = [PurePath(name.removesuffix(".zstd").removesuffix(".zst")).stem for name in storage]
     parts = [stem.rpartition("_") for stem in named]
-    return bool(storage) and (
-        BAG_METADATA in files or all(head == folder and tail.isdecimal() for head, _, tail in parts)
-    )
+    return bool(storage) and (METADATA in files or all(head == folder and tail.isdecimal() for head, _, tail in parts))
 
 
 def _local(name: str, folders: tuple[str, ...]) -> LogFile:

@@ -32,17 +32,12 @@ _STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """What distinguishes a file, or all files of a directory, from a changed one without reading it.
+    """What distinguishes a file, or all files of a directory, from a changed one without reading it."""
 
-    Attributes:
-        size: Bytes, of all files.
-        changed_ns: Time of the last change of content by the file system, the latest of all files. [ns]
-        identity: Of each file its name, device, inode and both times: ``cp -p`` over a file keeps size and time of the
-            content, but not the time of the inode, and ``mv`` over it not the inode.
-    """
-
-    size: int
-    changed_ns: int
+    size: int  # bytes, of all files
+    changed_ns: int  # time of the last change of content by the file system, the latest of all files [ns]
+    # Name, device, inode and both times of each file: `cp -p` over a file keeps size and time of the content, but not
+    # the time of the inode, and `mv` over it not the inode.
     identity: tuple[tuple[str, int, int, int, int], ...] = ()
 
 
@@ -57,11 +52,7 @@ def stamp_of(path: Path) -> Stamp:
 
 
 def sha256_of(path: Path) -> str:
-    """Return the hash of a file's content; of a directory: of all its files, in sorted order.
-
-    Raises:
-        OSError: If a file cannot be read, or is a pipe or a device, which might never end.
-    """
+    """Return the hash of a file's content; of a directory: of all its files, in sorted order."""
     digest, files = hashlib.sha256(), _files_of(path)
     if not files:  # all folders that cannot be listed would be one content
         raise OSError(errno.ENOENT, "holds no file that can be read", str(path))
@@ -92,9 +83,7 @@ def starts_with(path: Path, magic: bytes) -> bool:
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the content of a TOML file that a person wrote; ``tomllib`` is quadratic in the parts of a dotted key.
 
-    Raises:
-        OSError: If it cannot be read.
-        ValueError: If it is no TOML, or far beyond what such a file holds; the message says which.
+    ValueError if it is no TOML, or far beyond what such a file holds.
     """
     with path.open("rb") as stream:
         content = stream.read(_MOST_BYTES + 1)
@@ -117,9 +106,6 @@ def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     The temporary path has the same suffix and lies in a private folder next to ``path``, so that the rename stays on
     one file system; a writer may make a file or a directory there. Where ``path`` is a link, all of this concerns the
     file that it points to, and the link stays.
-
-    Raises:
-        UsageError: If something is at ``path`` that may not be replaced, or the file cannot be written there.
     """
     check_place(path, overwrite=overwrite)
     target = Path(os.path.realpath(path))
@@ -141,13 +127,7 @@ def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
 def check_place(path: Path, *, overwrite: bool, folder: bool | None = None) -> None:
     """Refuse to write where something is that stays: all there is, or with ``overwrite`` what is no earlier output.
 
-    Args:
-        path: Where to.
-        overwrite: Whether earlier outputs are replaced: files by files, bags that this program wrote by bags.
-        folder: Whether a folder is written there, None if that is not known yet.
-
-    Raises:
-        UsageError: Naming what is there.
+    Files are replaced by files, bags that this program wrote by bags; ``folder``: what is written, None if unknown.
     """
     if not os.path.lexists(path):
         return
@@ -168,11 +148,7 @@ def check_place(path: Path, *, overwrite: bool, folder: bool | None = None) -> N
 
 
 def keep_input(path: Path, log: Path) -> None:
-    """Refuse to write over an input, over a folder that holds it, or over a file of it where it is a bag.
-
-    Raises:
-        UsageError: Naming the input.
-    """
+    """Refuse to write over an input, over a folder that holds it, or over a file of it where it is a bag."""
     target, source = Path(os.path.realpath(path)), Path(os.path.realpath(log))
     if not (target.exists() and source.exists()):
         return
@@ -221,16 +197,7 @@ def _as_usage_error(path: Path) -> Iterator[None]:
 
 
 def read_document(path: Path, commands: Sequence[str], otherwise: str = "") -> Mapping[str, Any]:
-    """Return a document, a JSON object.
-
-    Args:
-        path: Its file.
-        commands: Commands of which it may be a result.
-        otherwise: What to do with another document.
-
-    Raises:
-        InputError: If it cannot be read or is of another command.
-    """
+    """Return a document, a JSON object, of one of these commands; ``otherwise`` says what to do with another one."""
     expected = " or ".join(f"{command}.json" for command in commands)
     try:
         size = path.stat().st_size

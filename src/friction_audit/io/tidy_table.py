@@ -7,23 +7,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Column = NDArray[Any] | Sequence[Any]
-"""Numbers (NaN where there is none), flags, or words."""
+Column = NDArray[Any] | Sequence[Any]  # numbers (NaN where there is none), flags, or words
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class JointRows:
-    """The rows of one joint.
+    """The rows of one joint."""
 
-    Attributes:
-        joint: Number for people.
-        name: Name in the log.
-        columns: By name, all of one length.
-    """
-
-    joint: int
-    name: str
-    columns: Mapping[str, Column]
+    joint: int  # number for people
+    name: str  # name in the log
+    columns: Mapping[str, Column]  # by name, all of one length
 
     def __len__(self) -> int:
         """Return how many rows there are."""
@@ -32,21 +25,13 @@ class JointRows:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class TidyTable:
-    """A table: one row per joint and the quantity of its name.
+    """A table: one row per joint and the quantity of its name."""
 
-    Attributes:
-        name: What a file of it is called.
-        summary: What a row is, in a line.
-        types: What is in each column: ``str``, ``int``, ``float`` or ``bool``.
-        time: The column that says at which moment of the log a row was known [s], or None for what the whole log says.
-        rows: The rows, joint after joint.
-    """
-
-    name: str
-    summary: str
-    types: Mapping[str, type]
-    time: str | None
-    rows: tuple[JointRows, ...]
+    name: str  # what a file of it is called
+    summary: str  # what a row is, in a line
+    types: Mapping[str, type]  # what is in each column: str, int, float or bool
+    time: str | None  # the column that says when a row was known [s], None for what the whole log says
+    rows: tuple[JointRows, ...]  # joint after joint
 
     def __len__(self) -> int:
         """Return how many rows there are."""

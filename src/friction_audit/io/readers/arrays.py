@@ -1,8 +1,9 @@
-"""Arrays in memory -> Recording: what NumPy, MATLAB and LeRobot files and data frames share."""
+"""Arrays -> Recording: what NumPy, MATLAB and LeRobot files and data frames share; NumPy .npy, which is one array."""
 
 from collections.abc import Mapping
 from math import prod
 from pathlib import Path
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,13 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
-from friction_audit.io.readers.table import ColumnTable, Part
-from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
+from friction_audit.io.readers.reader import ReadOptions, Topic
+from friction_audit.io.readers.table import ColumnTable, Part, read_table
+from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 
-_NANOSECONDS = 1_000_000_000
+_PLANE = 2
 _INDEX = "__index_level_0__"  # what Arrow calls an index without a name
 
 
@@ -37,10 +40,6 @@ class ArrayTable(ColumnTable):
         array: NDArray[Any] = self._arrays[name].reshape(len(self._arrays[name]), -1)
         return array if rows is None else array[rows]
 
-    def packed_bytes(self, name: str) -> int:
-        """Return the bytes that an array takes where it is kept."""
-        return int(self._arrays[name].nbytes)
-
     def size(self, columns: ColumnMap) -> tuple[int, int]:
         """Return the number of samples, and the bytes of the arrays of these columns."""
         wanted = [*columns.time.cells, *(cell for cells in columns.channels.values() for cell in cells)]
@@ -52,17 +51,14 @@ class ArrayTable(ColumnTable):
                     f"{self.path}: {name} has shape {shape}, {columns.time.name} has {samples} samples; expected one "
                     "row per sample; save it transposed or cut to the same length"
                 )
-        return samples, sum(map(self.packed_bytes, names))
+        return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
     def read_clock(self, time: TimeColumn) -> Clock:
         """Read all stamps."""
-        stamps, unit = self._column(time.cells[0]), time.unit
-        if stamps.dtype.kind in "mM":
-            stamps, unit = stamps.astype(f"{stamps.dtype.kind}8[ns]").astype(np.int64), "ns"
-        elif len(time.cells) > 1:
-            stamps = stamps.astype(np.int64) * _NANOSECONDS + self._column(time.cells[1]).astype(np.int64)
-        raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
-        return to_clock(raw, unit, path=str(self.path))
+        parts, unit = [self._column(cell) for cell in time.cells], time.unit
+        if parts[0].dtype.kind in "mM":
+            parts, unit = [part.astype(f"{part.dtype.kind}8[ns]").astype(np.int64) for part in parts], "ns"
+        return to_clock(stamps_of(parts), unit, path=str(self.path))
 
     def _column(self, cell: int, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
         name, place = self._cells[cell]
@@ -91,10 +87,6 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
     """Return the columns of a pandas, polars or Arrow table, or of a mapping of names to arrays.
 
     An index of times without a name becomes the column ``time``.
-
-    Raises:
-        UsageError: If it is none of these.
-        InputError: If it holds no rows, or lists of several lengths.
     """
     import pyarrow as pa
 
@@ -119,11 +111,7 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
 
 
 def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table of Arrow
-    """Return a column, shape (n,), or (n, k) of lists of k elements.
-
-    Raises:
-        ValueError: If the lists differ in length.
-    """
+    """Return a column, shape (n,), or (n, k) of lists of k elements; ValueError if they differ in length."""
     import pyarrow as pa
     from pyarrow import compute
 
@@ -136,3 +124,54 @@ def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table 
         raise ValueError(f"{name} holds lists of {len(lengths)} lengths")
     values: NDArray[Any] = column.flatten().to_numpy(zero_copy_only=False)
     return values.reshape(len(column), -1)
+
+
+def read(path: Path, options: ReadOptions) -> Recording:
+    """Read an array whose columns ``--map`` names by number, or whose fields have names."""
+    array = _array(path)
+    if array.dtype.names:
+        return read_table(ArrayTable(path, {name: array[name] for name in array.dtype.names}), options)
+    samples, width = array.shape
+    if not options.mapping:
+        raise InputError(
+            f"{path}: an array of {samples} rows and {width} columns without names; expected to know what is in them; "
+            "name the columns by number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
+        )
+    return read_table(ArrayTable(path, {f"#{column + 1}": array[:, column] for column in range(width)}), options)
+
+
+def topics(path: Path) -> tuple[Topic, ...]:
+    """List the one array of the file."""
+    return topics_of({path.name: _array(path)})
+
+
+def topics_of(arrays: Mapping[str, Any]) -> tuple[Topic, ...]:
+    """List arrays, or what has the shape and type of one, by name."""
+    return tuple(
+        Topic(name=name, type=f"array {array.shape} {array.dtype}", messages=array.shape[0], readable=True)
+        for name, array in arrays.items()
+    )
+
+
+def _array(path: Path) -> NDArray[Any]:
+    """Map the array into memory: only the columns that are asked for are read."""
+    try:
+        array: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
+    except (ValueError, OSError, EOFError, OverflowError, SyntaxError, TokenError) as error:
+        if "allow_pickle" in str(error) or "Python objects" in str(error):
+            raise InputError(
+                f"{path}: Python objects, which could run foreign code when they are read; expected an array of "
+                "numbers; save a dictionary of arrays with numpy.savez(file, **log)"
+            ) from error
+        raise InputError(f"{path}: a damaged NumPy array: {error}; copy or save it again") from error
+    is_plane = array.ndim == _PLANE and array.dtype.kind in "fiu"
+    if not array.size or not (array.ndim == 1 if array.dtype.names else is_plane):
+        raise InputError(
+            f"{path}: an array of shape {array.shape} {array.dtype}; expected numbers of shape (samples, columns); "
+            "stack the signals with numpy.column_stack and save that, or save them by name with numpy.savez"
+        )
+    if array.dtype.names is None and array.shape[0] < array.shape[1]:
+        raise InputError(
+            f"{path}: {array.shape[0]} rows, {array.shape[1]} columns; expected one row per sample; save the transpose"
+        )
+    return array

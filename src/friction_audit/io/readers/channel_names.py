@@ -102,10 +102,7 @@ def parse_name(name: str) -> ForeignName | None:
 
 
 def torque_unit(name: str) -> str:
-    """Return the unit of a torque column, ``"N m"`` unless its name says motor current.
-
-    ``current_torque`` is the torque at present, and no current.
-    """
+    """Return the unit of a torque column, ``"N m"`` unless its name says motor current; ``current_torque`` does not."""
     ampere = _SAYS_AMPERE.search(name)
     if ampere is not None:
         return "mA" if (ampere["bracket"] or ampere["suffix"]).startswith("m") else "A"
@@ -121,9 +118,7 @@ def is_label(name: str) -> bool:
 def labels_of(names: Sequence[str], joints: Mapping[str, str]) -> dict[int, str]:
     """Return position of a column -> its joint, where joint names stand next to the numbers as in a JointState.
 
-    Args:
-        names: Names of the columns, ``field.position3`` is of the same message and index as ``field.name3``.
-        joints: Name of an element that holds a joint's name -> that name: ``field.name3`` -> ``panda_joint1``.
+    ``field.position3`` is of the joint whose name ``field.name3`` holds: ``joints`` has the content of such elements.
     """
     labels = {_place(name): joint for name, joint in joints.items()}
     labels.pop(None, None)
@@ -175,15 +170,11 @@ class Group:
 
 
 def refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
-    """Refuse columns that the table lacks, all of them at once.
-
-    Raises:
-        InputError: Naming them.
-    """
+    """Refuse columns that the table lacks, all of them at once."""
     lost = []
     for channel, name in absent(mapping, names).items():
-        near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
-        lost.append(f"--map {channel}={mapping[channel]}" + (f" (did you mean {' or '.join(near)}?)" if near else ""))
+        near = " or ".join(difflib.get_close_matches(name, names, n=3, cutoff=0.5))
+        lost.append(f"--map {channel}={mapping[channel]}" + (f" (did you mean {near}?)" if near else ""))
     if lost:
         raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(names)}")
 
@@ -233,25 +224,19 @@ def stated_group(
         return Group(template=value, cells=cells, names={key: name for key, name in joints.items() if name})
     if "{i}" in value:
         raise KeyError(value)
-    listed = [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names)]
+    listed = [cell for part in value.split(",") for cell in _positions(part.strip(), names)]
     return Group(template=value, cells=dict(enumerate(listed)), in_order=True)
 
 
-def _stated_cells(part: str, names: Sequence[str]) -> list[int]:
+def _positions(part: str, names: Sequence[str]) -> list[int]:
+    """Return the positions of a column by name, or of ``#3`` or ``#3-#9``, from 1; KeyError if there is none."""
+    if part in names:
+        return [list(names).index(part)]
     match = _POSITION.fullmatch(part)
-    if match is None or match[2] is None:
-        return [_column_position(part, names)]
-    return [_column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
-
-
-def _column_position(name: str, names: Sequence[str]) -> int:
-    """Return the position of a column given by name or as ``#3`` (counted from 1); KeyError if there is none."""
-    if name in names:
-        return list(names).index(name)
-    match = _POSITION.fullmatch(name)
-    if match is not None and 1 <= int(match[1]) <= len(names):
-        return int(match[1]) - 1
-    raise KeyError(name)
+    first, last = (int(match[1]), int(match[2] or match[1])) if match else (0, 0)
+    if not 1 <= first <= len(names) or last > len(names):
+        raise KeyError(part)
+    return list(range(first - 1, last))
 
 
 def stated_time(value: str, names: Sequence[str]) -> TimeColumn:
@@ -259,7 +244,7 @@ def stated_time(value: str, names: Sequence[str]) -> TimeColumn:
     name, _, unit = value.rpartition(":")
     if unit not in UNITS or not name:
         name, unit = value, ""
-    cell = _column_position(name.strip(), names)
+    cell, *_ = _positions(name.strip(), names)
     known = find_time([names[cell]])
     clock = known.clock if known else "column"
     return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)

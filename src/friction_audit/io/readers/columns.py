@@ -26,7 +26,6 @@ REQUIRED = ("q", "dq")
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
-_MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
 _SEVERAL = re.compile(r"\{i\}|,|-")  # in a --map entry that names a column per joint
 _AMBIGUOUS = ("torque", "tau", "effort")
 
@@ -69,10 +68,6 @@ def map_columns(
         arm: The arm to read, where the table holds several.
         needed: Channels without which it is no log, and with them a torque; none where other files have them.
         may_be_long: Whether the table may have one row per joint and time.
-
-    Raises:
-        InputError: If a column that is needed is missing; all of them are named at once.
-        SeveralLogsError: If the names are of several arms and the user named none.
     """
     bare = [name.strip() for name in names]
     refuse_absent(mapping, bare, path)
@@ -93,7 +88,6 @@ def map_columns(
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
     if time is None or lacks:
-        _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
@@ -128,10 +122,7 @@ def _of_long_table(
 
 
 def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -> tuple[Finding, ...]:
-    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque, a robot's holds gravity.
-
-    ``first`` is channel -> name of its first column.
-    """
+    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque; ``first`` column of each channel."""
     alone = joints == 1 and columns.robot == "unknown" and first.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
     name = parse_name(first["tau_J"]) if alone and "tau_J" not in columns.stated else None
     if name is None or ALIASES["tau_J"][name.rank] not in _AMBIGUOUS:
@@ -154,34 +145,17 @@ def _outside_the_arm(
     return frozenset(cell for cell, joint in joints.items() if joint not in kept)
 
 
-def _refuse_melted(names: Sequence[str], path: str) -> None:
-    """Refuse a table with one row per number, which names its channels in a column instead of in the header."""
-    lower = [name.lower() for name in names]
-    signal, value = (next((n for n, low in zip(names, lower, strict=True) if low in w), None) for w in _MELTED)
-    if signal is None or value is None:
-        return
-    index = [name for name in names if name not in (signal, value)]
-    raise InputError(
-        f"{path}: one row per number ({', '.join(names)}); expected one column per channel; bring it to that with "
-        f"pandas: table.pivot(index={index}, columns={signal!r}, values={value!r}).reset_index()"
-    )
-
-
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
 ) -> dict[str, Group]:
-    """Group the columns by channel and template, and keep the best template of each channel."""
+    """Group the columns by channel and template, and keep the first of the best templates of each channel."""
     found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
     for cell, parsed in names.items():
         if parsed is not None and parsed.channel not in stated:
             key = (parsed.rank, parsed.template)
             found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
-    groups = {}
-    for channel, candidates in found.items():
-        rank = min(rank for rank, _ in candidates)
-        template, cells = next((one, cells) for (r, one), cells in candidates.items() if r == rank)
-        groups[channel] = _group(template, cells, labels)
-    return groups
+    best = {channel: min(candidates.items(), key=lambda one: one[0][0]) for channel, candidates in found.items()}
+    return {channel: _group(template, cells, labels) for channel, ((_, template), cells) in best.items()}
 
 
 def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:
@@ -237,10 +211,9 @@ def _align(
     for channel in (c for c in JOINT_CHANNELS if c in groups):
         group = groups[channel]
         fits = len(group.cells) == len(keys) and (group.in_order or len(keys) == 1)
-        own = list(group.cells.values()) if fits else [group.cells[key] for key in keys if key in group.cells]
-        cells = tuple(own) if len(own) == len(keys) else None
-        if cells is not None:
-            channels[channel] = cells
+        own = tuple(group.cells.values()) if fits else tuple(group.cells[key] for key in keys if key in group.cells)
+        if len(own) == len(keys):
+            channels[channel] = own
         elif channel in REQUIRED or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
@@ -280,9 +253,7 @@ def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> l
 
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
-    keys = _sorted_keys(cells)
+    keys = [str(key + 1) if isinstance(key, int) else key for key in _sorted_keys(cells)]
     if len(keys) > _SHOWN_JOINTS:
         return f"{len(keys)} joints, more than an arm has: is the table transposed?"
-    return f"{len(keys)} joint{'s' * (len(keys) != 1)}: " + ", ".join(
-        str(key + 1) if isinstance(key, int) else key for key in keys
-    )
+    return f"{len(keys)} joint{'s' * (len(keys) != 1)}: {', '.join(keys)}"

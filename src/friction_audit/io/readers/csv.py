@@ -76,10 +76,8 @@ class CsvTable(Table):
     def __init__(self, path: Path, dialect: Dialect) -> None:
         super().__init__(path, dialect.names[: dialect.width])
         self._dialect = dialect
-        self.is_libfranka = [name.strip().lower() for name in dialect.names[1:2]] in (
-            ["success rate"],
-            ["success_rate"],
-        )
+        second = dialect.names[1].strip().lower() if len(dialect.names) > 1 else ""
+        self.is_libfranka = second in ("success rate", "success_rate")
         first = zip(range(dialect.width), dialect.rows[0], strict=False)
         # rostopic echo -p writes the joints' names into every line
         self._labels = {cell: text.strip() for cell, text in first if text.strip() and is_label(dialect.names[cell])}
@@ -167,11 +165,7 @@ class CsvTable(Table):
             yield stamps, columns
 
     def _pieces(self, rows: int, cells: Sequence[int]) -> Iterator[Block]:
-        """Yield columns of whole lines.
-
-        Raises:
-            WholeLogError: If a line has a fault, or there are not so many.
-        """
+        """Yield columns of whole lines; WholeLogError if a line has a fault, or there are not so many."""
         kinds = {cell: self._kinds[cell] for cell in (*cells, *self._labels)}
         for line, block, is_last in blocks_of_lines(self.path, self._dialect):
             kept, cut = without_cut_line(self._dialect, block, line, self._kinds) if is_last else (block, None)
@@ -188,11 +182,7 @@ class CsvTable(Table):
             raise WholeLogError
 
     def _by_line(self, block: bytes, line: int) -> Block:
-        """Read line by line; a few cells that are no number are missing values, or cost their line as a stamp.
-
-        Raises:
-            InputError: If a line has another number of fields, or many cells are no number.
-        """
+        """Read line by line; a few cells that are no number are missing values, or cost their line as a stamp."""
         dialect, found = self._dialect, {cell: list[Any]() for cell in self._kinds}
         for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
             text = raw.strip("\r")

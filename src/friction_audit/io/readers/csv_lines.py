@@ -27,16 +27,9 @@ _BLOCK_BYTES = 8 << 20
 
 
 def open_table(path: Path) -> io.BufferedReader:
-    """Open a text table for reading from its begin on, decompressed if it is compressed.
-
-    Raises:
-        OSError: If it cannot be opened.
-        InputError: While it is read: if the compressed stream breaks off or is damaged, or is a bomb.
-    """
+    """Open a text table, decompressed; reading raises InputError if a compressed one is damaged or a bomb."""
     codec = next((codec for magic, codec in PACKED.items() if starts_with(path, magic)), None)
-    if codec is None:
-        return io.BufferedReader(path.open("rb", buffering=0), _HEAD_BYTES)
-    return io.BufferedReader(_Unpacked(path, codec), _HEAD_BYTES)
+    return io.BufferedReader(_Unpacked(path, codec) if codec else path.open("rb", buffering=0), _HEAD_BYTES)
 
 
 class _Unpacked(io.RawIOBase):
@@ -120,11 +113,7 @@ def split_line(line: str, separator: str) -> tuple[str, ...]:
 
 
 def sniff_csv(path: Path) -> Dialect:
-    """Find out how a text table is written, from its first lines.
-
-    Raises:
-        InputError: If it holds no line of numbers.
-    """
+    """Find out how a text table is written, from its first lines; InputError if it holds no line of numbers."""
     skipped, begin, last = 0, 0, b""
     with open_table(path) as stream:
         _refuse_no_text(path, stream.peek(_HEAD_BYTES))
@@ -176,17 +165,15 @@ def sniff_csv(path: Path) -> Dialect:
 
 def _refuse_no_text(path: Path, head: bytes) -> None:
     """Refuse other files than text in UTF-8 or a kin of ASCII, with lines that end as everywhere."""
-    found = ""
-    if head.startswith((b"\xff\xfe\0\0", b"\0\0\xfe\xff")):
-        found = "text in UTF-32"
-    elif head.startswith((b"\xff\xfe", b"\xfe\xff")):
-        found = "text in UTF-16"
-    elif head and not head.strip(b"\0"):
-        found = "nothing but zero bytes"
-    elif b"\0" in head.rstrip(b"\0")[:PEEK_BYTES]:  # at the end they are what a power cut leaves
-        found = f"no text (it begins with the bytes {head[:8].hex(' ')})"
-    elif b"\r" in head and b"\n" not in head:
-        found = "text whose lines end in a carriage return alone"
+    kinds = {
+        "text in UTF-32": head.startswith((b"\xff\xfe\0\0", b"\0\0\xfe\xff")),
+        "text in UTF-16": head.startswith((b"\xff\xfe", b"\xfe\xff")),
+        "nothing but zero bytes": head and not head.strip(b"\0"),
+        # At the end they are what a power cut leaves.
+        f"no text (it begins with the bytes {head[:8].hex(' ')})": b"\0" in head.rstrip(b"\0")[:PEEK_BYTES],
+        "text whose lines end in a carriage return alone": b"\r" in head and b"\n" not in head,
+    }
+    found = next((kind for kind, is_so in kinds.items() if is_so), "")
     if found:
         raise InputError(f"{path}: {found}; expected a table in UTF-8 with lines that end in a line feed; save it so")
 

@@ -19,9 +19,6 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
     """Return the first recording with the channels that the others have and it lacks, in the span that all cover.
 
     Linear interpolation (``numpy.interp``) at the stamps of the first file, without extrapolation.
-
-    Raises:
-        InputError: If clocks, joints or channels do not fit together, or channels are missing in all files.
     """
     (first_path, joined), *others = parts
     _refuse_unused(parts, mapping)

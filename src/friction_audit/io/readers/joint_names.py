@@ -1,12 +1,16 @@
-"""Names of joints: which arm each belongs to, in which order, and which robot they say."""
+"""Names of joints and topics: which arm each belongs to, in which order, and which robot they say."""
 
 import re
 from collections.abc import Iterable, Sequence
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.reader import SeveralLogsError
+from friction_audit.joint_log import Source
 from friction_audit.presets import PRESETS, candidates
 
+# Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished.
+DRIVER_NODES = {"franka_state_controller", "franka_robot_state_broadcaster", "joint_state_broadcaster",
+                 "joint_state_controller", "franka"}  # fmt: skip
 UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
 # panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
 _ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
@@ -49,23 +53,22 @@ def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(name for _, _, name in sorted(numbered))
 
 
-def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ...]:
-    """Return the joints of the arm to read, in their order, from the joints of a table.
+def choose_arm(names: Sequence[str], wanted: str, *, path: str, topic: str = "") -> tuple[str, ...]:
+    """Return the joints of the arm to read, in their order, from the joints of a table or of a topic.
 
-    Raises:
-        InputError: If there is no such arm.
-        SeveralLogsError: If there are several arms and the user named none.
+    SeveralLogsError if there are several arms and the user named none.
     """
     arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
-    choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
+    choices = " or ".join(f"--topic '{topic}#{arm}'" for arm in arms)
+    where = f"on topic {topic}" if topic else "in this table"
     if wanted and wanted not in arms:
         raise InputError(
-            f"{path}: no arm {wanted!r} in this table; it has {', '.join(arms) or 'no joints by name'}; "
+            f"{path}: no arm {wanted!r} {where}; it has {', '.join(arms) or 'no joints by name'}; "
             f"{f'choose with {choices}' if arms else 'leave --topic out'}"
         )
     if not wanted and len(arms) > 1:
-        message = f"{path}: several arms in one log; choose one with {choices}"
-        raise SeveralLogsError(message, [f"#{arm}" for arm in arms])
+        message = f"{path}: several arms {where if topic else 'in one log'}; choose one with {choices}"
+        raise SeveralLogsError(message, [f"{topic}#{arm}" for arm in arms])
     return arms[wanted] if wanted else next(iter(arms.values()), ())
 
 
@@ -83,3 +86,21 @@ def robot_of(names: Iterable[str]) -> str:
 def numbered_joints(count: int) -> tuple[str, ...]:
     """Name joints that carry no names: joint1..joint{count}."""
     return tuple(f"joint{number}" for number in range(1, count + 1))
+
+
+def namespace(topic: str) -> str:
+    """Return what stands before a topic's name, nodes of drivers left out: ``left`` of ``/left/joint_states``."""
+    return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in DRIVER_NODES)
+
+
+def arm_of_log(source: Source, joint_names: Sequence[str]) -> str:
+    """Return the serial number or the name of the arm of a log, or nothing where the log has neither.
+
+    ``left`` of joints called ``left_joint1``, or of a topic ``/left/joint_states``; nothing of ``panda_joint1``, which
+    every Panda's are called.
+    """
+    if source.serial:
+        return source.serial
+    prefixes = list(arms_in(joint_names))
+    named = arm_name(prefixes[0]) if len(prefixes) == 1 else ""
+    return named or namespace(source.topic or "")

@@ -41,12 +41,7 @@ def topics(path: Path) -> tuple[Topic, ...]:
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
-    """Read the only episode, or the one that ``--topic`` names.
-
-    Raises:
-        InputError: If there is no such episode, or it holds no joint log.
-        SeveralLogsError: If there are several episodes, or several arms, and the user named none.
-    """
+    """Read the only episode, or the one that ``--topic`` names; SeveralLogsError if it names none of several."""
     episodes = _episodes(path)
     wanted, _, arm = (options.topic or "").partition("#")
     if not wanted and len(episodes) > 1:
@@ -144,8 +139,7 @@ def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
     from pyarrow import compute
 
     with _opened(file) as parquet:
-        schema = parquet.schema_arrow
-        wanted = [field.name for field in schema if _is_numeric(field.type)]
+        wanted = [field.name for field in parquet.schema_arrow if _is_numeric(field.type)]
         table = parquet.read(wanted)
     if "episode_index" in wanted:
         table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))

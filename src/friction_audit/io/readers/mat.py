@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
-from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.arrays import ArrayTable, topics_of
 from friction_audit.io.readers.channel_names import parse_name
 from friction_audit.io.readers.reader import ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import read_table
@@ -36,11 +36,6 @@ _DAMAGED = (ValueError, TypeError, LookupError, OSError, EOFError, OverflowError
             RuntimeError, NameError, zlib.error, struct.error)  # fmt: skip
 
 
-def recognises(path: Path) -> bool:
-    """Return True if the file begins as MATLAB's do."""
-    return starts_with(path, b"MATLAB ")
-
-
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read the variables of a MATLAB file."""
     arrays, others = _arrays(path)
@@ -49,10 +44,7 @@ def read(path: Path, options: ReadOptions) -> Recording:
 
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the arrays of a MATLAB file."""
-    return tuple(
-        Topic(name=name, type=f"array {array.shape} {array.dtype}", messages=len(array), readable=True)
-        for name, array in _arrays(path)[0].items()
-    )
+    return topics_of(_arrays(path)[0])
 
 
 def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], tuple[Finding, ...]]:

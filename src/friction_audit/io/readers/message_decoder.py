@@ -4,13 +4,14 @@ The definition of a ROS message is from the file, from the standard set, or one 
 """
 
 import json
-from abc import ABC, abstractmethod
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING
 
-from friction_audit.io.readers.message_kinds import UndecodableError
 from friction_audit.io.readers.message_layout import Layout, LayoutError, find_layout
-from friction_audit.io.readers.message_stream import Connection
+from friction_audit.io.readers.message_stream import Connection, UndecodableError
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 # Files in franka_msgs/, in the order in which they are tried.
 _FRANKA_GENERATIONS = ("FrankaRobotState_nested", "FrankaState_flat", "FrankaState_multipanda")
 _FRANKA_TYPES = ("franka_msgs/msg/FrankaState", "franka_msgs/msg/FrankaRobotState")
-_ERROR_FLAGS = (36, 41)  # flags in franka_msgs/Errors, by generation
+_ERRORS = ("Errors_36", "Errors_41")  # which have so many flags
 _DEEPEST, _MOST_FIELDS = 64, 100_000  # the largest state message, FrankaRobotState, has some 200 fields in five levels
 _STAMP_TYPES = ("builtin_interfaces/msg/Time",)
 
@@ -28,38 +29,38 @@ class DefinitionError(Exception):
     """The definition that a file carries cannot be used."""
 
 
-class MessageDecoder(ABC):
-    """Decodes payloads of one connection.
+@dataclass(frozen=True, eq=False, slots=True)
+class MessageDecoder:
+    """Decodes payloads of one connection."""
 
-    Attributes:
-        paths: Dotted paths of the fields that hold numbers, strings or time stamps, one level of nesting deep;
-            ``list[].field`` for the fields of a list's entries.
-    """
-
+    # Dotted paths of the fields that hold numbers, strings or time stamps, one level of nesting deep; list[].field for
+    # the fields of a list's entries.
     paths: tuple[str, ...]
+    library: Callable[[bytes], object]  # what decodes one message
+    errors: tuple[type[Exception], ...]  # what that raises
+    # Finds where the numbers lie in a payload; JSON and protobuf have no constant layout.
+    layout: Callable[[bytes], Layout | None] = lambda _: None
 
-    @abstractmethod
     def decode(self, payload: bytes) -> object:
         """Decode one message; raises UndecodableError."""
-
-    def layout(self, payload: bytes) -> Layout | None:  # noqa: ARG002
-        """Find where the numbers lie in this payload, or None: texts and protobuf have no constant layout."""
-        return None
+        try:
+            return self.library(payload)
+        except self.errors as error:
+            raise UndecodableError(str(error)) from error
 
 
 def decoder_for(connection: Connection, payload: bytes | None = None) -> MessageDecoder | None:
     """Make the decoder of a connection; None if its type is not known, or cannot be known without a message.
 
-    Raises:
-        DefinitionError: If the definition in the file cannot be used.
+    DefinitionError if the definition in the file cannot be used.
     """
     if connection.encoding in ("cdr", "ros1"):
         types = _find_definition(connection, payload)
-        return None if types is None or connection.type not in types else RosDecoder(connection, types)
+        return None if types is None or connection.type not in types else _ros_decoder(connection, types)
     if connection.encoding == "json" and payload is not None:
-        return JsonDecoder(payload)
+        return _json_decoder(payload)
     if connection.encoding == "protobuf":
-        return ProtobufDecoder(connection)
+        return _protobuf_decoder(connection)
     return None
 
 
@@ -68,89 +69,57 @@ def needs_message(connection: Connection) -> bool:
     return connection.encoding == "json" or bool(connection.definition) or connection.type in _FRANKA_TYPES
 
 
-class RosDecoder(MessageDecoder):
-    """ROS 1 and ROS 2 (CDR) messages, through rosbags."""
+def _ros_decoder(connection: Connection, types: "Typesdict") -> MessageDecoder:
+    """Return the decoder of ROS 1 or ROS 2 (CDR) messages, through rosbags."""
+    from rosbags.serde import SerdeError
+    from rosbags.typesys import Stores, TypesysError, get_typestore
 
-    def __init__(self, connection: Connection, types: "Typesdict") -> None:
-        """Keep the definitions; DefinitionError if they are not all there."""
-        self._type = connection.type
-        self._encoding = connection.encoding
-        self._types = types
-        self._store: Typestore | None = None  # generated when it is first needed
-        try:
-            self.paths = tuple(_ros_paths(connection.type, types))
-        except KeyError as error:
-            raise DefinitionError(f"its definition does not say what {error} is") from error
+    is_cdr, name = connection.encoding == "cdr", connection.type
 
-    def decode(self, payload: bytes) -> object:
-        """Decode one message; raises UndecodableError."""
-        from rosbags.serde import SerdeError
-        from rosbags.typesys import Stores, TypesysError, get_typestore
+    @cache
+    def store() -> "Typestore":  # generated when it is first needed
+        made = get_typestore(Stores.EMPTY)
+        made.register(types)
+        return made
 
-        try:
-            if self._store is None:
-                self._store = get_typestore(Stores.EMPTY)
-                self._store.register(self._types)
-            if self._encoding == "cdr":
-                return self._store.deserialize_cdr(payload, self._type)
-            return self._store.deserialize_ros1(payload, self._type)
-        except (SerdeError, TypesysError, KeyError) as error:  # KeyError: a type that the definitions do not have
-            raise UndecodableError(str(error)) from error
+    def decode(payload: bytes) -> object:
+        return (store().deserialize_cdr if is_cdr else store().deserialize_ros1)(payload, name)
 
-    def layout(self, payload: bytes) -> Layout | None:
-        """Find where the numbers lie in this payload, or None if messages have no constant layout."""
-        try:
-            return find_layout(payload, self._type, self._types, encoding=self._encoding)
-        except LayoutError:
-            return None
+    def layout(payload: bytes) -> Layout | None:
+        with suppress(LayoutError):
+            return find_layout(payload, name, types, encoding=connection.encoding)
+        return None
+
+    try:
+        paths = tuple(_ros_paths(name, types))
+    except KeyError as error:
+        raise DefinitionError(f"its definition does not say what {error} is") from error
+    return MessageDecoder(paths, decode, (SerdeError, TypesysError, KeyError), layout)  # KeyError: of an unknown type
 
 
-class JsonDecoder(MessageDecoder):
-    """JSON messages; the fields are those of the first message."""
-
-    def __init__(self, payload: bytes) -> None:
-        try:
-            self.paths = tuple(_json_paths(self.decode(payload)))
-        except UndecodableError:
-            self.paths = ()
-
-    def decode(self, payload: bytes) -> object:
-        """Decode one message; raises UndecodableError."""
-        try:
-            message: object = json.loads(payload)
-        except (ValueError, RecursionError) as error:
-            raise UndecodableError(str(error)) from error
-        return message
+def _json_decoder(payload: bytes) -> MessageDecoder:
+    """Return the decoder of JSON messages; the fields are those of the first message."""
+    decoder = MessageDecoder((), json.loads, (ValueError, RecursionError))
+    with suppress(UndecodableError):
+        return replace(decoder, paths=tuple(_json_paths(decoder.decode(payload))))
+    return decoder
 
 
-class ProtobufDecoder(MessageDecoder):
-    """Protobuf messages, through mcap-protobuf-support."""
+def _protobuf_decoder(connection: Connection) -> MessageDecoder:
+    """Return the decoder of protobuf messages, by their descriptors in the file, through mcap-protobuf-support."""
+    from google.protobuf.message import DecodeError
+    from mcap.exceptions import McapError
+    from mcap.records import Schema
+    from mcap_protobuf.decoder import DecoderFactory
 
-    def __init__(self, connection: Connection) -> None:
-        """Build the message class from the descriptors in the file; DefinitionError if they are missing or broken."""
-        from google.protobuf.message import DecodeError
-        from mcap.exceptions import McapError
-        from mcap.records import Schema
-        from mcap_protobuf.decoder import DecoderFactory
-
-        self._decode_error = DecodeError
-        schema = Schema(id=1, name=connection.type, encoding=connection.definition_format, data=connection.definition)
-        try:
-            decode = DecoderFactory().decoder_for("protobuf", schema)
-        except (McapError, DecodeError, TypeError, KeyError) as error:
-            raise DefinitionError(f"its protobuf descriptors cannot be used ({error})") from error
-        if decode is None:
-            raise DefinitionError(f"its schema is of encoding {connection.definition_format!r}, not protobuf")
-        self._decode = decode
-        self.paths = tuple(_protobuf_paths(self._decode(b"").DESCRIPTOR))
-
-    def decode(self, payload: bytes) -> object:
-        """Decode one message; raises UndecodableError."""
-        try:
-            message: object = self._decode(payload)
-        except self._decode_error as error:
-            raise UndecodableError(str(error)) from error
-        return message
+    schema = Schema(id=1, name=connection.type, encoding=connection.definition_format, data=connection.definition)
+    try:
+        decode = DecoderFactory().decoder_for("protobuf", schema)
+    except (McapError, DecodeError, TypeError, KeyError) as error:
+        raise DefinitionError(f"its protobuf descriptors cannot be used ({error})") from error
+    if decode is None:
+        raise DefinitionError(f"its schema is of encoding {connection.definition_format!r}, not protobuf")
+    return MessageDecoder(tuple(_protobuf_paths(decode(b"").DESCRIPTOR)), decode, (DecodeError,))
 
 
 def _find_definition(connection: Connection, payload: bytes | None) -> "Typesdict | None":
@@ -224,20 +193,23 @@ def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()
 
 
 def _franka_definitions(typename: str) -> Iterator["Typesdict"]:
+    for generation in _FRANKA_GENERATIONS:
+        for errors in _ERRORS:
+            yield franka_types((errors, "CollisionIndicators", "Elbow", generation), typename)
+
+
+def franka_types(names: Sequence[str], own: str) -> "Typesdict":
+    """Return the types in some files of franka_msgs/, which are called as the types are; the last one is ``own``."""
     from importlib.resources import files
 
     from rosbags.typesys import get_types_from_msg
 
-    folder = files("friction_audit.io.readers") / "franka_msgs"
-    parts: Typesdict = {}
-    for name in ("CollisionIndicators", "Elbow"):
-        text = (folder / f"{name}.msg").read_text(encoding="utf-8")
-        parts.update(get_types_from_msg(text, f"franka_msgs/msg/{name}"))
-    for generation in _FRANKA_GENERATIONS:
-        text = (folder / f"{generation}.msg").read_text(encoding="utf-8")
-        for flags in _ERROR_FLAGS:
-            errors = get_types_from_msg(f"bool[{flags}] flags", "franka_msgs/msg/Errors")
-            yield {**parts, **errors, **get_types_from_msg(text, typename)}
+    found: Typesdict = {}
+    for name in names:
+        text = (files("friction_audit.io.readers") / "franka_msgs" / f"{name}.msg").read_text(encoding="utf-8")
+        typename = own if name == names[-1] else f"franka_msgs/msg/{name.partition('_')[0]}"
+        found.update(get_types_from_msg(text, typename))
+    return found
 
 
 def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[str]:

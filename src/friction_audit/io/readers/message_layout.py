@@ -5,9 +5,9 @@ strings with a zero; ROS 1 does neither.
 """
 
 import struct
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,10 +34,10 @@ class LayoutError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Leaf:
-    """Numbers at a fixed place: offset from the start of the payload [byte], type of one number, how many."""
+    """Numbers at a fixed place."""
 
-    offset: int
-    dtype: str
+    offset: int  # from the start of the payload [byte]
+    dtype: str  # of one number
     count: int
 
 
@@ -48,17 +48,32 @@ class Layout:
     size: int  # length of the payload [byte]
     numbers: Mapping[str, Leaf]  # dotted path of a field -> where its numbers lie
     strings: Mapping[str, tuple[str, ...]]  # dotted path of a string or of an array of strings -> its content
-    # offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header). Payloads
-    # of the same size that agree in these bytes have the same layout and the same strings
+    # Offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header): payloads
+    # of the same size that agree in these bytes have the same layout and the same strings.
     fixed: NDArray[np.intp]
+    content: NDArray[np.uint8]  # these bytes
+
+    def records(self, block: Block, paths: Sequence[str]) -> Records | None:
+        """View a block as records, one per message, one field per path; None if any message is laid out differently."""
+        size, count = self.size, len(block)
+        if not self.numbers.keys() >= {*paths} or not (block.size == size).all():
+            return None
+        buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
+        stride = int(steps[0]) if count > 1 else size
+        if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
+            buffer, start, stride = b"".join(block.payload(index) for index in range(count)), 0, size
+        rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
+        if not (rows[:, self.fixed] == self.content).all():
+            return None
+        leaves = [self.numbers[path] for path in paths]
+        formats = [(leaf.dtype, (leaf.count,)) for leaf in leaves]
+        offsets = [leaf.offset for leaf in leaves]
+        kind = np.dtype({"names": list(paths), "formats": formats, "offsets": offsets, "itemsize": size})
+        return np.ndarray((count,), kind, buffer, offset=start, strides=(stride,))
 
 
 def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: str) -> Layout:
-    """Walk a message definition over one payload.
-
-    Raises:
-        LayoutError: If the definition and the payload do not fit, or the payload is big-endian.
-    """
+    """Walk a message definition over one payload; LayoutError if they do not fit, or the payload is big-endian."""
     if encoding == "cdr" and payload[:2] != _CDR_LITTLE_ENDIAN:
         raise LayoutError("not little-endian plain CDR")
     walk = _Walk(payload, types, is_cdr=encoding == "cdr")
@@ -69,7 +84,8 @@ def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: 
     spare = len(payload) - walk.position
     if spare < 0 or spare > (_CDR_TRAILING_PADDING_BYTES if walk.is_cdr else 0):
         raise LayoutError(f"{spare} bytes left over")
-    return Layout(len(payload), walk.numbers, walk.strings, np.flatnonzero(walk.fixed))
+    fixed = np.flatnonzero(walk.fixed)
+    return Layout(len(payload), walk.numbers, walk.strings, fixed, np.frombuffer(payload, np.uint8)[fixed])
 
 
 class _Walk:
@@ -87,27 +103,19 @@ class _Walk:
 
     def field(self, description: "FieldDesc", path: str) -> None:
         # Node types of rosbags: 1 a base type, 2 a named message, 3 an array, 4 a sequence (with its length before it).
-        match description:
-            case (1 | 2 as kind, detail):
-                self.elements(kind, detail, path, count=None)
-            case (3, ((kind, detail), size)):
-                self.elements(kind, detail, path, count=size)
-            case (_, ((kind, detail), _)):
-                self.elements(kind, detail, path, count=self.length())
-
-    def elements(self, kind: int, detail: object, path: str, count: int | None) -> None:
-        """Take one element (count None) or an array of them."""
-        if kind == 1:
-            base = detail[0]  # type: ignore[index]
-            if base == "string":
-                self.strings[path] = tuple(self.string() for _ in range(1 if count is None else count))
-            else:
-                self.numeric(base, path, 1 if count is None else count)
-        elif count is None:
-            self.message(str(detail), f"{path}.")
+        node: Any = int(description[0])
+        detail: Any = description[1]
+        count = None
+        if node > 2:  # noqa: PLR2004
+            (inner, detail), size = detail
+            node, count = int(inner), size if node == 3 else self.length()  # noqa: PLR2004
+        if node == 1 and detail[0] == "string":
+            self.strings[path] = tuple(self.string() for _ in range(1 if count is None else count))
+        elif node == 1:
+            self.numeric(detail[0], path, 1 if count is None else count)
         else:
-            for index in range(count):
-                self.message(str(detail), f"{path}[{index}].")
+            for index in range(1 if count is None else count):
+                self.message(detail, f"{path}." if count is None else f"{path}[{index}].")
 
     def numeric(self, base: str, path: str, count: int) -> None:
         if base not in _NUMBER_TYPES:
@@ -141,39 +149,3 @@ class _Walk:
     def align(self, width: int) -> None:
         if self.is_cdr:
             self.position += -(self.position - _CDR_HEADER_BYTES) % width
-
-
-class BlockDecoder:
-    """Decodes blocks whose messages are all laid out as the first one was.
-
-    Attributes:
-        layout: Layout of the first message.
-    """
-
-    def __init__(self, layout: Layout, payload: bytes, paths: tuple[str, ...]) -> None:
-        """Keep the first message's deciding bytes and the fields wanted."""
-        self.layout = layout
-        self._fixed_bytes = np.frombuffer(payload, np.uint8)[layout.fixed]
-        leaves = [layout.numbers[path] for path in paths]
-        self._dtype = np.dtype(
-            {
-                "names": list(paths),
-                "formats": [(leaf.dtype, (leaf.count,)) for leaf in leaves],
-                "offsets": [leaf.offset for leaf in leaves],
-                "itemsize": layout.size,
-            }
-        )
-
-    def decode(self, block: Block) -> Records | None:
-        """View a block as records, one per message, one field per path; None if any message is laid out differently."""
-        size, count = self.layout.size, len(block)
-        if not (block.size == size).all():
-            return None
-        buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
-        stride = int(steps[0]) if count > 1 else size
-        if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
-            buffer, start, stride = b"".join(block.payload(index) for index in range(count)), 0, size
-        rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
-        if not (rows[:, self.layout.fixed] == self._fixed_bytes).all():
-            return None
-        return np.ndarray((count,), self._dtype, buffer, offset=start, strides=(stride,))

@@ -1,68 +1,60 @@
-"""The values of some joints in messages, block by block, and as arrays."""
+"""The values of some joints in messages, block by block and as arrays, and their clock."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import numbered_joints
-from friction_audit.io.readers.message_decoder import MessageDecoder
-from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, row_of
-from friction_audit.io.readers.message_layout import BlockDecoder, Layout, Records
-from friction_audit.io.readers.message_stream import Block, Int
-from friction_audit.joint_log import Float
+from friction_audit.io.readers.message_kinds import Candidate, Row, row_of
+from friction_audit.io.readers.message_layout import Layout, Records
+from friction_audit.io.readers.message_stream import Block, Int, UndecodableError
+from friction_audit.joint_log import Finding, Float
 
 _NANOSECONDS = 10**9
-_CLOCKS = ("stamp", "robot_time")  # of the source, where it has them
+# Clocks and their units per second, the best first: the robot's own, the time stamp of the source, the recorder's.
+_CLOCKS = {"robot_time": 1.0, "header_stamp": 1e9, "log_time": 1e9}
 _SMALLEST_CAPACITY = 1024
 
+Times = Mapping[str, NDArray[Any]]
+"""Clock -> its reading in each message, nanoseconds as integers; a clock that some messages lack is not there."""
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Piece:
+
+class Piece(NamedTuple):
     """Values of some joints in n messages that follow each other."""
 
-    log_time: Int  # time at which each message was recorded [ns]
-    stamp: Int | None  # time stamp of the source, None if not every message has one [ns]
-    robot_time: Float | None  # the robot's own clock, None if not every message has it [s]
+    times: Times
     channels: Mapping[str, Sequence[NDArray[Any]]]  # channel -> a column per joint
 
 
 class JointSamples:
-    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order.
-
-    Attributes:
-        rows: Number of samples so far.
-        count: Number of those that are kept.
-    """
+    """Pieces one after the other in arrays, channels of shape (n, j) in Fortran order."""
 
     def __init__(self, joints: int, channels: Iterable[str], expected: int, *, every: int = 1) -> None:
         """Make room for the number of samples expected, which grows with the pieces; keep one of so many."""
         room = max(expected // every, _SMALLEST_CAPACITY)
-        self.rows = self.count = 0
+        self.rows = self.count = 0  # samples so far, and those of them that are kept
         self.channels = {name: np.empty((room, joints), order="F") for name in channels}
-        self._times: dict[str, NDArray[Any]] = {name: np.empty(room, np.int64) for name in ("log_time", "stamp")}
-        self._times["robot_time"] = np.empty(room)
-        self._absent: set[str] = set()
+        self._times = {name: np.empty(room, np.int64 if unit > 1.0 else np.float64) for name, unit in _CLOCKS.items()}
         self._every = every
 
     def add(self, piece: Piece) -> None:
         """Append a piece."""
+        count = len(piece.times["log_time"])
         kept = slice(-self.rows % self._every, None, self._every)
-        rows = slice(self.count, self.count + len(piece.log_time[kept]))
+        rows = slice(self.count, self.count + len(range(count)[kept]))
         if rows.stop > len(self._times["log_time"]):
             self.resize(max(rows.stop, 2 * rows.start))
-        self.rows, self.count = self.rows + len(piece.log_time), rows.stop
+        self.rows, self.count = self.rows + count, rows.stop
         for name, array in self.channels.items():
             for joint, column in enumerate(piece.channels[name]):
                 array[rows, joint] = column[kept]
+        self._times = {name: times for name, times in self._times.items() if name in piece.times}
         for name, times in self._times.items():
-            if (own := getattr(piece, name)) is None:
-                self._absent.add(name)
-            else:
-                times[rows] = own[kept]
+            times[rows] = piece.times[name][kept]
 
     def resize(self, rows: int) -> None:
         """Move everything, one array at a time; memory that was never written to costs nothing."""
@@ -73,52 +65,33 @@ class JointSamples:
                 arrays[name] = new
 
     @property
-    def times(self) -> tuple[Int, Int | None, Float | None]:
-        """Time of recording, time stamp of the source, the robot's own clock; None if a piece has none."""
-        log_time, *others = (array[: self.count] for array in self._times.values())
-        stamp, robot_time = (None if name in self._absent else one for name, one in zip(_CLOCKS, others, strict=True))
-        return log_time, stamp, robot_time
+    def times(self) -> Times:
+        """The clocks that all pieces have."""
+        return {name: array[: self.count] for name, array in self._times.items()}
 
 
 class JointDecoder:
-    """Decodes blocks of one topic to the values of some joints.
+    """Decodes blocks of one topic to the values of some joints."""
 
-    Attributes:
-        joints: Their names.
-        undecodable: Messages that do not fit their definition.
-        incomplete: Messages that lack some of the joints.
-    """
-
-    def __init__(
-        self,
-        joints: tuple[str, ...],
-        channels: Sequence[str],
-        kind: MessageKind,
-        decoders: Mapping[int, MessageDecoder],
-    ) -> None:
-        self.undecodable = self.incomplete = 0
-        self.joints, self._channels, self._kind, self._decoders = joints, channels, kind, decoders
-        self._paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths]
-        self._paths += [kind.robot_time] if kind.robot_time else []
-        self._fast: dict[int, BlockDecoder] = {}
+    def __init__(self, chosen: Candidate, joints: tuple[str, ...], channels: Sequence[str]) -> None:
+        self.undecodable = self.incomplete = 0  # messages that do not fit their definition, or lack some of the joints
+        kind = chosen.kind
+        self.chosen, self.joints, self._channels = chosen, joints, channels
+        paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths, kind.robot_time]
+        self._paths = list(dict.fromkeys(path for path in paths if path))
+        self._layouts: dict[int, Layout] = {}
         self._columns: dict[tuple[str, ...], NDArray[np.intp]] = {}
 
     def decode(self, block: Block) -> Piece:
         """Decode by the layout in use, or by that of the block's own first message; else message by message."""
-        known = self._fast.get(block.key)
-        records = known.decode(block) if known else None
-        if records is None and (known := self._block_decoder(block)) is not None:
-            records = known.decode(block)
-        if known is None or records is None:
+        layout = self._layouts.get(block.key)
+        records = layout.records(block, self._paths) if layout else None
+        if records is None and (layout := self.chosen.decoders[block.key].layout(block.payload(0))):
+            records = layout.records(block, self._paths)
+        if layout is None or records is None:
             return self.of_messages(block)
-        self._fast[block.key] = known
-        return self._of_records(records, known.layout, block) or self.of_messages(block)
-
-    def _block_decoder(self, block: Block) -> BlockDecoder | None:
-        layout = self._decoders[block.key].layout(block.payload(0))
-        if layout is None or any(path not in layout.numbers for path in self._paths):
-            return None
-        return BlockDecoder(layout, block.payload(0), tuple(dict.fromkeys(self._paths)))
+        self._layouts[block.key] = layout
+        return self._of_records(records, layout, block) or self.of_messages(block)
 
     def _columns_of(self, names: tuple[str, ...]) -> NDArray[np.intp]:
         """Return, for each joint, its index in a message with these names, or -1 where it lacks the joint."""
@@ -130,7 +103,7 @@ class JointDecoder:
 
     def _of_records(self, records: Records, layout: Layout, block: Block) -> Piece | None:
         """View records of constant layout; None if their arrays do not fit their names."""
-        kind = self._kind
+        kind = self.chosen.kind
         names = layout.strings.get(kind.names, ()) if kind.names else ()
         if not any(names):
             counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
@@ -138,20 +111,20 @@ class JointDecoder:
         columns, fields = self._columns_of(names), {name: records[kind.fields[name]] for name in self._channels}
         if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):
             return None
-        stamp = None
+        times = {"log_time": block.log_time}
         if kind.stamps:
             seconds, nanoseconds = kind.stamp_paths
-            stamp = records[seconds][:, 0].astype(np.int64) * _NANOSECONDS + records[nanoseconds][:, 0]
-        robot_time = records[kind.robot_time][:, 0] if kind.robot_time else None
-        channels = {name: [field[:, column] for column in columns] for name, field in fields.items()}
-        return Piece(block.log_time, stamp, robot_time, channels)
+            times["header_stamp"] = records[seconds][:, 0].astype(np.int64) * _NANOSECONDS + records[nanoseconds][:, 0]
+        if kind.robot_time:
+            times["robot_time"] = records[kind.robot_time][:, 0]
+        return Piece(times, {name: [field[:, column] for column in columns] for name, field in fields.items()})
 
     def of_messages(self, block: Block) -> Piece:
         """Decode message by message, with the library's decoder; one that holds none of the joints is passed over."""
-        decoder, found = self._decoders[block.key], list[tuple[int, Row, NDArray[np.intp]]]()
+        decoder, found = self.chosen.decoders[block.key], list[tuple[int, Row, NDArray[np.intp]]]()
         for index, log_time in enumerate(block.log_time.tolist()):
             try:
-                row = row_of(decoder.decode(block.payload(index)), self._kind)
+                row = row_of(decoder.decode(block.payload(index)), self.chosen.kind)
             except UndecodableError:
                 self.undecodable += 1
                 continue
@@ -168,10 +141,90 @@ class JointDecoder:
                 values = row.channels.get(name, np.empty(0))
                 there = (columns >= 0) & (columns < len(values))
                 array[there, at] = values[columns[there]]
-        stamps, times = [row.stamp for _, row, _ in found], [row.robot_time for _, row, _ in found]
-        return Piece(
-            np.array([log_time for log_time, *_ in found], np.int64),
-            None if None in stamps else np.array(stamps, np.int64),
-            None if None in times else np.array(times, np.float64),
-            {name: list(array) for name, array in arrays.items()},
-        )
+        own: dict[str, list[Any]] = {
+            "header_stamp": [row.stamp for _, row, _ in found],
+            "robot_time": [row.robot_time for _, row, _ in found],
+        }
+        times = {name: np.array(readings) for name, readings in own.items() if None not in readings}
+        times["log_time"] = np.array([log_time for log_time, *_ in found], np.int64)
+        return Piece(times, {name: list(array) for name, array in arrays.items()})
+
+
+_FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
+_DISAGREEMENT_SD_S = 5e-3
+_DISAGREEMENT_STEPS = 2.0
+_DISAGREEMENT_DRIFT = 2e-4
+_ROBOT_TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
+_UNIT_TOLERANCE = 0.2
+_TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header stamp", "log_time": "the log time"}
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MessageClock:
+    """The clock chosen for the messages."""
+
+    name: str
+    t: Float  # time from its smallest value [s]
+    origin_s: float  # its reading at t = 0 [s]
+    start_s: float | None  # that, if it is Unix time [s]
+    findings: tuple[Finding, ...]
+    first: Any  # its smallest reading
+    per_second: float  # of its units
+
+    def time_of(self, times: Times) -> Float:
+        """Return t of other messages."""
+        return np.asarray((times.get(self.name, times["log_time"]) - self.first) / self.per_second)
+
+
+def choose_clock(times: Times) -> MessageClock:
+    """Choose the best clock that runs."""
+    units, findings = dict(_CLOCKS), list[Finding]()
+    if "robot_time" in times:
+        units["robot_time"], findings = _robot_unit(times["robot_time"], times["log_time"])
+    # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
+    first = {name: times[name].min() for name in units if name in times}
+    clocks: dict[str, Float] = {name: (times[name] - low) / units[name] for name, low in first.items()}
+    # A single message cannot show that a clock runs.
+    running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
+    chosen = next(iter(running), "log_time")
+    for name in (name for name in clocks if name not in (*running, chosen)):
+        text = f"{_TITLES[name]} is the same (or not a number) in all messages; {_TITLES[chosen]} was used"
+        findings.append(Finding(code="clock_stopped", message=text))
+    if chosen != "log_time":
+        findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
+    # The robot's clock counts from its start, so the log time stands in for it.
+    start_s = float(first["log_time" if chosen == "robot_time" else chosen]) / _NANOSECONDS
+    unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
+    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first[chosen], units[chosen])
+
+
+def _robot_unit(robot_time: Float, log_time: Int) -> tuple[float, list[Finding]]:
+    """Recognise a robot's clock that counts in milli-, micro- or nanoseconds: by that factor faster than the log."""
+    logged_s = float(np.ptp(log_time)) / _NANOSECONDS
+    ratio = float(np.ptp(robot_time)) / logged_s if logged_s > 0.0 else 1.0
+    for factor, unit in _ROBOT_TIME_UNITS:
+        if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
+            text = (
+                f"the robot's own time counts in {unit}, by comparison with the log time; it was divided by {factor:g}"
+            )
+            return factor, [Finding(code="robot_time_unit", message=text, amount=factor)]
+    return 1.0, []
+
+
+def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
+    """Compare the clock chosen with the log time: a drift, and what is left after it."""
+    if len(t) < 3 or not log_t.max() > 0.0:  # noqa: PLR2004
+        return []
+    difference = log_t - t
+    centred = t - t.mean()
+    drift = float(centred @ difference / (centred @ centred))
+    sd_s = float(np.std(difference - drift * centred))
+    limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
+    findings = []
+    if sd_s > limit_s:
+        text = f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"
+        findings.append(Finding(code="clock_disagreement", amount=sd_s, message=f"{text}; {chosen} was used"))
+    if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
+        text = f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"
+        findings.append(Finding(code="clock_disagreement", amount=drift, message=f"{text}; {chosen} was used"))
+    return findings

@@ -1,19 +1,20 @@
-"""Messages as containers hand them over: decompressed, in blocks, with their clocks."""
+"""Messages as containers hand them over: decompressed, in blocks."""
 
+import re
 from abc import abstractmethod
+from bz2 import BZ2Decompressor
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from io import BytesIO
 from math import inf
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.joint_log import Finding, Float
 
 # Joint states that are all zero are packed 36 times (7 joints, zstd) to 1 000 times (1 000 joints), bombs 25 000 times.
 MOST_TIMES_PACKED = 4000
@@ -26,6 +27,10 @@ class UnpackError(Exception):
     """The data cannot be decompressed, or are not of the size that they claim."""
 
 
+class UndecodableError(Exception):
+    """One payload does not fit its definition."""
+
+
 def bound_of(packed_bytes: int) -> int:
     """Return how large data can be at most that were packed into so many bytes."""
     return max(_SMALLEST_BOUND, MOST_TIMES_PACKED * packed_bytes)
@@ -34,14 +39,7 @@ def bound_of(packed_bytes: int) -> int:
 def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:
     """Decompress data whose header claims a size, without making more than that.
 
-    Args:
-        compression: ``"zstd"``, ``"lz4"``, ``"bz2"``, or ``"none"`` or ``""``.
-        packed: The compressed data.
-        claimed: Their size when decompressed. [byte]
-        cut: Return what there is of data whose end is missing.
-
-    Raises:
-        UnpackError: If they are broken, or of another size.
+    Of ``cut`` data, whose end is missing, what there is. UnpackError if they are broken, or of another size.
     """
     if compression in ("none", ""):
         return packed
@@ -62,15 +60,13 @@ def _decompress(compression: str, packed: bytes, limit: int) -> bytes:
     """Decompress as far as it goes, up to one byte more than the limit."""
     if compression == "zstd":
         return _zstd(packed, limit)
+    if compression == "bz2":
+        return BZ2Decompressor().decompress(packed, max_length=limit + 1)
     if compression == "lz4":
         from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 
         data: bytes = LZ4FrameDecompressor().decompress(packed, max_length=limit + 1)
         return data
-    if compression == "bz2":
-        from bz2 import BZ2Decompressor
-
-        return BZ2Decompressor().decompress(packed, max_length=limit + 1)
     raise ValueError(f"unknown compression {compression!r}")
 
 
@@ -103,7 +99,7 @@ class Connection:
     encoding: str  # how payloads are serialised: "ros1", "cdr", "json", "protobuf" or something else
     definition: bytes = b""  # the message definition that the file carries, empty if it carries none
     definition_format: str = ""  # language of the definition, e.g. "ros2msg", "ros2idl", "protobuf"
-    messages: int | None = None  # number of messages, or None when the file does not say
+    messages: int = 0  # number of messages
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -157,36 +153,28 @@ class Window:
 
 @dataclass(frozen=True, slots=True)
 class Damage:
-    """Where a file is broken: ``byte`` is the offset up to which it was sound, None where that is not known."""
+    """Where a file is broken."""
 
-    byte: int | None
+    byte: int | None  # offset up to which it was sound, None where that is not known
     file_bytes: int
     reason: str
 
 
 class MessageStream(AbstractContextManager["MessageStream"]):
-    """An open container of messages.
+    """An open container of messages."""
 
-    Attributes:
-        connections: Connections in the file.
-        notes: What the file says of its own by name; complete, as ``damage`` is, once all blocks have been read.
-        stated: Number of messages of each topic that a file next to it states.
-        is_lasting: False if what it reads is deleted when it is closed.
-    """
-
-    connections: tuple[Connection, ...]
-    is_lasting = True
-    stated: Mapping[str, int] = {}
+    connections: tuple[Connection, ...]  # in the file
+    is_lasting = True  # False if what it reads is deleted when it is closed
+    stated: Mapping[str, int] = {}  # number of messages of each topic that a file next to it states
+    notes: Mapping[str, str] = {}  # what the file says of its own by name; complete once all blocks have been read
 
     def __init__(self, path: Path) -> None:
         """Open the file; InputError if nothing in it can be read."""
         self._path, self._bytes = path, path.stat().st_size
         self._damage: dict[int | str, Damage] = {}
-        self.notes: Mapping[str, str] = {}
 
     def __exit__(self, *_: object) -> None:
         """Keep nothing: files are open only while they are read."""
-        return None  # noqa: RET501
 
     @property
     def damage(self) -> tuple[Damage, ...]:
@@ -209,6 +197,16 @@ class MessageStream(AbstractContextManager["MessageStream"]):
             return None
 
 
+class Heads(NamedTuple):
+    """What the records of a connection's messages look like up to their payloads."""
+
+    width: int  # their length [byte]
+    constant: tuple[slice, ...]  # bytes that they share if the payloads are equally long: no clocks and counters
+    clock: int  # where the eight bytes of the log time begin
+    in_ns: Callable[[NDArray[np.uint8]], Int]  # from these bytes, shape (n, 8), to the log time
+    pattern: re.Pattern[bytes] | None = None  # what one looks like, where writers differ
+
+
 class BlockCollector:
     """The messages of a chunk as blocks: runs of equally long ones at once, or one by one where topics alternate."""
 
@@ -219,18 +217,24 @@ class BlockCollector:
         self._mixed: dict[int, list[tuple[int, int, int]]] = {}
         self._alternating = False
 
-    def add(self, key: int, time: int, start: int, size: int, run: Callable[[], Block]) -> int:
-        """Add a message, or the run that begins with it; returns how many messages were taken."""
-        wanted = self._keys is None or key in self._keys
+    def add(self, key: int, time: int, start: int, size: int, heads: Heads) -> int:
+        """Add a message, or the run that begins with it; returns how many bytes were taken."""
+        wanted, stride = self._keys is None or key in self._keys, heads.width + size
         if self._alternating:
             if wanted:
                 self._mixed.setdefault(key, []).append((start, size, time))
-            return 1
-        block = run()
+            return stride
+        begin = start - heads.width
+        count = (len(self._data) - begin) // stride
+        rows = np.ndarray((count, heads.width), np.uint8, self._data, offset=begin, strides=(stride, 1))
+        same = np.logical_and.reduce([(rows[:, part] == rows[0, part]).all(axis=1) for part in heads.constant])
+        run = count if same.all() else int(same.argmin())
         if wanted:
-            self.blocks.append(block)
-        self._alternating = len(block) < _SHORTEST_RUN
-        return len(block)
+            log_time = heads.in_ns(np.ascontiguousarray(rows[:run, heads.clock : heads.clock + 8]))
+            starts = start + stride * np.arange(run, dtype=np.int64)
+            self.blocks.append(Block(key, log_time, self._data, starts, np.full(run, size, np.int64)))
+        self._alternating = run < _SHORTEST_RUN
+        return run * stride
 
     def finish(self) -> list[Block]:
         """Return all blocks."""
@@ -248,106 +252,15 @@ def block_of_payloads(key: int, log_time: Sequence[int], payloads: Sequence[byte
 
 
 @contextmanager
-def open_log(path: Path) -> Iterator[BinaryIO]:
-    """Open a log for reading; InputError if it cannot be opened or read."""
+def open_log(path: Path, magic: bytes = b"", what: str = "") -> Iterator[BinaryIO]:
+    """Open a log for reading after its first bytes; InputError if it cannot be read, or does not begin with these."""
     try:
         with path.open("rb") as file:
+            if (found := file.read(len(magic))) != magic:
+                raise InputError(
+                    f"{path}: {f'does not begin as {what}' if found else 'is empty'}; expected the bytes "
+                    f"{magic!r}; check the file's type and that it was copied whole"
+                )
             yield file
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; check the path and its permissions") from error
-
-
-_NANOSECONDS = 1e9
-_FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
-_DISAGREEMENT_SD_S = 5e-3
-_DISAGREEMENT_STEPS = 2.0
-_DISAGREEMENT_DRIFT = 2e-4
-_ROBOT_TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
-_UNIT_TOLERANCE = 0.2
-_TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header stamp", "log_time": "the log time"}
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class MessageClock:
-    """The clock chosen."""
-
-    name: str
-    t: Float  # time from its smallest value [s]
-    origin_s: float  # its reading at t = 0 [s]
-    start_s: float | None  # that, if it is Unix time [s]
-    findings: tuple[Finding, ...]
-    first: Any  # its smallest value, in its own unit
-    per_second: float  # of the robot's own time, as it is written
-
-    def time_of(self, log_time: Int, stamp: Int | None, robot_time: Float | None) -> Float:
-        """Return t of other messages."""
-        if self.name == "robot_time":
-            return np.asarray(np.asarray(robot_time) / self.per_second - self.first)
-        raw = log_time if stamp is None or self.name == "log_time" else stamp
-        return np.asarray((raw - self.first) / _NANOSECONDS)
-
-
-def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> MessageClock:
-    """Choose the best clock that runs.
-
-    Args:
-        log_time: Time of recording, shape (n,) [ns]
-        stamp: Time stamp of the source, if there is one. [ns]
-        robot_time: The robot's own clock, if there is one. [s]
-    """
-    robot_time, findings = (None, []) if robot_time is None else _in_seconds(robot_time, log_time)
-    per_second = float(findings[0].amount or 1.0) if findings else 1.0
-    # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
-    offered = {
-        "robot_time": None if robot_time is None else robot_time - np.min(robot_time),
-        "header_stamp": None if stamp is None else (stamp - stamp.min()) / _NANOSECONDS,
-        "log_time": (log_time - log_time.min()) / _NANOSECONDS,
-    }
-    clocks = {name: t for name, t in offered.items() if t is not None}
-    # A single message cannot show that a clock runs.
-    running = [n for n, t in clocks.items() if np.isfinite(t).all() and (len(t) == 1 or t.max() > 0.0)]
-    chosen = next(iter(running), "log_time")
-    for name in (name for name in clocks if name not in (*running, chosen)):
-        text = f"{_TITLES[name]} is the same (or not a number) in all messages; {_TITLES[chosen]} was used"
-        findings.append(Finding(code="clock_stopped", message=text))
-    if chosen != "log_time":
-        findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
-    # The robot's clock counts from its start, so the log time stands in for it.
-    source = stamp if chosen == "header_stamp" and stamp is not None else log_time
-    start_s = float(source.min()) / _NANOSECONDS
-    unix_s = start_s if start_s > _FIRST_UNIX_TIME_S else None
-    first = {"robot_time": robot_time, "header_stamp": stamp, "log_time": log_time}[chosen]
-    assert first is not None
-    return MessageClock(chosen, clocks[chosen], start_s, unix_s, tuple(findings), first.min(), per_second)
-
-
-def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]:
-    """Recognise a robot's clock that counts in milli-, micro- or nanoseconds: by that factor faster than the log."""
-    logged_s = float(np.ptp(log_time)) / _NANOSECONDS
-    ratio = float(np.ptp(robot_time)) / logged_s if logged_s > 0.0 else 1.0
-    for factor, unit in _ROBOT_TIME_UNITS:
-        if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
-            text = (
-                f"the robot's own time counts in {unit}, by comparison with the log time; it was divided by {factor:g}"
-            )
-            return robot_time / factor, [Finding(code="robot_time_unit", message=text, amount=factor)]
-    return robot_time, []
-
-
-def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
-    """Compare the clock chosen with the log time: a drift, and what is left after it."""
-    if len(t) < 3 or not log_t.max() > 0.0:  # noqa: PLR2004
-        return []
-    difference = log_t - t
-    centred = t - t.mean()
-    drift = float(centred @ difference / (centred @ centred))
-    sd_s = float(np.std(difference - drift * centred))
-    limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
-    findings = []
-    if sd_s > limit_s:
-        text = f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"
-        findings.append(Finding(code="clock_disagreement", amount=sd_s, message=f"{text}; {chosen} was used"))
-    if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
-        text = f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"
-        findings.append(Finding(code="clock_disagreement", amount=drift, message=f"{text}; {chosen} was used"))
-    return findings

@@ -2,12 +2,12 @@
 
 import re
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from difflib import get_close_matches
 from functools import partial
-from itertools import islice
+from itertools import chain, islice
 from pathlib import Path
 
 import numpy as np
@@ -18,19 +18,17 @@ from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import robot_of
 from friction_audit.io.readers.message_decoder import DefinitionError, MessageDecoder, decoder_for, needs_message
-from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, match_kind, row_of
-from friction_audit.io.readers.message_samples import JointDecoder, JointSamples
+from friction_audit.io.readers.message_kinds import Candidate, MessageKind, Row, choose_topic, match_kind, row_of
+from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
 from friction_audit.io.readers.message_stream import (
     Block,
     Connection,
-    MessageClock,
     MessageStream,
+    UndecodableError,
     Window,
     block_of_payloads,
-    choose_clock,
 )
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large
-from friction_audit.io.readers.topics import Candidate, choose_topic
 from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float, find_window
 
@@ -44,15 +42,11 @@ _MOST_CLOCKS = 1 << 22  # messages whose clocks are compared where a log is read
 _BLOCK_ROWS = 1 << 16
 
 Open = Callable[[Path], AbstractContextManager[MessageStream]]
+_Readable = tuple[Connection, MessageDecoder, MessageKind, Block]  # with its first messages
 
 
 def read_messages(open_stream: Open, path: Path, options: ReadOptions) -> Recording:
-    """Read the joint states in a file.
-
-    Raises:
-        InputError: If there is no joint state to read.
-        SeveralLogsError: If the log holds several arms and the user named none.
-    """
+    """Read the joint states in a file; InputError, or SeveralLogsError if it holds several arms and none was named."""
     with open_stream(path) as stream:
         recording = _read(path, stream, options)
         return replace(recording, serial=serial_in(stream.notes))
@@ -67,16 +61,20 @@ def topics_of(open_stream: Open, path: Path) -> tuple[Topic, ...]:
 def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     candidates = _candidates(path, stream, options)
     chosen, joints, findings = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
-    decoder = JointDecoder(joints, chosen.channels, chosen.kind, chosen.decoders)
+    decoder = JointDecoder(chosen, joints, chosen.channels)
     row_bytes = np.float64().itemsize * (len(chosen.channels) * len(joints) + _CLOCKS)
-    expected = min(chosen.messages or 0, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
-    size, missing, blocks = expected * row_bytes, list[Finding](), None
-    part = _read_part(path, stream, decoder, chosen, options) if options.reads_part(size) else None
+    expected = min(chosen.messages, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
+    size, missing, blocks, skipped = expected * row_bytes, list[Finding](), None, 0
+    part = _read_part(path, stream, decoder, options) if options.reads_part(size) else None
     if part is None:
         in_blocks = options.in_blocks and stream.is_lasting and size > IN_BLOCKS_BYTES
-        samples, skipped = _samples(path, chosen, len(joints), expected, size, in_blocks=in_blocks), 0
+        if in_blocks:  # the clocks alone
+            samples = JointSamples(len(joints), (), expected, every=-(-expected // _MOST_CLOCKS))
+        else:
+            refuse_too_large(path, size, size)
+            samples = JointSamples(len(joints), chosen.channels, expected)
         decoder.undecodable = decoder.incomplete = 0
-        missing = _missing(stream, chosen, _collect(stream, decoder, chosen, samples))
+        missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     else:
         samples, skipped = part
     if not samples.count:
@@ -84,11 +82,11 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
             f"{path}: none of the messages on topic {chosen.topic} can be decoded as {chosen.type}; choose another "
             "topic with --topic"
         )
-    clock, kind = choose_clock(*samples.times), chosen.kind
+    clock, kind = choose_clock(samples.times), chosen.kind
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:
         t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in chosen.channels}
-        blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, chosen, joints, clock, samples.rows))
+        blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, decoder, clock, samples.rows))
     shown = f"{kind.elements}[{{i}}].%s" if kind.elements else "%s[{i}]"
     units = {name: found[0] for name, text in options.mapping.items() if (found := _UNIT.search(text))}
     left_out = dict.fromkeys(name for row in chosen.rows for name in row.names if name not in joints)
@@ -112,38 +110,23 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     )
 
 
-def _samples(path: Path, chosen: Candidate, joints: int, expected: int, size: int, *, in_blocks: bool) -> JointSamples:
-    """Make room for the samples of a topic, or for its clocks alone where it is read in blocks."""
-    if in_blocks:
-        return JointSamples(joints, (), expected, every=-(-expected // _MOST_CLOCKS))
-    refuse_too_large(path, size, size)
-    return JointSamples(joints, chosen.channels, expected)
-
-
 def _blocks(
-    stream: MessageStream,
-    chosen: Candidate,
-    joints: tuple[str, ...],
-    clock: MessageClock,
-    rows: int,
-    names: Collection[str],
+    stream: MessageStream, decoder: JointDecoder, clock: MessageClock, rows: int, names: Collection[str]
 ) -> Iterator[tuple[Float, dict[str, Float]]]:
     """Yield the clock of many messages, and those of their channels that are asked for, again and again."""
+    chosen, joints = decoder.chosen, decoder.joints
     wanted = [name for name in chosen.channels if name in names]
     if not wanted and len(clock.t) == rows:
         yield from ((clock.t[first : first + _BLOCK_ROWS].copy(), {}) for first in range(0, rows, _BLOCK_ROWS))
         return
-    decoder = JointDecoder(joints, wanted, chosen.kind, chosen.decoders)
-    samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
-    for block in stream.blocks(list(chosen.decoders)):
-        samples.add(decoder.decode(block))
-        if samples.count >= _BLOCK_ROWS:
+    decoder, samples = JointDecoder(chosen, joints, wanted), JointSamples(len(joints), wanted, _BLOCK_ROWS)
+    for block in chain(stream.blocks(list(chosen.decoders)), [None]):  # None at the end
+        if block is not None:
+            samples.add(decoder.decode(block))
+        if samples.count >= (1 if block is None else _BLOCK_ROWS):
             samples.resize(samples.count)
-            yield clock.time_of(*samples.times), samples.channels
+            yield clock.time_of(samples.times), samples.channels
             samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
-    if samples.count:
-        samples.resize(samples.count)
-        yield clock.time_of(*samples.times), samples.channels
 
 
 def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:
@@ -152,14 +135,9 @@ def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Top
     for connection in stream.connections:
         groups.setdefault(connection.topic, []).append(connection)
     return tuple(
-        Topic(name=name, type=own[-1].type, messages=_sum(c.messages for c in own), readable=name in readable)
+        Topic(name=name, type=own[-1].type, messages=sum(c.messages for c in own), readable=name in readable)
         for name, own in groups.items()
     )
-
-
-def _sum(counts: Iterable[int | None]) -> int | None:
-    known = [*counts]
-    return None if None in known else sum(filter(None, known))
 
 
 def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list[Candidate]:
@@ -167,7 +145,7 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
     wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
     # actual.velocities[{i}] names the array actual.velocities
     stated = {c: _UNIT.sub("", text).replace("[{i}]", "").replace(".{i}", "") for c, text in options.mapping.items()}
-    found: dict[str, list[tuple[Connection, MessageDecoder, MessageKind, Block]]] = {}
+    found: dict[str, list[_Readable]] = {}
     refusals: list[InputError] = []
     for connection in stream.connections:
         if connection.messages == 0:
@@ -183,28 +161,25 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
             found.setdefault(connection.topic, []).append((connection, decoder, kind, first))
     if refusals and (wanted is not None or not found):
         raise refusals[0]
-    candidates = []
-    for topic, group in found.items():
-        kind = group[0][2]
-        same = [one for one in group if one[2] == kind]  # connections of one topic, of the kind of the first one
-        rows = [row for _, decoder, _, block in same for row in _first_rows(block, decoder, kind)]
-        joints = max((len(row.names) for row in rows), default=0)
-        if joints > MOST_JOINTS and wanted in (None, topic.strip("/")):
-            raise InputError(
-                f"{path}: a message on topic {topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
-                "choose another topic with --topic"
-            )
-        candidates.append(
-            Candidate(
-                topic=topic,
-                type=group[0][0].type,
-                messages=_sum(connection.messages for connection, *_ in same),
-                kind=kind,
-                decoders={connection.key: decoder for connection, decoder, *_ in same},
-                rows=rows,
-            )
+    return [
+        _candidate(path, topic, group, is_wanted=wanted in (None, topic.strip("/"))) for topic, group in found.items()
+    ]
+
+
+def _candidate(path: Path, topic: str, group: Sequence[_Readable], *, is_wanted: bool) -> Candidate:
+    """Decode the first messages of a topic's connections of the kind of the first one."""
+    first, _, kind, _ = group[0]
+    same = [one for one in group if one[2] == kind]
+    rows = [row for _, decoder, _, block in same for row in _first_rows(block, decoder, kind)]
+    joints = max((len(row.names) for row in rows), default=0)
+    if joints > MOST_JOINTS and is_wanted:
+        raise InputError(
+            f"{path}: a message on topic {topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
+            "choose another topic with --topic"
         )
-    return candidates
+    decoders = {connection.key: decoder for connection, decoder, *_ in same}
+    messages = sum(connection.messages for connection, *_ in same)
+    return Candidate(topic=topic, type=first.type, messages=messages, kind=kind, decoders=decoders, rows=rows)
 
 
 def _decoder(
@@ -233,7 +208,7 @@ def _first_block(stream: MessageStream, connection: Connection) -> Block | None:
     """Return the first messages of a connection, which may lie in several blocks."""
     blocks = stream.blocks([connection.key])
     timed = ((int(one.log_time[index]), one.payload(index)) for one in blocks for index in range(len(one)))
-    found = list(islice(timed, min(_SAMPLED_MESSAGES, connection.messages or 1)))
+    found = list(islice(timed, min(_SAMPLED_MESSAGES, connection.messages)))
     return block_of_payloads(connection.key, *zip(*found, strict=True)) if found else None
 
 
@@ -268,15 +243,11 @@ def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapp
 
 
 def _collect(
-    stream: MessageStream,
-    decoder: JointDecoder,
-    chosen: Candidate,
-    samples: JointSamples,
-    window: Window | None = None,
+    stream: MessageStream, decoder: JointDecoder, samples: JointSamples, window: Window | None = None
 ) -> Counter[int]:
     """Decode the messages of the topic chosen; returns how many each connection has."""
     seen: Counter[int] = Counter()
-    for found in stream.blocks(list(chosen.decoders), window):
+    for found in stream.blocks(list(decoder.chosen.decoders), window):
         block = window.part_of(found) if window else found
         seen[block.key] += len(block)
         if len(block):
@@ -286,13 +257,13 @@ def _collect(
 
 
 def _read_part(
-    path: Path, stream: MessageStream, decoder: JointDecoder, chosen: Candidate, options: ReadOptions
+    path: Path, stream: MessageStream, decoder: JointDecoder, options: ReadOptions
 ) -> tuple[JointSamples, int] | None:
     """Decode the first messages, from which time counts, and those of the part asked for, found by log time.
 
-    Returns the samples, and how many of the first ones are no more than the origin; None if the log time does not
-    follow the clock chosen.
+    Returns also how many are the first ones; None if the log time does not follow the clock chosen.
     """
+    chosen = decoder.chosen
     samples = JointSamples(len(decoder.joints), chosen.channels, 0)
     for connection in stream.connections:
         if connection.key in chosen.decoders and (first := _first_block(stream, connection)):
@@ -301,17 +272,17 @@ def _read_part(
     if not skipped:
         return None
     start, stop = options.window_of_clock()
-    origin = float(samples.times[0].min())
+    origin = float(samples.times["log_time"].min())
     window = Window(
         origin + _NANOSECONDS * (start - MARGIN_S - _CLOCK_DRIFT * abs(start)),
         origin + _NANOSECONDS * (stop + MARGIN_S + _CLOCK_DRIFT * abs(stop)),
     )
-    _collect(stream, decoder, chosen, samples, window)
+    _collect(stream, decoder, samples, window)
     if samples.count == skipped:
         duration = max(window.latest - origin, 0.0) / _NANOSECONDS * options.time_scale
         find_window(np.array([0.0, duration]), options.t_start_s, options.t_end_s, str(path))
         return None
-    t = choose_clock(*samples.times).t
+    t = choose_clock(samples.times).t
     t = t[skipped:] - t[:skipped].min()
     reached = (not window.before or t.min() <= start) and (not window.after or t.max() >= stop)
     return (samples, skipped) if reached else None
@@ -320,8 +291,8 @@ def _read_part(
 def _missing(stream: MessageStream, chosen: Candidate, seen: Mapping[int, int]) -> list[Finding]:
     """Compare the messages read with their number by the file's own index and by metadata.yaml."""
     own = [c for c in stream.connections if c.topic == chosen.topic]
-    indexed = sum(max((c.messages or 0) - seen[c.key], 0) for c in own if c.key in chosen.decoders)
-    found = sum(seen[c.key] if c.key in chosen.decoders else c.messages or 0 for c in own)
+    indexed = sum(max(c.messages - seen[c.key], 0) for c in own if c.key in chosen.decoders)
+    found = sum(seen[c.key] if c.key in chosen.decoders else c.messages for c in own)
     lost = max(indexed, stream.stated.get(chosen.topic, 0) - found)
     if lost <= 0:
         return []

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
-from friction_audit.io.readers.arrays import ArrayTable
+from friction_audit.io.readers.arrays import ArrayTable, topics_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.table import Part, part_in_blocks, read_table
@@ -52,6 +52,11 @@ class Entry:
         return prod(self.shape[1:])
 
     @property
+    def nbytes(self) -> int:
+        """Bytes in the file."""
+        return self.info.compress_size
+
+    @property
     def is_mapped(self) -> bool:
         """Whether its columns lie one after the other in the file, as they are."""
         return self.by_column and self.info.compress_type == zipfile.ZIP_STORED
@@ -84,10 +89,6 @@ class NpzTable(ArrayTable):
     def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
         """Return an array as (n, k), in the rows of a mask or in all."""
         return _array(self._archive, self._entries[name], rows)
-
-    def packed_bytes(self, name: str) -> int:
-        """Return the bytes that an array takes in the file."""
-        return self._entries[name].info.compress_size
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:
         """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""
@@ -219,8 +220,4 @@ def recognises(path: Path) -> bool:
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the arrays of an archive."""
     with _opened(path) as archive:
-        entries, _ = _entries(archive, path)
-    return tuple(
-        Topic(name=name, type=f"array {entry.shape} {entry.dtype}", messages=entry.shape[0], readable=True)
-        for name, entry in entries.items()
-    )
+        return topics_of(_entries(archive, path)[0])

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.files import starts_with
 from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit
@@ -439,8 +438,3 @@ def topics(path: Path) -> tuple[Topic, ...]:
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: a damaged or unfinished Parquet file: {error}; copy or record it again") from error
     return (Topic(name=path.name, type=f"table of {columns} columns", messages=rows, readable=True),)
-
-
-def recognises(path: Path) -> bool:
-    """Return True if the file begins as Parquet does."""
-    return starts_with(path, b"PAR1")

@@ -1,9 +1,9 @@
 """Read a log of any format: the list of readers, the checks, and the hash of the content.
 
-A format is added by writing one file with ``recognises``, ``read`` and ``topics``, and its line in READERS.
+A format is added by writing one file with ``read`` and ``topics``, and its line in READERS, with what its files begin
+with; without that, the file has ``recognises``.
 """
 
-from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -14,15 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, UsageError
 from friction_audit.io.checks import examine
 from friction_audit.io.checks.clock import leave_out_far
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.join import join_recordings
-from friction_audit.io.readers.joint_names import arm_name, arms_in
-from friction_audit.io.readers.motor_current import convert_torque, doubt_current
 from friction_audit.io.readers.reader import (
     TAKE_A_PART,
     OneOfSeveral,
@@ -35,21 +33,24 @@ from friction_audit.io.readers.reader import (
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source
+from friction_audit.joint_numbers import require_joints, write_joint_numbers
 from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.presets import CURRENT, ESTIMATE, PRESETS, candidates
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (
-    Reader("parquet", (".parquet", ".pq")),
+    Reader("parquet", (".parquet", ".pq"), b"PAR1"),
     Reader("npz", (".npz",)),
-    Reader("npy", (".npy",)),
-    Reader("mat", (".mat",)),
+    Reader("npy", (".npy",), b"\x93NUMPY", "arrays"),
+    Reader("mat", (".mat",), b"MATLAB "),
     Reader("lerobot", ()),
-    Reader("rosbag1", (".bag",)),
+    Reader("rosbag1", (".bag",), b"#ROSBAG V"),
     Reader("rosbag2", (".db3", ".zstd", ".zst")),
-    Reader("mcap", (".mcap",)),
+    Reader("mcap", (".mcap",), b"\x89MCAP0\r\n"),
     Reader("csv", (".csv", ".tsv", ".txt", ".dat", ".csv.gz", ".csv.zst")),
 )
 _DEFAULT = ReadOptions()
+_FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 
 
@@ -85,7 +86,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
                 parts.append((at[0], part))
             at = files[0]
             recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
-            recording = convert_torque(recording, options, str(path))
+            recording = _convert_torque(recording, options, str(path))
             recording = _examined(recording, options, str(path))
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
@@ -103,7 +104,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
     recording = recording.with_findings(*(one for file, before, _ in files for one in _growth(before, _stamp(file))))
-    recording = doubt_current(recording)
+    recording = _doubt_current(recording)
     name, content, form = str(path), contents[0], files[0][2].name
     log = to_joint_log(recording, options, path=name, sha256=content, format=form)
     others = zip(files[1:], contents[1:], strict=True)
@@ -133,8 +134,8 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
         InputError: If it cannot be read as a joint log.
     """
     arrays = arrays_of_frame(frame, name)
-    recording = convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
-    recording = doubt_current(_examined(recording, options, name))
+    recording = _convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
+    recording = _doubt_current(_examined(recording, options, name))
     digest = sha256()
     for column, array in arrays.items():
         digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
@@ -160,7 +161,21 @@ def to_joint_log(
     """Make an examined recording a JointLog whose clock starts at 0, in memory or not."""
     blocks = recording.blocks
     first = float(recording.t[0]) if blocks is None else recording.first_s or 0.0
-    source = _source(recording, first, path=path, sha256=sha256, format=format)
+    torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
+    source = Source(
+        path=path,
+        sha256=sha256,
+        format=format,
+        robot=recording.robot,
+        serial=recording.serial,
+        clock=recording.clock,
+        start_s=None if recording.start_s is None else recording.start_s + first,
+        topic=recording.topic,
+        channels=dict(recording.mapping),
+        torque_unit=recording.torque_unit or torque_unit(recording.mapping.get(torque, "")),
+        clock_windows=recording.clock_windows,
+        findings=recording.findings,
+    )
     if options.has_window:
         source = replace(source, window=(options.t_start_s, options.t_end_s), skipped_s=first)
     if blocks is None:
@@ -181,30 +196,8 @@ def to_joint_log(
     )
 
 
-def _source(recording: Recording, first: float, *, path: str, sha256: str, format: str) -> Source:  # noqa: A002
-    torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
-    return Source(
-        path=path,
-        sha256=sha256,
-        format=format,
-        robot=recording.robot,
-        serial=recording.serial,
-        clock=recording.clock,
-        start_s=None if recording.start_s is None else recording.start_s + first,
-        topic=recording.topic,
-        channels=dict(recording.mapping),
-        torque_unit=recording.torque_unit or torque_unit(recording.mapping.get(torque, "")),
-        clock_windows=recording.clock_windows,
-        findings=recording.findings,
-    )
-
-
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
-    """Return the name of a file's format, and the topics or tables in it.
-
-    Raises:
-        InputError: If it is of no known format.
-    """
+    """Return the name of a file's format, and the topics or tables in it."""
     file = Path(path)
     _stamp(file)
     reader = choose_reader(file)
@@ -215,11 +208,7 @@ def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
 
 
 def choose_reader(path: Path) -> Reader:
-    """Return the reader that recognises a file by its content, else the one of its suffix.
-
-    Raises:
-        InputError: If there is none.
-    """
+    """Return the reader that recognises a file by its content, else the one of its suffix."""
     by_suffix = [reader for reader in READERS if reader.is_named(path)]
     for reader in (*by_suffix, *READERS):
         if reader.recognises(path):
@@ -291,16 +280,51 @@ def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
     return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
 
 
-def arm_of_log(source: Source, joint_names: Sequence[str]) -> str:
-    """Return the serial number or the name of the arm of a log, or nothing where the log has neither.
+def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Recording:
+    """Multiply the measured torque, tau_J where there is one, by constant, ratio and scale of each joint; in place."""
+    factors = {name: values for name in _FACTORS if (values := getattr(options, name))}
+    if not factors and not options.flip:
+        return recording
+    joints = len(recording.joint_names)
+    require_joints(options.flip, joints, f"{path}: --flip")
+    for name, values in factors.items():
+        if len(values) not in (1, joints):
+            option = name.replace("_", "-")
+            raise UsageError(
+                f"{path}: --{option}: {len(values)} numbers; expected one, or one for each of {joints} joints"
+            )
+    channel = next(c for c in ("tau_J", *TORQUE_CHANNELS) if c in recording.channels)
+    name = recording.mapping.get(channel, channel)
+    unit = torque_unit(name)
+    is_current = bool(options.torque_constant)
+    total = np.where(np.isin(np.arange(1, joints + 1), options.flip), -1.0, 1.0)
+    for values in factors.values():
+        total = total * np.asarray(values)
+    recording = recording.scaled(channel, total * (1e-3 if is_current and unit == "mA" else 1.0))
+    parts = [_FACTORS[one].format(", ".join(f"{value:g}" for value in values)) for one, values in factors.items()]
+    parts += [f"-1 in joint {write_joint_numbers(options.flip)}"] if options.flip else []
+    message = f"{channel} is {name} times {' times '.join(parts)}"
+    if is_current:
+        message += "; a torque from a motor current: its friction is that of motor, gear and joint"
+    recording = recording.with_findings(Finding(code="torque_converted", message=message))
+    return replace(recording, torque_unit="N m" if is_current else unit)
 
-    ``left`` of joints called ``left_joint1``, or of a topic ``/left/joint_states``; nothing of ``panda_joint1``, which
-    every Panda's are called.
-    """
-    from friction_audit.io.readers.topics import namespace
 
-    if source.serial:
-        return source.serial
-    prefixes = list(arms_in(joint_names))
-    named = arm_name(prefixes[0]) if len(prefixes) == 1 else ""
-    return named or namespace(source.topic or "")
+def _doubt_current(recording: Recording) -> Recording:
+    """Note where the arm by its name has no torque sensor: its effort is a current, or a torque made from one."""
+    names = (recording.robot,) if recording.robot in PRESETS else candidates(recording.joint_names)
+    kinds = {PRESETS[name].torque for name in names}
+    name = recording.mapping.get("tau_J", "")
+    if "tau_J" not in recording.channels or (recording.torque_unit or torque_unit(name)) != "N m":
+        return recording
+    arm = PRESETS[names[0]].label if len(names) == 1 else "these arms"
+    if kinds == {CURRENT} and "effort" in name.lower() and not recording.torque_unit:
+        message = (
+            f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques; if "
+            "these are amperes, put :A after the names in --map tau_J"
+        )
+        return recording.with_findings(Finding(code="effort_is_current", message=message))
+    if kinds == {ESTIMATE}:
+        message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
+        return recording.with_findings(Finding(code="torque_from_current", message=message))
+    return recording

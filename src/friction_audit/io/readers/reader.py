@@ -32,12 +32,7 @@ class TooLargeError(InputError):
 
 
 def refuse_too_large(path: Path, needed: int, packed: int) -> None:
-    """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later.
-
-    Raises:
-        TooLargeError: If they are larger than the memory.
-        InputError: If no recording can be packed so tightly.
-    """
+    """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later."""
     refuse_bomb(path, needed, packed)
     try:
         memory = min(address_limit(), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
@@ -51,11 +46,7 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
 
 
 def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
-    """Refuse more content than a recording can be packed to, both in bytes.
-
-    Raises:
-        InputError: If there is more.
-    """
+    """Refuse more content than a recording can be packed to, both in bytes."""
     if unpacked > max(_BOMB_BYTES, _BOMB_RATIO * packed):
         raise InputError(
             f"{path}: {unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that "
@@ -64,11 +55,7 @@ def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
 
 
 def refuse_lfs_pointer(path: Path) -> None:
-    """Refuse a file that stands for one that Git has not fetched.
-
-    Raises:
-        InputError: If it is one.
-    """
+    """Refuse a file that stands for one that Git has not fetched."""
     if starts_with(path, _GIT_LFS):
         raise InputError(
             f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
@@ -86,15 +73,11 @@ def address_limit() -> float:
 
 
 class SeveralLogsError(UsageError):
-    """A log holds several arms, or a data set several episodes, and the user named none.
-
-    Attributes:
-        topics: What ``--topic`` may say, once for each.
-    """
+    """A log holds several arms, or a data set several episodes, and the user named none."""
 
     def __init__(self, message: str, topics: Sequence[str]) -> None:
         super().__init__(message, tuple(topics))
-        self.topics = tuple(topics)
+        self.topics = tuple(topics)  # what --topic may say, once for each
 
     def __str__(self) -> str:
         """Return the message."""
@@ -103,36 +86,22 @@ class SeveralLogsError(UsageError):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ReadOptions:
-    """What the user says about how to read a log; the defaults leave every choice to the reader.
+    """What the user says about how to read a log; the defaults leave every choice to the reader."""
 
-    Attributes:
-        topic: Topic to read, for files that hold several; with several arms on it ``TOPIC#ARM``, in a table ``#ARM``.
-        mapping: Channel (or ``"t"``) -> name in the file, ``{i}`` standing for the joint's index, or names
-            separated by commas; wins over the automatic choice.
-        robot: Robot stated by the user, wins over the log's own names.
-        time_scale: Factor on the log's clock, for a log whose clock is known to be stretched.
-        allow_short: Read a log that looks like a libfranka exception log all the same.
-        t_start_s: Start of the part to read, from the log's first sample, or None. [s]
-        t_end_s: End of that part, or None. [s]
-        torque_constant: Of the motors, one number or one per joint; the torque column is then a motor current. [N m/A]
-        gear_ratio: Turns of the motor per turn of the joint, likewise.
-        torque_scale: Factor on the measured torque, likewise.
-        flip: Numbers (1..n) of joints whose measured torque has the other sign.
-        join: Further files of the same log, whose channels are interpolated at the stamps of the first.
-    """
-
-    topic: str | None = None
+    topic: str | None = None  # topic to read of several; of several arms on it TOPIC#ARM, in a table #ARM
+    # Channel (or "t") -> name in the file, {i} standing for the joint's index, or names separated by commas.
     mapping: Mapping[str, str] = field(default_factory=dict)
-    robot: str | None = None
-    time_scale: float = 1.0
-    allow_short: bool = False
-    t_start_s: float | None = None
-    t_end_s: float | None = None
+    robot: str | None = None  # robot stated by the user, wins over the log's own names
+    time_scale: float = 1.0  # factor on the log's clock, for a log whose clock is known to be stretched
+    allow_short: bool = False  # read a log that looks like a libfranka exception log all the same
+    t_start_s: float | None = None  # start of the part to read, from the log's first sample, or None [s]
+    t_end_s: float | None = None  # end of that part, or None [s]
+    # Of the motors, one number or one per joint; the torque column is then a motor current. [N m/A]
     torque_constant: tuple[float, ...] = ()
-    gear_ratio: tuple[float, ...] = ()
-    torque_scale: tuple[float, ...] = ()
-    flip: tuple[int, ...] = ()
-    join: tuple[str, ...] = ()
+    gear_ratio: tuple[float, ...] = ()  # turns of the motor per turn of the joint, likewise
+    torque_scale: tuple[float, ...] = ()  # factor on the measured torque, likewise
+    flip: tuple[int, ...] = ()  # numbers (1..n) of joints whose measured torque has the other sign
+    join: tuple[str, ...] = ()  # further files of the log, whose channels are interpolated at the stamps of the first
 
     partial: ClassVar[bool] = False
     hashed: ClassVar[bool] = True
@@ -149,19 +118,16 @@ class ReadOptions:
         object.__setattr__(self, "join", tuple(map(str, join)))
         wrong = []
         for channel in (one for one in self.mapping if one not in _MAPPABLE):
-            near = get_close_matches(channel, _MAPPABLE, n=2)
-            wrong.append(
-                f"--map {channel}: no such channel" + (f" (did you mean {' or '.join(near)}?)" if near else "")
-            )
+            near = " or ".join(get_close_matches(channel, _MAPPABLE, n=2))
+            wrong.append(f"--map {channel}: no such channel" + (f" (did you mean {near}?)" if near else ""))
         if wrong:
             raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(_MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
         for name in ("torque_constant", "gear_ratio", "torque_scale"):
             if not all(0.0 < value < inf for value in getattr(self, name)):
-                raise UsageError(
-                    f"--{name.replace('_', '-')}: expected numbers above zero; a sign is turned with --flip"
-                )
+                option = name.replace("_", "-")
+                raise UsageError(f"--{option}: expected numbers above zero; a sign is turned with --flip")
         if self.gear_ratio and not self.torque_constant:
             raise UsageError("--gear-ratio without --torque-constant: expected both, or --torque-scale for a torque")
         if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
@@ -219,8 +185,10 @@ class Topic:
 class Reader:
     """A container format; its module is loaded when a file may be of it."""
 
-    name: str  # of the module, shown to people and stored in results
+    name: str  # shown to people and stored in results
     suffixes: tuple[str, ...]  # file name endings, lower case, with the dot
+    magic: bytes = b""  # what each file begins with; without it the module says what is of this format
+    module: str = ""  # if it is not called as the format is
 
     def is_named(self, path: Path) -> bool:
         """Return True if the file's name ends as this format does."""
@@ -228,7 +196,7 @@ class Reader:
 
     def recognises(self, path: Path) -> bool:
         """Return True if this file (or directory) is of this format, from its content; never raises."""
-        return bool(self._module.recognises(path))
+        return starts_with(path, self.magic) if self.magic else bool(self._module.recognises(path))
 
     def read(self, path: Path, options: ReadOptions) -> Recording:
         """Read it."""
@@ -242,4 +210,4 @@ class Reader:
 
     @property
     def _module(self) -> ModuleType:
-        return import_module(f"{__package__}.{self.name}")
+        return import_module(f"{__package__}.{self.module or self.name}")

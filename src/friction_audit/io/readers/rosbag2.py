@@ -32,17 +32,17 @@ class Rosbag2Stream(MessageStream):
         """Give each type the definition that any of the files has for it."""
         super().__init__(path)
         self._streams, self.stated, self.notes = streams, _stated_counts(metadata), _custom_data(metadata)
-        known = {c.type: c for stream in streams for c in stream.connections if c.definition}
-        self._places = [(stream, connection.key) for stream in streams for connection in stream.connections]
-        connections = (connection for stream in streams for connection in stream.connections)
+        own = [(stream, connection) for stream in streams for connection in stream.connections]
+        known = {c.type: c for _, c in own if c.definition}
+        self._places = [(stream, c.key) for stream, c in own]
         self.connections = tuple(
             replace(
-                connection,
+                c,
                 key=key,
-                definition=known.get(connection.type, connection).definition,
-                definition_format=known.get(connection.type, connection).definition_format,
+                definition=known.get(c.type, c).definition,
+                definition_format=known.get(c.type, c).definition_format,
             )
-            for key, connection in enumerate(connections)
+            for key, (_, c) in enumerate(own)
         )
 
     @property
@@ -106,9 +106,8 @@ def _refuse_several_recordings(path: Path, names: Sequence[str]) -> None:
     numbered = all(_NUMBER.search(name.partition(".")[0]) for name in names)
     if len(names) == 1 or (len(stems) == 1 and numbered):
         return
-    shown = ", ".join(names[:_MOST_SHOWN]) + (
-        f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
-    )
+    more = f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
+    shown = ", ".join(names[:_MOST_SHOWN]) + more
     raise InputError(
         f"{path}: {len(names)} storage files that are not parts of one recording ({shown}); expected metadata.yaml or "
         "names such as run_0.db3, run_1.db3; give one of the files"

@@ -49,8 +49,7 @@ def stated_bytes(header: bytes) -> int:
 def copy_of_cut(path: Path, stack: ExitStack) -> Path | None:
     """Return a copy of a database that is cut off, its header corrected; None if whole.
 
-    SQLite refuses a file that is shorter than its header says. In the copy it refuses the pages that are missing, and
-    reads the others.
+    SQLite refuses a file that is shorter than its header says; of the copy it refuses the missing pages alone.
     """
     with open_log(path) as file:
         header = file.read(HEADER_BYTES)
@@ -145,20 +144,12 @@ class Sqlite3Stream(MessageStream):
     """The messages in one sqlite3 storage file."""
 
     def __init__(self, path: Path, database: Path | None = None) -> None:
-        """Read topics, definitions and message counts; ``database`` is a copy that can be opened of a cut-off file.
-
-        InputError if this is no sqlite3 storage of a ROS 2 bag, or too little of it is left.
-        """
+        """Read topics, definitions and message counts; ``database`` is a copy that can be opened of a cut-off file."""
         super().__init__(path)
         self._database = database or path
         self._last_sound = _LAST_ID
-        with open_log(path) as file:
-            header = file.read(HEADER_BYTES)
-        if not header.startswith(SQLITE_MAGIC):
-            raise InputError(
-                f"{path}: {'does not begin as an SQLite file' if header else 'is empty'}; expected the sqlite3 storage "
-                "of a ROS 2 bag; check the file's type and that it was copied whole"
-            )
+        with open_log(path, SQLITE_MAGIC, "an SQLite file") as file:
+            header = SQLITE_MAGIC + file.read(HEADER_BYTES - len(SQLITE_MAGIC))
         if database is not None:
             self._note(self._bytes, "the file is cut off there", stated_bytes(header))
         try:
@@ -261,21 +252,18 @@ class Sqlite3Stream(MessageStream):
             definitions = {name: (language, text) for name, language, text in database.execute(query)}
         topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id").fetchall()
         counts = self._count_messages(database, [key for key, *_ in topics])
-        connections = []
-        for key, topic, typename, encoding in topics:
-            language, text = definitions.get(typename, ("", ""))
-            connections.append(
-                Connection(
-                    key=key,
-                    topic=str(topic),
-                    type=str(typename),
-                    encoding=str(encoding),
-                    definition=str(text).encode(),
-                    definition_format=str(language),
-                    messages=counts.get(key, 0),
-                )
+        return tuple(
+            Connection(
+                key=key,
+                topic=str(topic),
+                type=str(typename),
+                encoding=str(encoding),
+                definition=str(definitions.get(typename, ("", ""))[1]).encode(),
+                definition_format=str(definitions.get(typename, ("", ""))[0]),
+                messages=counts.get(key, 0),
             )
-        return tuple(connections)
+            for key, topic, typename, encoding in topics
+        )
 
     def _count_messages(self, database: sqlite3.Connection, keys: Sequence[int]) -> Mapping[int, int]:
         """Count the messages of each topic; of a single one by the index of time stamps, without reading them."""
@@ -302,10 +290,7 @@ def _ids_in(database: sqlite3.Connection, window: Window) -> tuple[int, int]:
 
 
 def _message(data: object) -> bytes | None:
-    """Return a message, decompressed if it was compressed by itself, or None if that cannot be done.
-
-    No CDR message begins with the four bytes that every zstd frame begins with.
-    """
+    """Return a message, decompressed if it was compressed: no CDR message begins as zstd does. None if it is broken."""
     if not isinstance(data, bytes) or not data.startswith(_ZSTD_MAGIC):
         return data if isinstance(data, bytes) else None
     from zstandard import ZstdError, frame_content_size

@@ -13,20 +13,13 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import absent
-from friction_audit.io.readers.columns import (
-    MOST_JOINTS,
-    REQUIRED,
-    ColumnMap,
-    doubt_torque,
-    map_columns,
-)
+from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, doubt_torque, map_columns
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
-from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part, to_clock
+from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, take_part, to_clock
 from friction_audit.io.recording import Blocks, Recording, WholeLogError
 from friction_audit.joint_log import Finding, Float
 
-_NANOSECONDS = 1_000_000_000
 _RADIANS_PER_DEGREE = np.pi / 180.0
 _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
 
@@ -43,30 +36,20 @@ class Part:
 
 
 class Table(ABC):
-    """An open table; each container derives from it.
+    """An open table; each container derives from it, and fills in what it knows."""
 
-    Attributes:
-        path: The file.
-        names: Names of the columns that hold one number per row; elements of lists as ``name[0]``, ``name[1]``...
-        labels: Position of a column -> its joint, where joint names stand next to the numbers.
-        constant: Positions of columns seen not to change.
-        may_be_long: False if a table of this container never has one row per joint and time.
-        joint_names, robot, serial: What the file states apart from its columns.
-        start_s: Unix time of the first row, as the file states it apart from its columns. [s]
-        clock: The clock as the container knows it, for the column of the same name.
-    """
-
-    may_be_long = True
-    labels: Mapping[int, str] = {}
-    constant: frozenset[int] = frozenset()
-    joint_names: Sequence[str] = ()
+    may_be_long = True  # False if a table of this container never has one row per joint and time
+    labels: Mapping[int, str] = {}  # position of a column -> its joint, where joint names stand next to the numbers
+    constant: frozenset[int] = frozenset()  # positions of columns seen not to change
+    joint_names: Sequence[str] = ()  # these, the robot and the serial number as the file states them apart from columns
     robot = "unknown"
     serial = ""
-    start_s: float | None = None
-    clock: TimeColumn | None = None
+    start_s: float | None = None  # Unix time of the first row, as the file states it apart from its columns [s]
+    clock: TimeColumn | None = None  # the clock as the container knows it, for the column of the same name
 
     def __init__(self, path: Path, names: Sequence[str]) -> None:
-        self.path, self.names = path, names
+        self.path = path
+        self.names = names  # of the columns that hold one number per row; elements of lists as name[0], name[1]...
 
     @abstractmethod
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
@@ -130,7 +113,7 @@ Pieces = Callable[[Sequence[int]], Iterator[dict[int, NDArray[Any]]]]
 def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Pieces, path: str) -> Part:
     """Read the first stamps, which say what the clock is, and return how blocks are read."""
     time = columns.time
-    first = _stamps(next(pieces(time.cells)), time)
+    first = next(stamps_of([piece[cell] for cell in time.cells]) for piece in pieces(time.cells))
     origin = first[np.isfinite(first).argmax()].item()
     clock, is_sound = to_clock(first, unit, path=path), False
 
@@ -139,7 +122,7 @@ def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Piec
         wanted = {channel: cells for channel, cells in columns.channels.items() if channel in names}
         try:
             for piece in pieces([*time.cells, *(cell for cells in wanted.values() for cell in cells)]):
-                t = to_clock(_stamps(piece, time), clock.unit, path=path, origin=origin).t
+                t = to_clock(stamps_of([piece[cell] for cell in time.cells]), clock.unit, path=path, origin=origin).t
                 yield t, {c: np.array([piece[cell] for cell in cells], np.float64).T for c, cells in wanted.items()}
         except (InputError, WholeLogError, OSError) as error:
             if is_sound:
@@ -152,27 +135,16 @@ def part_in_blocks(columns: ColumnMap, unit: str | None, rows: int, pieces: Piec
     return Part(clock=replace(clock, t=np.empty(0)), channels=nothing, blocks=blocks)
 
 
-def _stamps(piece: Mapping[int, NDArray[Any]], time: TimeColumn) -> NDArray[Any]:
-    own = [piece[cell] for cell in time.cells]
-    kind = np.int64 if len(own) > 1 or own[0].dtype.kind in "iu" else np.float64
-    stamps: NDArray[Any] = own[0].astype(kind)
-    return stamps if len(own) == 1 else stamps * _NANOSECONDS + own[1].astype(kind)
-
-
 def read_table(table: Table, options: ReadOptions) -> Recording:
-    """Read the recording in a table.
-
-    Raises:
-        InputError: If columns are missing or damaged, or a topic was asked for.
-        SeveralLogsError: If the table holds several arms and the user named none.
-    """
+    """Read the recording in a table; InputError, or SeveralLogsError if it holds several arms and none was named."""
     path, topic = str(table.path), options.topic
     stated, _, arm = (topic or "").partition("#")
     if stated or (topic is not None and not arm):
         raise InputError(f"{path}: a table has no topics, and --topic asks for {topic}; leave --topic out")
     mapping = options.mapping
     if options.partial:  # what another file of the log has is looked for there
-        mapping = {channel: name for channel, name in mapping.items() if not absent({channel: name}, table.names)}
+        lost = absent(mapping, table.names)
+        mapping = {channel: name for channel, name in mapping.items() if channel not in lost}
     try:
         columns = map_columns(
             table.names,

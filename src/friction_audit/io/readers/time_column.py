@@ -53,11 +53,7 @@ class Clock:
 
 
 def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, NDArray[np.bool_], float]:
-    """Return the part of a clock that was asked for, with margins, the mask of its rows, and the first stamp of all.
-
-    Raises:
-        UsageError: If no sample lies in the part.
-    """
+    """Return the part of a clock that was asked for, with margins, the mask of its rows, and the first stamp of all."""
     first_s = float(np.nanmin(clock.t))
     since_first = clock.t - first_s
     start, stop = options.window_of_clock()
@@ -89,11 +85,7 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
 def to_clock(
     raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, path: str, origin: float | None = None
 ) -> Clock:
-    """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits.
-
-    Raises:
-        InputError: If there is no stamp, or one is centuries off.
-    """
+    """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits."""
     if len(raw) == 0:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
     if not np.isfinite(raw).any():
@@ -114,6 +106,13 @@ def to_clock(
         )
     start_s = float(begin) / UNITS[found]
     return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found, start_s)
+
+
+def stamps_of(parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """Return the stamps in one column, or in those of seconds and nanoseconds; integers stay what they are."""
+    kind = np.int64 if len(parts) > 1 or parts[0].dtype.kind in "iu" else np.float64
+    first, *rest = (part.astype(kind) for part in parts)
+    return first * int(UNITS["ns"]) + rest[0] if rest else first
 
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:

@@ -4,6 +4,7 @@ The dialects differ in their columns; numbers are written in one way, those of l
 """
 
 import re
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -61,7 +62,7 @@ def _constant(word: str, log: JointLog) -> NDArray[np.object_]:
     return np.full(len(log.t), word, dtype=object)
 
 
-def _write(columns: dict[str, ColumnOf], path: Path) -> None:
+def _write(columns_of: Callable[[JointLog], dict[str, ColumnOf]], log: JointLog, path: Path) -> None:
     """Write columns of numbers and names, numbers in the shortest form that reads back to the bit.
 
     Names are written as they are, unlike in tables of results: a log is read back, with the same names.
@@ -69,6 +70,7 @@ def _write(columns: dict[str, ColumnOf], path: Path) -> None:
     import pyarrow as pa
     from pyarrow import csv
 
+    columns = columns_of(log)
     names = {name for column in columns.values() if column.dtype == object for name in column.tolist()}
     special = any(_STRUCTURE.search(name) for name in names)
     options = csv.WriteOptions(include_header=False, quoting_style="needed" if special else "none")
@@ -107,7 +109,7 @@ CSV_DIALECTS = (
         Writer(
             name=name,
             suffix=".csv",
-            write=lambda log, path, columns=columns: _write(columns(log), path),  # type: ignore[misc]
+            write=partial(_write, columns),
             summary=summary,
             holds=holds,
         )

@@ -3,7 +3,6 @@
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from friction_audit.io.writers.ros_messages import (
     MessageType,
     encode,
     load_types,
+    ros_writer,
 )
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
 from friction_audit.joint_log import JointLog
@@ -27,25 +27,19 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Channel:
-    """The channel and how its messages are written."""
+    """A channel, its schema, and how its messages are written."""
 
-    topic: str  # topic
-    schema: str  # name of the schema
-    schema_encoding: str  # language of the schema
-    schema_data: bytes  # the schema
-    encoding: str  # encoding of the messages
-    profile: str = ""  # profile of the file
-    notes: Mapping[str, str] = field(default_factory=dict)  # metadata of the channel
+    topic: str
+    schema: str  # its name
+    schema_encoding: str
+    schema_data: bytes
+    encoding: str
+    profile: str = ""  # of the file
+    notes: Mapping[str, str] = field(default_factory=dict)
 
 
 def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[tuple[int, int, bytes]]) -> None:
-    """Write messages, given with their time [ns] and the place of their channel, in chunks compressed with zstd.
-
-    Args:
-        path: Where to.
-        channels: The channels; those of one schema name share the schema. The first one's profile is the file's.
-        messages: In the order of time, so that a viewer reads each chunk once.
-    """
+    """Write messages in the order of time: time [ns], place of the channel, payload; channels may share a schema."""
     from mcap.writer import Writer as McapWriter
 
     schemas: dict[str, int] = {}
@@ -189,26 +183,20 @@ def _write_foxglove(
 
 
 MCAP_DIALECTS = (
-    *(
-        Writer(
-            name=name,
-            suffix=".mcap",
-            write=partial(_write_ros, message),
-            summary=summary,
-            holds=message.holds,
-            joints=message.joints,
-        )
-        for name, message, summary in (
-            ("mcap", JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
-            ("mcap-franka-robot-state", FRANKA_ROBOT_STATE,
-             "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)"),
-            ("mcap-franka-robot-state-flat", FRANKA_ROBOT_STATE_FLAT,
-             "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)"),
-            ("mcap-franka-state", FRANKA_STATE,
-             "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)"),
-            ("mcap-ros1", JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
-        )
+    ros_writer("mcap", ".mcap", _write_ros, JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
+    ros_writer(
+        "mcap-franka-robot-state", ".mcap", _write_ros, FRANKA_ROBOT_STATE,
+        "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)",
     ),
+    ros_writer(
+        "mcap-franka-robot-state-flat", ".mcap", _write_ros, FRANKA_ROBOT_STATE_FLAT,
+        "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)",
+    ),
+    ros_writer(
+        "mcap-franka-state", ".mcap", _write_ros, FRANKA_STATE,
+        "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)",
+    ),
+    ros_writer("mcap-ros1", ".mcap", _write_ros, JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
     Writer(name="mcap-json", suffix=".mcap", write=_write_json, summary="MCAP of foxglove.JointStates as JSON",
            holds=_HOLDS),
     Writer(name="mcap-protobuf", suffix=".mcap", write=_write_protobuf,

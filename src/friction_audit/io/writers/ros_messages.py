@@ -2,17 +2,17 @@
 
 import shutil
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.io.readers.message_decoder import franka_types
 from friction_audit.io.readers.message_layout import find_layout
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
 from friction_audit.joint_log import JointLog
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 
-_OWN = "io/writers/franka_msgs"
-_SHARED = "io/readers/franka_msgs"  # definitions that the readers know too
 _BLOCK = 4096  # messages made at once
 
 
@@ -37,12 +35,7 @@ class MessageType:
     names: tuple[str, ...] = ()  # paths of the lists of joint names
     robot_time: str | None = None  # path of the robot's own clock, or None
     joints: int | None = None  # number of joints that it holds, or None for any
-    definitions: Mapping[str, str]  # type -> file of its definition, for types that ROS does not come with
-
-    @property
-    def holds(self) -> tuple[str, ...]:
-        """Channels that it has a place for."""
-        return tuple(self.fields.values())
+    definitions: tuple[str, ...] = ()  # files in readers/franka_msgs/ of what ROS does not come with, its own at last
 
     @property
     def encoding(self) -> str:
@@ -56,7 +49,6 @@ JOINT_STATE = MessageType(
     ros=2,
     fields={"position": "q", "velocity": "dq", "effort": "tau_J"},
     names=("name",),
-    definitions={},
 )
 JOINT_STATE_ROS1 = replace(JOINT_STATE, ros=1)
 _STATE = ("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered")
@@ -67,10 +59,7 @@ FRANKA_STATE_ROS1 = MessageType(  # franka_ros 0.10
     fields={name: name for name in _STATE},
     robot_time="time",
     joints=7,
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_41.msg",
-        "franka_msgs/msg/FrankaState": f"{_OWN}/FrankaState_ros1.msg",
-    },
+    definitions=("Errors_41", "FrankaState_ros1"),
 )
 FRANKA_STATE = MessageType(  # multipanda_ros2, the fork for the Panda
     name="franka_msgs/msg/FrankaState",
@@ -79,18 +68,12 @@ FRANKA_STATE = MessageType(  # multipanda_ros2, the fork for the Panda
     fields={name.lower(): name for name in _STATE},
     robot_time="time",
     joints=7,
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_41.msg",
-        "franka_msgs/msg/FrankaState": f"{_SHARED}/FrankaState_multipanda.msg",
-    },
+    definitions=("Errors_41", "FrankaState_multipanda"),
 )
 FRANKA_ROBOT_STATE_FLAT = replace(  # franka_ros2 up to v0.1.9
     FRANKA_STATE,
     name="franka_msgs/msg/FrankaRobotState",
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_36.msg",
-        "franka_msgs/msg/FrankaRobotState": f"{_SHARED}/FrankaState_flat.msg",
-    },
+    definitions=("Errors_36", "FrankaState_flat"),
 )
 FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
     FRANKA_ROBOT_STATE_FLAT,
@@ -103,23 +86,16 @@ FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
     },
     names=("measured_joint_state.name", "desired_joint_state.name", "tau_ext_hat_filtered.name"),
     joints=None,
-    definitions={
-        "franka_msgs/msg/Errors": f"{_OWN}/Errors_36.msg",
-        "franka_msgs/msg/CollisionIndicators": f"{_SHARED}/CollisionIndicators.msg",
-        "franka_msgs/msg/Elbow": f"{_SHARED}/Elbow.msg",
-        "franka_msgs/msg/FrankaRobotState": f"{_SHARED}/FrankaRobotState_nested.msg",
-    },
+    definitions=("Errors_36", "CollisionIndicators", "Elbow", "FrankaRobotState_nested"),
 )
 
 
 def load_types(message: MessageType) -> "Typestore":
     """Return the types that a message is made of."""
-    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+    from rosbags.typesys import Stores, get_typestore
 
     store = get_typestore(Stores.ROS1_NOETIC if message.ros == 1 else Stores.ROS2_HUMBLE)
-    for name, place in message.definitions.items():
-        text = (files("friction_audit") / place).read_text(encoding="utf-8")
-        store.register(get_types_from_msg(text, name))
+    store.register(franka_types(message.definitions, message.name))
     return store
 
 
@@ -130,7 +106,7 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
     """
     if not log.t.size:
         return
-    sample, recorded = _blank(types, message.name), log.channels()
+    sample, recorded = _blank(types, (2, message.name)), log.channels()
     arrays = {path: recorded[channel] for path, channel in message.fields.items() if channel in recorded}
     for path in message.names:
         _set(sample, path, list(log.joint_names))
@@ -168,30 +144,20 @@ def _set(sample: Any, path: str, value: object) -> None:  # noqa: ANN401
     setattr(sample, name, value)
 
 
-def _blank(types: "Typestore", name: str) -> Any:  # noqa: ANN401
-    """Return a message that says nothing: numbers NaN or 0, lists empty."""
-    _, fields = types.fielddefs[name]
-    return types.types[name](**{field: _blank_field(types, kind) for field, kind in fields})
-
-
-def _blank_field(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401
+def _blank(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401
+    """Return a field, or a message, that says nothing: numbers NaN or 0, lists empty."""
     from rosbags.interfaces import Nodetype
 
     node, detail = kind
     if node == Nodetype.NAME:
-        return _blank(types, detail)
+        return types.types[detail](**{name: _blank(types, inner) for name, inner in types.fielddefs[detail][1]})
     if node == Nodetype.BASE:
-        return _blank_base(detail[0])
+        return {"s": "", "f": float("nan")}.get(detail[0][0], 0)  # string, float32 and float64
     (element, (base, *_)), length = detail
+    size = length if node == Nodetype.ARRAY else 0
     if element == Nodetype.NAME or base == "string":
-        return [_blank_field(types, detail[0]) for _ in range(length if node == Nodetype.ARRAY else 0)]
-    return np.full(length if node == Nodetype.ARRAY else 0, _blank_base(base), dtype=base)
-
-
-def _blank_base(base: str) -> str | bool | int | float:
-    if base == "string":
-        return ""
-    return float("nan") if base.startswith("float") else 0
+        return [_blank(types, detail[0]) for _ in range(size)]
+    return np.full(size, _blank(types, detail[0]), dtype=base)
 
 
 def _write_rosbag1(message: MessageType, log: JointLog, path: Path, *, lz4: bool = False) -> None:
@@ -232,26 +198,36 @@ def _write_humble_db3(message: MessageType, log: JointLog, path: Path) -> None:
     shutil.rmtree(folder)
 
 
-BAGS = tuple(
-    Writer(
-        name=name,
-        suffix=suffix,
-        write=partial(write, message),
-        summary=summary,
-        holds=message.holds,
-        joints=message.joints,
-    )
-    for name, suffix, write, message, summary in (
-        ("rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
-        ("rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
-         "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4"),
-        ("rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE,
-         "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage"),
-        ("rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE,
-         "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage"),
-        ("rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE,
-         "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records"),
-        ("rosbag2-db3-franka-state", ".db3", _write_humble_db3, FRANKA_STATE,
-         "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions"),
-    )
+def ros_writer(
+    name: str, suffix: str, write: Callable[[MessageType, JointLog, Path], None], message: MessageType, summary: str
+) -> Writer:
+    """Return what writes a log as messages of one type."""
+    own, holds = partial(write, message), tuple(message.fields.values())
+    return Writer(name=name, suffix=suffix, write=own, summary=summary, holds=holds, joints=message.joints)
+
+
+BAGS = (
+    ros_writer(
+        "rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"
+    ),
+    ros_writer(
+        "rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
+        "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4",
+    ),
+    ros_writer(
+        "rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE,
+        "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage",
+    ),
+    ros_writer(
+        "rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE,
+        "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage",
+    ),
+    ros_writer(
+        "rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE,
+        "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records",
+    ),
+    ros_writer(
+        "rosbag2-db3-franka-state", ".db3", _write_humble_db3, FRANKA_STATE,
+        "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions",
+    ),
 )  # fmt: skip

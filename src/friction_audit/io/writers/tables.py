@@ -19,26 +19,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Writer:
-    """A file format or dialect.
+    """A file format or dialect; of several of one suffix the first in WRITERS is its default."""
 
-    Attributes:
-        name: Unique name, e.g. ``"parquet"``, ``"rosbag1-franka-state"``.
-        suffix: File name ending with the dot, or ``""`` for a directory; several writers may share one, the first in
-            WRITERS is its default.
-        write: Writes the log to a path that does not exist yet; the caller renames it into place.
-        summary: One line for help and documentation.
-        lossless: True if reading the file back gives the same numbers to the bit, stamps of whole nanoseconds given.
-        holds: Channels that the dialect has a place for.
-        joints: Number of joints that it holds, or None for any.
-    """
-
-    name: str
-    suffix: str
-    write: Callable[[JointLog, Path], None]
-    summary: str
-    lossless: bool = True
-    holds: tuple[str, ...] = JOINT_CHANNELS
-    joints: int | None = None
+    name: str  # unique, e.g. "parquet", "rosbag1-franka-state"
+    suffix: str  # file name ending with the dot, or "" for a directory
+    write: Callable[[JointLog, Path], None]  # to a path that does not exist yet; the caller renames it into place
+    summary: str  # one line for help and documentation
+    lossless: bool = True  # reading the file back gives the same numbers to the bit, stamps of whole nanoseconds given
+    holds: tuple[str, ...] = JOINT_CHANNELS  # channels that it has a place for
+    joints: int | None = None  # number of joints that it holds, or None for any
 
     @property
     def needs(self) -> tuple[str, ...]:
@@ -68,13 +57,7 @@ def stamps_ns(log: JointLog) -> NDArray[np.int64]:
 def joint_columns(
     log: JointLog, name: Callable[[str, int], str], channels: tuple[str, ...] | None = None
 ) -> dict[str, ColumnOf]:
-    """Return one column per channel and joint, joints of one channel side by side.
-
-    Args:
-        log: The log.
-        name: Name of the column of a channel and a joint (0-based).
-        channels: Which channels, or None for all that were recorded.
-    """
+    """Return one column per channel (all or some) and joint (0-based), as ``name`` calls it; joints side by side."""
     recorded = log.channels()
     kept = [channel for channel in recorded if channels is None or channel in channels]
     return {name(channel, j): recorded[channel][:, j] for channel in kept for j in range(len(log.joint_names))}

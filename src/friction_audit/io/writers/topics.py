@@ -21,10 +21,8 @@ from friction_audit.io.writers.ros_messages import MessageType, load_types
 from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS
 from friction_audit.joint_log import Float, JointLog
 
-ROOT = "/friction_audit"
-"""What every topic begins with."""
-BLOCK = 8192
-"""Rows that are turned into messages at once."""
+ROOT = "/friction_audit"  # what every topic begins with
+BLOCK = 8192  # rows that are turned into messages at once
 JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
 
 
@@ -109,7 +107,6 @@ MESSAGE = MessageType(
     topic="/joint_trajectory_controller/joint_trajectory",  # of ros2_control
     ros=2,
     fields={},
-    definitions={},
 )
 
 

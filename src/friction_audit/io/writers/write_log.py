@@ -1,38 +1,90 @@
-"""Write a log in any format; of the writers that share an ending, the first is its default.
+"""Write a log in any format, Parquet and NumPy archives here; of the writers of an ending, the first is its default.
 
 A format is added by writing one file and naming its records in WRITERS.
 """
 
+import json
 from difflib import get_close_matches
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.io.files import whole_file
-from friction_audit.io.writers.arrays import NPZ, PARQUET, PARQUET_LISTS
 from friction_audit.io.writers.csv import CSV_DIALECTS
 from friction_audit.io.writers.mcap import MCAP_DIALECTS
 from friction_audit.io.writers.ros_messages import BAGS
-from friction_audit.io.writers.tables import Writer
+from friction_audit.io.writers.tables import Writer, tidy_columns
 from friction_audit.joint_log import JointLog
 
+if TYPE_CHECKING:
+    import pyarrow as pa
+
+
+def _write_parquet(log: JointLog, path: Path) -> None:
+    import pyarrow as pa
+
+    _write(pa.table({name: pa.array(column) for name, column in tidy_columns(log).items()}), log, path)
+
+
+def _write_parquet_lists(log: JointLog, path: Path) -> None:
+    import pyarrow as pa
+
+    lists = {
+        name: pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1]).cast(
+            pa.list_(pa.float64())
+        )
+        for name, channel in log.channels().items()
+    }
+    _write(pa.table({"time": pa.array(log.t), **lists}), log, path)
+
+
+def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
+    """Write a table compressed, with the joints' names in its key-value metadata."""
+    import pyarrow.parquet as pq
+
+    notes = {"joint_names": json.dumps(log.joint_names), "robot": log.source.robot}
+    if log.source.start_s is not None:
+        notes["start_s"] = repr(log.source.start_s)
+    if log.source.serial:
+        notes["serial"] = log.source.serial
+    pq.write_table(table.replace_schema_metadata(notes), path, compression="zstd", write_page_checksum=True)
+
+
+def _write_npz(log: JointLog, path: Path) -> None:
+    """Write one array of shape (n, j) per channel; ``time`` is in milliseconds and has shape (n, 1)."""
+    # Row by row, so that a reader gets all joints of a part at once.
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(array) for name, array in log.channels().items()}
+    arrays["time"] = np.round(log.t * 1000.0, 6)[:, np.newaxis]
+    with path.open("wb") as stream:
+        np.savez_compressed(stream, joint_names=np.array(log.joint_names), **arrays)
+
+
+PARQUET = Writer(
+    name="parquet",
+    suffix=".parquet",
+    write=_write_parquet,
+    summary="tidy Parquet, one column per channel and joint; every channel, to the bit",
+)
+PARQUET_LISTS = Writer(
+    name="parquet-lists",
+    suffix=".parquet",
+    write=_write_parquet_lists,
+    summary="Parquet with one list-valued column per channel",
+)
+NPZ = Writer(
+    name="npz",
+    suffix=".npz",
+    write=_write_npz,
+    summary="NumPy archive with the keys of panda-py's get_log(); milliseconds, other numbers to the bit",
+    lossless=False,
+)
 WRITERS: tuple[Writer, ...] = (PARQUET, PARQUET_LISTS, *CSV_DIALECTS, NPZ, *BAGS, *MCAP_DIALECTS)
 
 
 def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrite: bool = False) -> Writer:
-    """Write a log whole or not at all.
-
-    Args:
-        log: The log.
-        path: Where to; a directory for ROS 2 bags.
-        dialect: Name of a writer, or None for the default of the file name's ending.
-        overwrite: Replace what is there.
-
-    Returns:
-        The writer that was used; its ``left_out`` names the channels that it had no place for.
-
-    Raises:
-        UsageError: If the dialect is unknown, contradicts the ending or cannot hold the log, or something is there.
-    """
+    """Write a log whole or not at all, with the writer of a dialect or of the file name's ending, which is returned."""
     writer = choose_writer(path, dialect)
     check_fit(log, writer)
     with whole_file(path, overwrite=overwrite) as draft:
@@ -41,11 +93,7 @@ def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrit
 
 
 def choose_writer(path: Path, dialect: str | None = None) -> Writer:
-    """Return the writer of a dialect, or the first one of the file name's ending.
-
-    Raises:
-        UsageError: If there is none, or the two contradict each other.
-    """
+    """Return the writer of a dialect, or the first one of the file name's ending."""
     suffix = path.suffix.lower()
     if dialect is None:
         found = next((writer for writer in WRITERS if writer.suffix and writer.suffix == suffix), None)
@@ -67,11 +115,7 @@ def choose_writer(path: Path, dialect: str | None = None) -> Writer:
 
 
 def check_fit(log: JointLog, writer: Writer) -> None:
-    """Refuse what the dialect cannot hold and say which dialects can.
-
-    Raises:
-        UsageError: Naming what the log lacks.
-    """
+    """Refuse what the dialect cannot hold and say which dialects can."""
     channels, joints = log.channels(), len(log.joint_names)
     missing = [name for name in writer.needs if name not in channels]
     lacks = [f"{', '.join(missing)} (the log has {', '.join(channels)})"] if missing else []

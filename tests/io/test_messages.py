@@ -1,30 +1,40 @@
-"""ROS 1 bags."""
+"""What messages hold, in ROS 1 bags and MCAP files: definitions, arms, encodings, and what is broken."""
 
+import math
 import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from google.protobuf.message_factory import GetMessages
+from mcap.writer import CompressionType
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.readers import rosbag1
-from friction_audit.io.readers.reader import ReadOptions
+from friction_audit.io.readers import list_topics
 from friction_audit.io.readers.rosbag1 import Rosbag1Stream
 from friction_audit.io.recording import Recording
+from friction_audit.io.writers.mcap import _descriptors
 from tests.io.bag_writing import (
+    JOINTS,
+    STEP_NS,
     assert_read,
     franka_messages,
     header,
     joint_state,
     joint_states,
+    read,
     ros1_store,
+    ros2_store,
     samples,
     stamp_ns,
+    write_json_mcap,
+    write_mcap,
+    write_mcap_payloads,
     write_rosbag1,
 )
 
-STORE = ros1_store()
+STORE, STORE2 = ros1_store(), ros2_store()
 FRANKA_STATE = "franka_msgs/msg/FrankaState"
 FRANKA_DEFINITION = """Header header
 float64[7] q
@@ -37,10 +47,6 @@ float64 time
 uint8 robot_mode
 bool[3] errors
 """
-
-
-def read(path: Path, **options: Any) -> Recording:
-    return rosbag1.read(path, ReadOptions(**options))
 
 
 def codes(recording: Recording) -> set[str]:
@@ -62,9 +68,16 @@ def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
 def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
     store = ros1_store((FRANKA_STATE, FRANKA_DEFINITION))
     values = samples(90)
+    topic = "/franka_state_controller/joint_states"
+    own = read(
+        write_rosbag1(
+            tmp_path / "own.bag", STORE, [joint_states(STORE, values), joint_states(STORE, values, topic, every=2)]
+        )
+    )
+    assert (own.topic, codes(own)) == (topic, {"topic_chosen"})
     streams = [
         joint_states(store, values, every=30),
-        joint_states(store, values, "/franka_state_controller/joint_states", every=10),
+        joint_states(store, values, topic, every=10),
         joint_states(store, values, "/franka_state_controller/joint_states_desired", every=10),
         franka_messages(store, FRANKA_STATE, values),
     ]
@@ -78,17 +91,6 @@ def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.t, np.arange(90) * 1e-3, atol=1e-12)
     (chosen,) = [finding for finding in recording.findings if finding.code == "topic_chosen"]
     assert "/joint_states (sensor_msgs/msg/JointState, 3 messages)" in chosen.message
-
-
-def test_first_hand_joint_states_before_the_republished_ones(tmp_path: Path) -> None:
-    values = samples(60)
-    streams = [
-        joint_states(STORE, values),
-        joint_states(STORE, values, "/franka_state_controller/joint_states", every=2),
-    ]
-    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, streams))
-    assert recording.topic == "/franka_state_controller/joint_states"
-    assert "topic_chosen" in codes(recording)
 
 
 def test_two_arms_in_one_message(tmp_path: Path) -> None:
@@ -154,22 +156,6 @@ def test_effort_that_is_empty_is_no_channel(tmp_path: Path) -> None:
     assert "channel_empty" in codes(recording)
 
 
-@pytest.mark.parametrize("compression", [None, "LZ4"])
-@pytest.mark.parametrize("share", [0.3, 0.75, 0.98])
-def test_bag_that_breaks_off_is_salvaged(tmp_path: Path, compression: str | None, share: float) -> None:
-    values = samples(9000)
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)], compression)
-    whole = path.read_bytes()
-    path.write_bytes(whole[: int(share * len(whole))])
-    recording = read(path)
-    saved = len(recording.t)
-    assert 1000 < saved <= 9000
-    assert_read(recording, {name: array[:saved] for name, array in values.items()})
-    (finding,) = recording.findings
-    assert (finding.code, finding.damaged) == ("truncated", True)
-    assert f"the {saved} messages outside the damage were read" in finding.message
-
-
 def test_bag_that_was_never_closed_is_read_without_its_index(tmp_path: Path) -> None:
     values = samples(4000)
     path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)])
@@ -204,3 +190,91 @@ def test_real_bag_of_an_fr3_at_rest() -> None:
     assert recording.channels["tau_J"].shape == (32, 7)
     mean = recording.channels["tau_J"].mean(axis=0)
     np.testing.assert_allclose(mean, [0.19, -17.53, -0.85, 12.89, -0.31, 2.33, 0.22], atol=0.005)
+
+
+def test_json_joint_states(tmp_path: Path) -> None:
+    values = samples(40)
+    values["tau_J"][4, 2] = np.nan
+    messages = []
+    for i in range(40):
+        stamp = dict(zip(("sec", "nanosec"), divmod(stamp_ns(i), 10**9), strict=True))
+        effort = [None if math.isnan(tau) else tau for tau in values["tau_J"][i]]
+        fields = {"position": values["q"][i].tolist(), "velocity": values["dq"][i].tolist(), "effort": effort}
+        messages.append((stamp_ns(i) + 1000, {"header": {"stamp": stamp}, "name": list(JOINTS), **fields}))
+    recording = read(write_json_mcap(tmp_path / "a.mcap", "/j", "JointState", messages))
+    assert_read(recording, values)
+    assert recording.clock == "header_stamp"
+    np.testing.assert_array_equal(recording.t, np.arange(40) * STEP_NS / 1e9)
+
+
+def test_protobuf_joint_states_without_effort(tmp_path: Path) -> None:
+    descriptors = _descriptors()
+    kind: Any = GetMessages(descriptors.file)["foxglove.JointStates"]
+    values = samples(30)
+    values["dq"][:, 0] = 0.0  # not on the wire, and still there
+    payloads = []
+    for i in range(30):
+        message = kind()
+        message.timestamp.FromNanoseconds(stamp_ns(i))
+        for name, q, dq in zip(JOINTS, values["q"][i], values["dq"][i], strict=True):
+            message.joints.add(name=name, position=q, velocity=dq)
+        payloads.append((stamp_ns(i) + 5, message.SerializeToString()))
+    name = "foxglove.JointStates"
+    schemas = {name: descriptors.SerializeToString()}
+    recording = read(
+        write_mcap_payloads(tmp_path / "a.mcap", [("/joints", name, payloads)], schemas, "protobuf", "protobuf")
+    )
+    del values["tau_J"]
+    assert_read(recording, values)
+    assert (recording.clock, recording.findings[0].code) == ("header_stamp", "channel_empty")
+
+
+def test_encoding_that_is_not_read(tmp_path: Path) -> None:
+    payloads = [("/j", "foxglove.JointStates", [(stamp_ns(0), b"\x00\x01")])]
+    path = write_mcap_payloads(tmp_path / "a.mcap", payloads, {"foxglove.JointStates": b""}, "flatbuffer", "flatbuffer")
+    with pytest.raises(
+        InputError, match=r"no topic with measured joint states.*/j \(foxglove.JointStates, 1 messages\)"
+    ):
+        read(path)
+
+
+def test_file_without_its_closing_magic_is_read_whole(tmp_path: Path) -> None:
+    values = samples(100)
+    path = write_mcap(tmp_path / "a.mcap", STORE2, [joint_states(STORE2, values)])
+    path.write_bytes(path.read_bytes()[:-4])
+    assert_read(read(path), values)
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+def test_chunk_with_a_flipped_bit_is_left_out(tmp_path: Path, compression: CompressionType) -> None:
+    values = samples(2000)
+    path = write_mcap(tmp_path / "a.mcap", STORE2, [joint_states(STORE2, values)], compression=compression)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0x10
+    path.write_bytes(content)
+    recording = read(path)
+    damage, missing = recording.findings
+    assert (damage.code, damage.damaged) == ("truncated", True)
+    assert (missing.code, missing.amount) == ("missing_messages", 2000.0 - len(recording.t))
+    kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
+    assert 1000 < kept.sum() == len(recording.t) < 2000
+    np.testing.assert_array_equal(recording.channels["tau_J"], values["tau_J"][kept])
+
+
+def test_broken_definition_matters_only_on_the_topic_asked_for(tmp_path: Path) -> None:
+    values = samples(5)
+    kind = "sensor_msgs/msg/JointState"
+    good = [(stamp_ns(i), bytes(STORE2.serialize_cdr(joint_state(STORE2, i, values), kind))) for i in range(5)]
+    schemas = {
+        kind: STORE2.generate_msgdef(kind, ros_version=2)[0].encode(),
+        "a/msg/Bad": b"this is ! no definition",
+        "a/msg/Half": b"b/Unknown q",
+    }
+    streams = [("/j", kind, good), ("/bad", "a/msg/Bad", good), ("/half", "a/msg/Half", good)]
+    path = write_mcap_payloads(tmp_path / "a.mcap", streams, schemas, "cdr", "ros2msg")
+    assert_read(read(path), values)
+    assert [topic.readable for topic in list_topics(path)[1]] == [True, False, False]
+    with pytest.raises(InputError, match=r"a.mcap: topic /bad of type a/msg/Bad cannot be read"):
+        read(path, topic="/bad")
+    with pytest.raises(InputError, match=r"topic /half .* does not say what 'b/msg/Unknown' is"):
+        read(path, topic="/half")
