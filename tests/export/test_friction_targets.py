@@ -19,10 +19,18 @@ import friction_audit
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export.export import TARGETS, Export, ExportSettings, choose_target, export_friction, read_into
-from friction_audit.export.friction_law import FrictionLaw, Target, even_speeds, friction_law
+from friction_audit.export.export import (
+    TARGETS,
+    Export,
+    ExportSettings,
+    Target,
+    choose_target,
+    export_friction,
+    read_into,
+)
+from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
+from friction_audit.export.robot_xml import XmlText
 from friction_audit.export.source import Joints
-from friction_audit.export.xml_text import XmlText
 
 PANDA_URDF = Path(friction_audit.__file__).parent / "robot" / "panda.urdf"
 SIMPLE = simple_model(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3)
