@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib import import_module
 
 from friction_audit.drift.change_points import find_isolated, leave_outliers_out
 from friction_audit.drift.change_test import judge_family
@@ -13,20 +12,6 @@ from friction_audit.drift.report import ArmDrift, DriftReport, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.joint_numbers import write_joint_numbers
-
-HEAVY = (
-    "scipy.optimize",
-    "scipy.signal",
-    "scipy.stats",
-    "statsmodels.robust.robust_linear_model",
-    "statsmodels.stats.multitest",
-)
-
-
-def load() -> None:
-    """Import ahead what an analysis imports where it is used."""
-    for name in HEAVY:
-        import_module(name)
 
 
 def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:
