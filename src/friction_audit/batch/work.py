@@ -227,23 +227,21 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
 
 def _joint(found: Mapping[str, Any]) -> JointSummary:
     by_energy = found["method"] == "energy"
-    values = (_coefficient(found[name]) for name in COEFFICIENTS)
+    known = {name: found[name] for name in COEFFICIENTS if by_energy and found[name] is not None}
+    ends = {name: tuple(_number(end) for end in one["ci95"]) for name, one in known.items()}
+    values = {
+        name: Coefficient(value=float(one["value"]), low=ends[name][0], high=ends[name][1])
+        for name, one in known.items()
+    }
     return JointSummary(
         joint=int(found["joint"]),
         name=str(found["name"]),
-        coefficients=dict(zip(COEFFICIENTS, values if by_energy else (UNDETERMINED, UNDETERMINED), strict=True)),
+        coefficients=dict.fromkeys(COEFFICIENTS, UNDETERMINED) | values,
         cycles=int(found["cycles"]),
         moving_s=float(found["moving_s"]),
         speed_rad_s=(NAN, NAN, NAN),
         reason=str(found["reason"] or "") if by_energy else BY_REGRESSION,
     )
-
-
-def _coefficient(found: Mapping[str, Any] | None) -> Coefficient:
-    if found is None:
-        return UNDETERMINED
-    low, high = (_number(end) for end in found["ci95"])
-    return Coefficient(value=float(found["value"]), low=low, high=high)
 
 
 def _number(found: float | None) -> float:
