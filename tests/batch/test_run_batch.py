@@ -162,23 +162,9 @@ def test_several_arms_in_a_log_are_several_robots(rig: Path, batch: Batch, recor
 
 def test_a_diagnosis_is_kept_beside_the_estimate(rig: Path, batch: Batch) -> None:
     settings = BatchSettings(diagnosis=DiagnosisSettings(candidates=("stribeck",)))
-    result = batch(rig / "2026-03-01.parquet", settings=settings)
-    assert result.sessions[0].joints[0].verdict is not None
-    assert batch(rig / "2026-03-01.parquet", settings=settings).sessions[0].joints[0].verdict is not None
-
-
-def test_urls_are_fetched_and_known_again(rig: Path, batch: Batch) -> None:
-    pytest.importorskip("fsspec")
-    url = f"file://{rig.absolute()}/2026-03-01.parquet"
-    executor = Inline()
-    first = batch(url, executor=executor)
-    assert [session.path for session in first.sessions] == [url]
-    assert coulomb(first.sessions[0]) == pytest.approx(COULOMB_NM[0], abs=0.02)
-    assert batch(url, executor=executor).new == 0
-    assert len(executor.taken) == 1
-    (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
-    failed = batch(f"file://{rig.absolute()}/bad.csv").failed
-    assert "friction-audit-" not in failed[0].message
+    for new in (1, 0):
+        result = batch(rig / "2026-03-01.parquet", settings=settings)
+        assert (result.new, result.sessions[0].joints[0].verdict is None) == (new, False)
 
 
 def test_a_folder_of_an_object_store(rig: Path, batch: Batch) -> None:
@@ -231,6 +217,9 @@ def test_logs_on_the_web(rig: Path, batch: Batch, server: str) -> None:
     os.utime(rig / names[0], (changed.st_atime + 10.0, changed.st_mtime + 10.0))
     assert batch(f"{server}/rig/{names[0]}", executor=executor).new == 1
     assert executor.taken == [names[0], names[1], names[0]]
+    (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
+    (failed,) = batch(f"{server}/rig/bad.csv").failed
+    assert (failed.path, "friction-audit-" in failed.message) == (f"{server}/rig/bad.csv", False)
 
 
 def test_a_log_that_the_worker_does_not_see(rig: Path) -> None:

@@ -5,28 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Run
-from tests.reporting.conftest import COULOMB, VISCOUS
-
-
-def test_the_table_holds_the_known_friction(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved2.csv")
-    assert answer.code == 0
-    rows = {line.split()[0]: line for line in answer.out.splitlines() if line[:1] in "12" and "±" in line}
-    for joint, row in enumerate((rows["1"], rows["2"])):
-        assert float(row.split()[1]) == pytest.approx(COULOMB[joint], abs=0.02)
-
-
-def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved2.csv", "--json", "--joints", "2", "--time-scale", "1.0")
-    document = answer.document()
-    assert answer.err == ""
-    assert [joint["joint"] for joint in document["joints"]] == [2]
-    viscous = document["joints"][0]["viscous_nms_per_rad"]
-    assert viscous["value"] == pytest.approx(VISCOUS[1], rel=0.02)
-    low, high = viscous["ci95"]
-    assert low < viscous["value"] < high
-    assert document["settings"]["reading"]["time_scale"] == 1.0
-    assert document["settings"]["joints"] == [2]
+from tests.reporting.conftest import COULOMB
 
 
 @pytest.mark.usefixtures("sketched")

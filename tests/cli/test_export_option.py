@@ -45,22 +45,6 @@ def test_a_folder_is_needed(run: Run, logs: Path) -> None:
     assert "--export mcap: no folder to write to; name one with --output DIR" in answer.err
 
 
-@pytest.mark.usefixtures("sketched")
-def test_nothing_is_replaced_unasked(run: Run, logs: Path) -> None:
-    Path("out").mkdir()
-    Path("out/cycles.csv").write_text("mine")
-    answer = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "csv")
-    assert answer.code == 2
-    assert "cycles.csv: exists already" in answer.err
-    assert [path.name for path in Path("out").iterdir()] == ["cycles.csv"]
-    assert Path("out/cycles.csv").read_text() == "mine"
-    again = run(
-        "estimate", logs / "moved1.csv", "-o", "out", "--export", "csv", "--figure-format", "svg", "--overwrite"
-    )
-    assert again.code == 0
-    assert Path("out/cycles.csv").read_text() != "mine"
-
-
 def test_the_log_itself_is_never_replaced(run: Run, logs: Path) -> None:
     log = Path("out/interaction.csv")
     log.parent.mkdir()
@@ -69,12 +53,6 @@ def test_the_log_itself_is_never_replaced(run: Run, logs: Path) -> None:
     assert answer.code == 2
     assert "interaction.csv: is the log itself; nothing was written" in answer.err
     assert log.read_bytes() == (logs / "moved1.csv").read_bytes()
-
-
-def test_a_misspelt_format_suggests_the_near_one(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "mcpa")
-    assert answer.code == 2
-    assert "did you mean mcap?" in answer.err
 
 
 @pytest.mark.usefixtures("sketched")

@@ -24,23 +24,6 @@ def watch(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     return terminal
 
 
-def work(voice: Voice) -> None:
-    with voice.step("simulate") as report:
-        assert report is not None
-        time.sleep(0.05)
-        for share in (0.25, 0.5):
-            report(share)
-        time.sleep(0.15)
-
-
-def test_a_terminal_shows_the_share_done(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = watch(monkeypatch)
-    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
-    work(Voice(quiet=False, verbose=False))
-    assert "simulate ..." in terminal.getvalue()
-    assert "50%" in terminal.getvalue()
-
-
 def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
     with Voice(quiet=True, verbose=False).step("simulate") as report:

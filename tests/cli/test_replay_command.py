@@ -9,15 +9,6 @@ from friction_audit.cli import main
 from tests.cli.conftest import Run
 
 
-def test_the_table_names_the_assumption(run: Run, logs: Path) -> None:
-    answer = run("replay", logs / "moved2.csv")
-    assert answer.code == 0
-    assert "same-motion: assumes that the joint would have moved exactly as recorded" in answer.out
-    rows = [line for line in answer.out.splitlines() if line[:2] in ("1 ", "2 ")]
-    assert len(rows) == 2
-    assert all(float(row.split()[2]) < float(row.split()[1]) for row in rows)
-
-
 def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     answer = run(
         "replay", logs / "moved2.csv", "--joints", "2", "--json", "--compensator-window", "5", "--max-torque", "50"

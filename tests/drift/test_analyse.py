@@ -149,14 +149,6 @@ def test_too_few_sessions_say_how_many_are_needed(count: int) -> None:
     assert "at least 4 are needed" in arm_sentence(arm)
 
 
-def test_arms_are_never_mixed() -> None:
-    low = make_sessions(noisy(8))
-    high = [replace(session, robot="other") for session in make_sessions(noisy(8, level=0.6))]
-    report = analyse_drift([*low, *high], QUICK)
-    assert [arm.robot for arm in report.arms] == ["arm", "other"]
-    assert not report.drift
-
-
 def test_temperature_that_varies_explains_the_changes() -> None:
     warmth = 25.0 + 4.0 * np.random.default_rng(4).standard_normal(24)
     level = noisy(24) * np.exp(-0.01 * (warmth - 25.0))
