@@ -72,9 +72,8 @@ def test_copies_count_once(rig: Path, batch: Batch) -> None:
     executor = Inline()
     result = batch(rig, executor=executor)
     assert len(executor.taken) == len(result.sessions) == 4
-    assert result.warnings == (
-        "rig/copy.parquet: the same recording as rig/2026-03-01.parquet, byte for byte; it counts once",
-    )
+    said = "rig/copy.parquet: the same recording as rig/2026-03-01.parquet, byte for byte; it counts once"
+    assert result.warnings == (said,)
 
 
 def test_logs_of_one_size_are_hashed_where_they_are_read_unless_their_ends_are_the_same(
@@ -151,10 +150,8 @@ def test_several_arms_in_a_log_are_several_robots(rig: Path, batch: Batch, recor
     result = batch(rig / "2026-03-05.csv")
     found = {session.robot: coulomb(session) for session in result.sessions}
     assert found == pytest.approx({"left": COULOMB_NM[0], "right": COULOMB_NM[1]}, abs=0.02)
-    assert [session.path for session in result.sessions] == [
-        "rig/2026-03-05.csv [#left]",
-        "rig/2026-03-05.csv [#right]",
-    ]
+    paths = [f"rig/2026-03-05.csv [#{arm}]" for arm in ("left", "right")]
+    assert [session.path for session in result.sessions] == paths
     assert batch(rig / "2026-03-05.csv").new == 0
     one = BatchSettings(reading=replace(BatchSettings().reading, topic="#right"))
     assert [session.robot for session in batch(rig / "2026-03-05.csv", settings=one).sessions] == ["right"]
@@ -177,9 +174,8 @@ def test_a_folder_of_an_object_store(rig: Path, batch: Batch) -> None:
         there = batch("memory://lab/rig", executor=executor)
         assert [session.path.rpartition("/")[2] for session in there.sessions] == sorted(p.name for p in rig.iterdir())
         assert {session.robot for session in there.sessions} == {"rig"}
-        assert [coulomb(session) for session in there.sessions] == [
-            coulomb(one) for one in batch(rig, ledger="here").sessions
-        ]
+        here = batch(rig, ledger="here").sessions
+        assert [coulomb(session) for session in there.sessions] == [coulomb(session) for session in here]
         assert batch("memory://lab/rig", executor=executor).new == 0
     finally:
         store.rm("/lab", recursive=True)

@@ -1,14 +1,9 @@
 """``batch-report`` from words to files and exit codes."""
 
 import json
-import os
 import shutil
-import signal
 import sqlite3
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.ledger import SCHEMA_VERSION
 from friction_audit.cli.batch_files import RESULTS
 from friction_audit.io.writers.write_log import write_log
@@ -26,7 +22,6 @@ from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
 
 DAYS, STEP = 8, 5
-PATIENCE_S = 120.0
 
 
 @pytest.fixture(scope="module")
@@ -125,16 +120,6 @@ def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert run("batch-report", rig / "2026-03-01.npz", "--rebuild", "-q").code == 0
 
 
-@pytest.mark.usefixtures("here")
-def test_a_manifest_tells_what_logs_do_not(rig: Path, run: Run) -> None:
-    Path("manifest.csv").write_text("path,robot,start,note\nrig/2026-03-02.npz,R7,2025-01-01,found again\n")
-    document = run("batch-report", "--manifest", "manifest.csv", "--json", "-q").document()
-    session = document["sessions"][0]
-    assert (session["robot"], session["start_from"], session["note"]) == ("R7", "manifest", "found again")
-    assert "--manifest manifest.csv" in document["command"]
-    assert rig.exists()
-
-
 TABLE = [
     ("batch-report", 2, "no logs named"),
     ("batch-report absent", 3, "absent: no such file or directory"),
@@ -165,28 +150,14 @@ def test_table(words: str, code: int, text: str, run: Run, logs: Path, tmp_path:
     assert answer.out == ""
 
 
-def test_stopped_by_the_user_it_says_how_far_it_came(written: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "friction_audit", "batch-report", str(written), "-o", "out", "--workers", "1"]
-    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, env=os.environ)
-    ledger, begin = tmp_path / "out" / "ledger.sqlite", time.monotonic()
-    while _sessions(ledger) < 1:
-        assert process.poll() is None
-        assert time.monotonic() < begin + PATIENCE_S
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode in (0, 130)
-    if process.returncode == 130:
-        assert f"of {DAYS} new logs are finished; out/ledger.sqlite keeps them" in said
-    assert 1 <= _sessions(ledger) <= DAYS
-    assert "Traceback" not in said
+def test_stopped_by_the_user_it_says_how_far_it_came(rig: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(_: LocalExecutor, work: Callable[[object], object], tasks: Iterable[object]) -> Iterator[object]:
+        for number, task in enumerate(tasks):
+            if number == 2:
+                raise KeyboardInterrupt
+            yield task, work(task)
 
-
-def _sessions(ledger: Path) -> int:
-    if not ledger.exists():
-        return 0
-    with closing(sqlite3.connect(ledger, timeout=30.0)) as database:
-        try:
-            return int(database.execute("SELECT COUNT(*) FROM sessions").fetchone()[0])
-        except sqlite3.OperationalError:  # before its tables are there
-            return 0
+    monkeypatch.setattr(LocalExecutor, "run", stopped)
+    answer = run("batch-report", rig, "-o", "out")
+    assert (answer.code, answer.out) == (130, "")
+    assert f"stopped: 2 of {DAYS} new logs are finished; out/ledger.sqlite keeps them" in answer.err

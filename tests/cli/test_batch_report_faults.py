@@ -75,13 +75,13 @@ def test_what_is_no_file_sinks_nothing(rig: Path, run: Run, monkeypatch: pytest.
     assert run("batch-report", rig / "dangling.csv", rig / "rig-2026-03-01.npz", "-q", "-o", "other").code == 6
 
 
-@pytest.mark.parametrize("note", ["{", "[]", '{"request": 1}', "0" * 64 + " {}", b"\xff"])
-def test_a_broken_note_blocks_nothing(note: object, rig: Path, run: Run) -> None:
+def test_a_broken_note_blocks_nothing(rig: Path, run: Run) -> None:
     assert run("batch-report", rig, "-q").code == 0
-    change("UPDATE meta SET value = ? WHERE key = 'reported'", note)
-    answer = run("batch-report", rig)
-    assert (answer.code, "note on the last report is damaged" in answer.err) == (0, True)
-    assert f"0 computed, {DAYS} known" in answer.out
+    for note in ("{", "[]", '{"request": 1}', "0" * 64 + " {}", b"\xff"):
+        change("UPDATE meta SET value = ? WHERE key = 'reported'", note)
+        answer = run("batch-report", rig)
+        assert (answer.code, "note on the last report is damaged" in answer.err) == (0, True), note
+        assert f"0 computed, {DAYS} known" in answer.out
     assert "damaged" not in run("batch-report", rig).err
 
 

@@ -24,18 +24,15 @@ def test_table_and_figures(run: Run, tmp_path: Path) -> None:
 def test_document(run: Run) -> None:
     answer = run("compare", *SHORT, "--json", "--effect", "stribeck", "--set", "operator.inertia_kg_m2=0.2", "--ideal")
     document = answer.document()
-    assert document["schema"] == "friction-audit/compare/1"
     assert (document["arm"], document["seeds"], document["duration_s"]) == ("joint", [0, 1], 12.0)
-    assert [row["method"] for row in document["methods"]] == ["none", "oracle"]
     assert document["settings"]["operator"]["inertia_kg_m2"] == 0.2
     assert {effect["name"] for effect in document["effects"]} == {"stribeck", "joint_elasticity"}
     none, oracle = document["methods"]
+    assert (none["method"], oracle["method"]) == ("none", "oracle")
     assert none["energy_slope_w"]["value"] > oracle["energy_slope_w"]["value"]
     assert none["stability_margin"] == {"value": None, "ci95": [None, None]}
-    assert none["stability_margins"] == [None, None]
-    assert none["tuning_losses"] is None
+    assert (none["stability_margins"], none["tuning_losses"], none["stable_share"]) == ([None, None], None, 1.0)
     assert document["margin_seeds"] == [0, 1]
-    assert none["stable_share"] == 1.0
 
 
 @pytest.mark.usefixtures("sketched")

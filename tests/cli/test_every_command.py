@@ -97,10 +97,8 @@ def _without_options(module: "ModuleType", words: list[str]) -> list[str]:
     context = command_of(words[0]).make_context(NAME[module], words[1:])
     arguments = [p.name for p in context.command.params if p.param_type_name == "argument"]
     values = [context.params[name] for name in arguments if context.params[name] is not None]
-    return [
-        words[0],
-        *(str(one) for value in values for one in (value if isinstance(value, list | tuple) else [value])),
-    ]
+    every = (one for value in values for one in (value if isinstance(value, list | tuple) else [value]))
+    return [words[0], *map(str, every)]
 
 
 PAGES = Path(__file__).parents[2] / "docs" / "commands"

@@ -21,9 +21,7 @@ TABLE = [
     ("convert --list-dialects", 0, "out", "parquet"),
     # usage
     ("", 2, "both", "Usage"),
-    ("estmate x.csv", 2, "err", "Did you mean 'estimate'"),
     ("estimate", 2, "err", "Missing argument 'LOG'"),
-    ("estimate {logs}/moved1.csv --jsn", 2, "err", "--json"),
     ("estimate {logs}/moved1.csv --model combind", 2, "err", "did you mean combined?"),
     ("estimate {logs}/moved1.csv --figure-format png,gif", 2, "err", "gif: expected one of png, svg, pdf"),
     ("estimate {logs}/moved1.csv --joints 1,x", 2, "err", "error: --joints 1,x: 'x' is no joint"),
@@ -42,12 +40,7 @@ TABLE = [
     ("estimate {logs}/moved1.csv --map dq", 2, "err", "expected CHANNEL=NAME"),
     ("estimate {logs}/moved1.csv --config absent.toml", 2, "err", "absent.toml: cannot be read"),
     ("reproduce --figures 15", 2, "err", "15: expected one of 3, 6, 7"),
-    ("reproduce --persons 0", 2, "err", "--persons"),
-    ("report {logs}/moved1.csv --format markdwn", 2, "err", "did you mean markdown?"),
     ("estimate {logs}/moved1.csv --window 1", 2, "err", "needs at least 4 cycles"),
-    ("plot {logs}/moved1.csv --kind=energy", 2, "err", "error: --kind: plot calls it --figures"),
-    ("plot {logs}/moved1.csv --figures energi", 2, "err", "did you mean energy"),
-    ("convert {logs}/moved1.csv", 2, "err", "Missing argument 'OUT'"),
     ("convert {logs}/moved1.csv out.xyz", 2, "err", "ending .xyz"),
     ("convert {logs}/moved1.csv {logs}/moved1.csv --overwrite", 2, "err", "is the log itself"),
     ("convert {logs}/moved1.csv out.parquet --joints 3", 2, "err", "error: --joints 3: not in"),
@@ -59,7 +52,7 @@ TABLE = [
     ("replay {logs}/moved1.csv --coefficients coulomb=0.2,viscous=-0.1", 2, "err", "would brake the joint"),
     ("replay {logs}/moved1.csv --no-passivity --max-damping 3", 2, "err", "only the controller damps"),
     (
-        "replay {logs}/moved1.csv --compensator sigmoid --coefficients coulomb=0.2",
+        "replay {logs}/moved1.csv --compensator sigmoid --coefficients coulomb=1",
         2,
         "err",
         "does not use --coefficients",
@@ -69,26 +62,18 @@ TABLE = [
     ("replay {logs}/moved1.csv --operator 0.3,9,60", 2, "err", "ask for --assume same-operator"),
     ("replay {logs}/moved1.csv --assume same-operator --operator 0.3,9", 2, "err", "expected 3"),
     ("replay {logs}/moved1.csv --assume same-operator --operator 0,0,0", 2, "err", "at least one of them"),
-    ("replay {logs}/moved1.csv --assume nothing", 2, "err", "expected one of same-motion"),
     ("replay {logs}/moved1.csv --compensator-model viscous --compensator-window 0", 2, "err", "window 0"),
     ("replay {logs}/moved1.csv --max-torque -1", 2, "err", "above zero"),
     ("replay {logs}/moved1.csv --cycles-from hand", 2, "err", ""),
-    ("compare --methods energie", 2, "err", "did you mean energy?"),
-    ("compare --arm ur5", 2, "err", "expected one of joint, panda"),
     ("compare --set operator.inertia=1", 2, "err", "operator.inertia_kg_m2"),
-    ("compare --effect stribek", 2, "err", "stribeck"),
     ("compare --persons 1", 2, "err", "2"),
     ("compare --set driven=true", 2, "err", "driven"),
     # the input
     ("estimate {logs}/absent.csv", 3, "err", "error: "),
     ("estimate {logs}/empty.csv", 3, "err", "error: "),
-    ("plot {logs}/empty.csv", 3, "err", "error: "),
-    ("convert {logs}/empty.csv out.parquet", 3, "err", "error: "),
     ("info {logs}/empty.csv", 3, "err", "error: "),
-    ("estimate {logs}/empty.csv --json", 3, "err", "error: "),
     # no answer
     ("estimate {logs}/still.csv", 4, "err", "no joint has an estimate:\n  joint 1: "),
-    ("estimate {logs}/still.csv --json", 4, "err", "no joint has an estimate"),
     # damaged input
     ("estimate {logs}/damaged.csv", 6, "out", "Coulomb"),
     ("plot {logs}/damaged.csv", 6, "out", "velocity-torque.png"),
@@ -109,17 +94,16 @@ def test_table(words: str, code: int, stream: str, text: str, run: Run, logs: Pa
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_every_command_has_help_with_groups_and_examples(name: str, run: Run) -> None:
-    plain, full = run(name, "--help").out, run(name, "--help-all").out
-    for text in (plain, full):
+def test_every_command_has_help_with_groups(name: str, run: Run) -> None:
+    counts = []
+    for text in (run(name, "--help").out, run(name, "--help-all").out):
         headings = [line.removesuffix(":") for line in text.splitlines() if line.endswith(":") and line[0] != " "]
         assert headings == [heading for heading in HEADINGS if heading in headings]
         assert {"Common options"} <= set(headings) <= set(HEADINGS)
-        assert "Examples:" in text
         assert max(map(len, text.splitlines())) <= 100
-    count = [len(re.findall(r"^  (?:-\w, )?--", text, re.MULTILINE)) for text in (plain, full)]
-    assert count[0] <= MOST_OPTIONS
-    assert count[1] == sum(param.param_type_name == "option" for param in command_of(name).params) + len(["--help"])
+        counts.append(len(re.findall(r"^  (?:-\w, )?--", text, re.MULTILINE)))
+    options = sum(param.param_type_name == "option" for param in command_of(name).params)
+    assert (counts[0] <= MOST_OPTIONS, counts[1]) == (True, options + len(["--help"]))
 
 
 def test_an_option_without_effect_is_said(run: Run, logs: Path) -> None:

@@ -91,9 +91,8 @@ def test_what_cannot_be_exported(words: tuple[str, ...], code: int, message: str
     (tmp_path / "other.json").write_text(json.dumps({"schema": "friction-audit/diagnose/3"}))
     (tmp_path / "half.json").write_text(json.dumps({"schema": "friction-audit/estimate/1", "joints": []}))
     (tmp_path / "broken.json").write_text("{")
-    (tmp_path / "ampere.csv").write_text(
-        "time,q_1,dq_1,current_1\n" + "".join(f"{k / 100},{k / 100},1,{k % 7}\n" for k in range(3000))
-    )
+    rows = "".join(f"{k / 100},{k / 100},1,{k % 7}\n" for k in range(3000))
+    (tmp_path / "ampere.csv").write_text(f"time,q_1,dq_1,current_1\n{rows}")
     answer = run("export", *words)
     assert (answer.code, message in answer.err) == (code, True), answer
     assert not (tmp_path / words[1]).exists()
@@ -102,25 +101,11 @@ def test_what_cannot_be_exported(words: tuple[str, ...], code: int, message: str
 @pytest.mark.usefixtures("sketched")
 def test_the_reference_of_a_batch_is_exported(run: Run) -> None:
     for seed in range(5):
-        words = [
-            "simulate",
-            "joint",
-            "--duration",
-            20,
-            "--rate",
-            200,
-            "--seed",
-            seed,
-            "-o",
-            f"arm/{seed}.parquet",
-            "-q",
-        ]
-        assert run(*words).code == 0
+        words = ("--duration", 20, "--rate", 200, "--seed", seed, "-o", f"arm/{seed}.parquet", "-q")
+        assert run("simulate", "joint", *words).code == 0
     assert run("batch-report", "arm", "-o", "drift", "-q", "--workers", "1").code == 0
-    levels = [
-        one["coefficients"]["coulomb_nm"]["level"]["value"]
-        for one in json.loads(Path("drift/batch.json").read_text())["joints"]
-    ]
+    batch = json.loads(Path("drift/batch.json").read_text())
+    levels = [one["coefficients"]["coulomb_nm"]["level"]["value"] for one in batch["joints"]]
     for source, out in (("drift", "a.csv"), ("drift/batch.json", "b.csv"), ("drift/ledger.sqlite", "c.csv")):
         document = run("export", source, out, "--json").document()
         assert [joint["coulomb_nm"] for joint in document["joints"]] == pytest.approx(levels)

@@ -63,13 +63,8 @@ def test_arms_by_the_names_of_their_joints(names: list[str], arms: tuple[str, ..
 
 
 def test_a_make_is_no_name_of_an_arm() -> None:
-    assert [arm_name(prefix) for prefix in ("ur10e", "iiwa_14", "gen3", "left_ur5e", "fr3v2_1")] == [
-        "",
-        "",
-        "",
-        "left_ur5e",
-        "",
-    ]
+    prefixes = ("ur10e", "iiwa_14", "gen3", "left_ur5e", "fr3v2_1")
+    assert [arm_name(prefix) for prefix in prefixes] == ["", "", "", "left_ur5e", ""]
 
 
 def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
@@ -78,9 +73,8 @@ def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
 
 
 def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path) -> None:
-    done = run(
-        "plan", "--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "90", "-o", tmp_path
-    )
+    words = ("--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "60")
+    done = run("plan", *words, "-o", tmp_path)
     assert done.code == 0, done.err
     header = (tmp_path / "trajectory_estimate.csv").read_text().splitlines()[0]
     assert "q_elbow_joint" in header

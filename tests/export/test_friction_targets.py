@@ -233,12 +233,9 @@ def test_a_broken_file_is_refused(text: bytes, message: str, tmp_path: Path) -> 
 
 def test_a_joint_that_the_file_lacks_is_named(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
+    three = joints(SIMPLE, SIMPLE, SIMPLE, names=("shoulder", "elbow", "wrist"))
     with pytest.raises(UsageError, match="no joint wrist; its 2 joints"):
-        export(
-            joints(SIMPLE, SIMPLE, SIMPLE, names=("shoulder", "elbow", "wrist")),
-            tmp_path / "o.xml",
-            tmp_path / "arm.xml",
-        )
+        export(three, tmp_path / "o.xml", tmp_path / "arm.xml")
     by_order = export(joints(SIMPLE, STRIBECK, names=("j1", "j2")), tmp_path / "o.xml", tmp_path / "arm.xml")
     assert by_order.by_order
     assert [joint.name for joint in by_order.joints] == ["shoulder", "elbow"]

@@ -58,15 +58,7 @@ def completed_by(names: Callable[[], Sequence[str]]) -> Callable[[str], list[str
 
 
 def option(panel: str, text: str, *names: str, default: object = None, **settings: Any) -> Any:  # noqa: ANN401
-    """Return an option as the default of a parameter of a command, or of a field of a group of options.
-
-    Args:
-        panel: Its heading in the help text.
-        text: Its help.
-        names: As typed; made from the parameter's name if there are none.
-        default: Its value where it is not given.
-        settings: Of ``described``.
-    """
+    """Return an option as the default of a parameter of a command, or of a field of a group; see ``described``."""
     return field(default=default, metadata={OPTION: described(panel, text, *names, **settings)})
 
 

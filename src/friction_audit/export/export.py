@@ -205,17 +205,9 @@ def simulated_gaps(
 ) -> tuple[Float, Float, int]:
     """Move an arm by recorded torques over windows that each start from the recording, without friction and with it.
 
-    Args:
-        model: The arm, j joints that turn, without friction.
-        t: Times, strictly increasing, shape (n,). [s]
-        q: Positions, shape (n, j). [rad]
-        dq: Velocities, shape (n, j). [rad/s]
-        torque: Torques on the joints, shape (n, j). [N m]
-        friction: Friction of each joint, None for one without.
-
-    Returns:
-        Root mean square of simulated less recorded position at the ends of the windows, without friction and with it,
-        shape (j,) each [rad], and the number of windows.
+    The arm has j joints that turn; times t (n,) [s], strictly increasing, positions, velocities and torques on the
+    joints (n, j). Return the root mean square of simulated less recorded position at the ends of the windows, without
+    friction and with it, (j,) each [rad], and the number of windows.
     """
     usual = float(np.median(np.diff(t)))
     step = min(STEP_S, usual)
