@@ -21,8 +21,9 @@ def recorded(
     told: str = "", *, start: float | None = None, joints: int = 7, kind: str = "panda", topic: str = ""
 ) -> Recorded:
     made = make_session(0, [make_joint(n, 0.3) for n in range(1, joints + 1)], start=start, robot=told)
-    known = {"start_s": start, "start_from": "nothing" if start is None else "log"}
-    return Recorded(session=replace(made, sha256=f"{told}{start}{joints}", **known), topic=topic, kind=kind)
+    known = "nothing" if start is None else "log"
+    session = replace(made, sha256=f"{told}{start}{joints}", start_s=start, start_from=known)
+    return Recorded(session=session, topic=topic, kind=kind)
 
 
 def robots(sessions: Sequence[Session]) -> dict[str, list[str]]:

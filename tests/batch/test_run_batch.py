@@ -1,5 +1,4 @@
 import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
@@ -15,7 +14,6 @@ from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.drift.session import Session
-from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import sha256_of as hash_file
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
@@ -48,14 +46,6 @@ def test_a_second_run_computes_only_what_is_new(rig: Path, batch: Batch, recordi
     assert repr(second.sessions[:4]) == repr(first.sessions)
 
 
-def test_other_settings_are_other_results(rig: Path, batch: Batch) -> None:
-    weighted = batch(rig).sessions
-    paper = BatchSettings(audit=AuditSettings(friction=FrictionSettings(estimator="paper")))
-    assert batch(rig, settings=paper).new == 4
-    assert batch(rig, settings=paper).new == 0
-    assert repr(batch(rig).sessions) == repr(weighted)
-
-
 def test_content_counts_and_not_its_name(rig: Path, batch: Batch) -> None:
     batch(rig)
     (rig / "2026-03-01.parquet").rename(rig / "2026-04-01.parquet")
@@ -65,15 +55,6 @@ def test_content_counts_and_not_its_name(rig: Path, batch: Batch) -> None:
     assert executor.taken == []
     assert [Path(session.path).name for session in result.sessions][-1] == "2026-04-01.parquet"
     assert coulomb(result.sessions[-1]) == pytest.approx(COULOMB_NM[0], abs=0.02)
-
-
-def test_copies_count_once(rig: Path, batch: Batch) -> None:
-    shutil.copyfile(rig / "2026-03-01.parquet", rig / "copy.parquet")
-    executor = Inline()
-    result = batch(rig, executor=executor)
-    assert len(executor.taken) == len(result.sessions) == 4
-    said = "rig/copy.parquet: the same recording as rig/2026-03-01.parquet, byte for byte; it counts once"
-    assert result.warnings == (said,)
 
 
 def test_logs_of_one_size_are_hashed_where_they_are_read_unless_their_ends_are_the_same(

@@ -1,6 +1,5 @@
 """Arms known by name: limits, names of joints, kinds of torque, and what is said where a model is missing."""
 
-import json
 import runpy
 from math import inf
 from pathlib import Path
@@ -101,16 +100,15 @@ def test_info_names_the_arms_that_share_the_names_and_doubts_the_unit(run: Run, 
     done = run("info", log)
     assert "robot unknown (joints of ur3e, ur5e, ur10e, ur16e, ur20, ur30: name it with --robot)" in done.out
     assert "motor current [A]" in done.err
-    named = run("info", log, "--robot", "ur10e", "--json")
-    entry = json.loads(named.out)["logs"][0]
-    assert entry["robot"] == "ur10e"
-    assert "effort_is_current" in [one["code"] for one in entry["warnings"]]
-    in_ampere = run("info", log, "--map", "tau_J=" + ",".join(f"{n}.effort" for n in UR_NAMES) + ":A", "--json")
-    entry = json.loads(in_ampere.out)["logs"][0]
-    assert entry["torque_unit"] == "A"
-    assert "effort_is_current" not in [one["code"] for one in entry["warnings"]]
-    scaled = run("info", log, "--torque-scale", "10", "--json")
-    assert "effort_is_current" not in scaled.out
+    in_ampere = "tau_J=" + ",".join(f"{name}.effort" for name in UR_NAMES) + ":A"
+    for words, robot, unit in (
+        (("--robot", "ur10e"), "ur10e", "N m"),
+        (("--map", in_ampere), "unknown", "A"),
+        (("--torque-scale", "10"), "unknown", "N m"),
+    ):
+        (entry,) = run("info", log, *words, "--json").document()["logs"]
+        doubted = "effort_is_current" in [one["code"] for one in entry["warnings"]]
+        assert (entry["robot"], entry["torque_unit"], doubted) == (robot, unit, robot == "ur10e")
 
 
 def test_a_model_of_a_preset_without_one_is_refused_with_what_to_do(run: Run, tmp_path: Path) -> None:

@@ -112,8 +112,9 @@ class Ledger:
 
     def remember(self, log: LogFile, sha256: str) -> None:
         """Keep the hash of a log's content."""
-        with self._transaction():
-            self._remember(log, sha256)
+        values = (encodable(log.place), log.size, log.changed, sha256)
+        with self._worded():
+            self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
 
     def is_done(self, sha256: str, settings: str) -> bool:
         """Return True if nothing new would come of a log."""
@@ -144,7 +145,7 @@ class Ledger:
             self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, encodable(log.place)))
             if worked.sha256:
                 self._database.execute("DELETE FROM failed WHERE settings = ? AND sha256 = ?", (key, worked.sha256))
-                self._remember(log, worked.sha256)
+                self.remember(log, worked.sha256)
             for recorded in worked.recorded:
                 self._save_session(recorded, key)
             for fault in worked.faults:
@@ -182,10 +183,11 @@ class Ledger:
             AND (path, robot, start_s) IS NOT (:path, :robot, :start)"""
         values = [
             {"path": one.path, "robot": one.robot, "start": one.start_s, "sha256": one.sha256, "topic": topic}
+            | {"settings": settings}
             for one, topic in named
         ]
         with self._transaction():
-            self._database.executemany(query, [value | {"settings": settings} for value in values])
+            self._database.executemany(query, values)
 
     def note(self, key: str) -> str | None:
         """Return a note about the ledger as a whole."""
@@ -194,7 +196,7 @@ class Ledger:
 
     def write_note(self, key: str, value: str) -> None:
         """Keep a note about the ledger as a whole."""
-        with self._transaction():
+        with self._worded():
             self._database.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, value))
 
     def _set_up(self) -> None:
@@ -239,10 +241,6 @@ class Ledger:
                 for name, one in joint.coefficients.items()
             ]
             self._database.executemany("INSERT OR REPLACE INTO coefficients VALUES (?, ?, ?, ?, ?, ?)", rows)
-
-    def _remember(self, log: LogFile, sha256: str) -> None:
-        values = (encodable(log.place), log.size, log.changed, sha256)
-        self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
 
     def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> list[sqlite3.Row]:
         with self._worded():
