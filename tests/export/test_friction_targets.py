@@ -211,7 +211,7 @@ def test_attributes_are_set_whatever_stands_around_them(text: str, wide: bool) -
     except ET.ParseError:
         return  # XML has no place for the character
     xml = XmlText(source, "file")
-    after = ET.fromstring(xml.edited([xml.set_attributes(xml.root.children[0], {"damping": "1", "frictionloss": "2"})]))
+    after = ET.fromstring(xml.edited([xml.set_attributes(xml.tags[1], {"damping": "1", "frictionloss": "2"})]))
     assert after.attrib == before.attrib
     assert after[0].attrib == {"name": "a", "damping": "1", "frictionloss": "2"}
 

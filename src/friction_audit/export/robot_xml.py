@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import NamedTuple
 from xml.parsers import expat
 from xml.sax.saxutils import escape, quoteattr
@@ -38,19 +38,6 @@ class Tag:
     inside: int
     close: int = 0
     stop: int = 0
-    children: "list[Tag]" = field(default_factory=list)
-
-    def child(self, name: str) -> "Tag | None":
-        """Return the first child of that name."""
-        return next((child for child in self.children if child.name == name), None)
-
-    def walk(self) -> "Iterator[Tag]":
-        """Yield the element and all below it, in the order of the text."""
-        pending = [self]
-        while pending:
-            tag = pending.pop()
-            yield tag
-            pending += reversed(tag.children)
 
 
 class XmlText:
@@ -60,7 +47,11 @@ class XmlText:
         if text.startswith(WIDE_MARKS) or b"\x00" in text[:4]:
             raise InputError(f"{where}: XML in UTF-16 or UTF-32; expected UTF-8; save it in UTF-8")
         self.text, self.where = text, where
-        self.root = self._read()
+        self.tags = self._read()  # in the order of the text
+
+    def child(self, parent: Tag, name: str) -> Tag | None:
+        """Return the first child of that name."""
+        return next((tag for tag in self.tags if tag.parent is parent and tag.name == name), None)
 
     def set_attributes(self, tag: Tag, values: Mapping[str, str]) -> Edit:
         """Return the edit after which an element has these attributes; its other ones stay."""
@@ -107,9 +98,9 @@ class XmlText:
             text = text[: edit.start] + edit.text + text[edit.stop :]
         return text
 
-    def _read(self) -> Tag:
+    def _read(self) -> list[Tag]:
         parser = expat.ParserCreate()
-        roots: list[Tag] = []
+        tags: list[Tag] = []
         opened: list[Tag] = []
 
         def begin(name: str, attributes: dict[str, str]) -> None:
@@ -119,7 +110,7 @@ class XmlText:
                 raise InputError(f"{self.where}: <{name}> comes from an entity; expected a file without entities")
             parent = opened[-1] if opened else None
             tag = Tag(name=name, attributes=attributes, parent=parent, start=start, inside=found.end())
-            (parent.children if parent else roots).append(tag)
+            tags.append(tag)
             opened.append(tag)
 
         def end(name: str) -> None:  # noqa: ARG001 - the parser gives it
@@ -133,26 +124,25 @@ class XmlText:
             parser.Parse(self.text, True)  # noqa: FBT003 - it takes no keyword
         except expat.ExpatError as error:
             raise InputError(f"{self.where}: not XML ({error}); expected the file of a robot") from error
-        return roots[0]
+        return tags
 
 
 def turning_joints(robot: XmlText) -> list[Tag]:
     """Return the joints of a URDF or SDF that turn, in the order of the file."""
     kinds = ("revolute", "continuous")
-    return [tag for tag in robot.root.walk() if tag.name == "joint" and tag.attributes.get("type") in kinds]
+    return [tag for tag in robot.tags if tag.name == "joint" and tag.attributes.get("type") in kinds]
 
 
 def mjcf_joints(mjcf: XmlText) -> list[Tag]:
     """Return the named hinges of the bodies, in the order of the file; a joint without a type is one."""
-    inside = (tag for body in mjcf.root.walk() if body.name == "body" for tag in body.children)
-    hinges = {id(tag) for tag in inside if tag.name == "joint" and tag.attributes.get("type", "hinge") == "hinge"}
-    return [tag for tag in mjcf.root.walk() if id(tag) in hinges and "name" in tag.attributes]
+    joints = (tag for tag in mjcf.tags if tag.name == "joint" and tag.attributes.get("type", "hinge") == "hinge")
+    return [tag for tag in joints if "name" in tag.attributes and tag.parent and tag.parent.name == "body"]
 
 
 def edit_urdf(robot: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
     """Set ``<dynamics>`` of joints."""
     for tag, joint in joints:
-        values, there = _dynamics(joint), tag.child("dynamics")
+        values, there = _dynamics(joint), robot.child(tag, "dynamics")
         attributes = " ".join(f'{key}="{value}"' for key, value in values.items())
         yield robot.set_attributes(there, values) if there else robot.append(tag, f"<dynamics {attributes}/>")
 
@@ -168,11 +158,11 @@ def edit_mjcf(mjcf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Ite
 def edit_sdf(sdf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
     """Set ``<dynamics>`` of the axes of joints."""
     for tag, joint in joints:
-        axis, values = tag.child("axis"), _dynamics(joint)
+        axis, values = sdf.child(tag, "axis"), _dynamics(joint)
         if axis is None:
             raise InputError(f"{sdf.where}: joint {joint.name} has no <axis>; expected one; repair the file")
-        dynamics = axis.child("dynamics")
-        there = {name: own for name in values if dynamics and (own := dynamics.child(name))}
+        dynamics = sdf.child(axis, "dynamics")
+        there = {name: own for name in values if dynamics and (own := sdf.child(dynamics, name))}
         yield from (sdf.set_text(own, values[name]) for name, own in there.items())
         lacking = "".join(f"<{key}>{value}</{key}>" for key, value in values.items() if key not in there)
         if dynamics is None:
