@@ -57,9 +57,7 @@ def test_content_counts_and_not_its_name(rig: Path, batch: Batch) -> None:
     assert coulomb(result.sessions[-1]) == pytest.approx(COULOMB_NM[0], abs=0.02)
 
 
-def test_logs_of_one_size_are_hashed_where_they_are_read_unless_their_ends_are_the_same(
-    rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_logs_of_one_size_are_hashed_when_read(rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
     hashed: list[str] = []
 
     def sha256_of(path: Path) -> str:
@@ -102,9 +100,7 @@ def test_what_was_lost_is_tried_again(rig: Path, batch: Batch) -> None:
     assert (second.new, second.failed, len(second.sessions)) == (1, (), 4)
 
 
-def test_a_bug_that_one_log_shows_does_not_cost_the_others(
-    rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bug_that_one_log_shows_costs_no_other(rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch) -> None:
     real = estimate_log
 
     def fall_over(log: JointLog, settings: AuditSettings) -> object:

@@ -80,8 +80,7 @@ def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
 def test_limits_come_before_failures(rig: Path, run: Run) -> None:
     (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
     answer = run("batch-report", rig, "--fail-on", "coulomb=15%", "-q")
-    assert answer.code == 5
-    assert "limit exceeded:" in answer.out
+    assert (answer.code, "limit exceeded:" in answer.out) == (5, True), answer
     assert "failed: rig/bad.csv: no column for dq" in answer.out
     assert run("batch-report", rig, "--fail-on", "coulomb=60%", "-q").code == 6
 
@@ -91,8 +90,7 @@ def test_results_of_other_settings_are_not_replaced_unasked(rig: Path, run: Run)
     assert run("batch-report", rig, "-q").code == 0
     before = Path("friction-drift/batch.json").read_bytes()
     answer = run("batch-report", rig, "-q", "--model", "coulomb")
-    assert answer.code == 2
-    assert "friction-drift/batch.json" in answer.err
+    assert (answer.code, "friction-drift/batch.json" in answer.err) == (2, True), answer
     assert "made with other settings" in answer.err
     assert Path("friction-drift/batch.json").read_bytes() == before
     assert run("batch-report", rig, "-q", "--model", "coulomb", "--overwrite").code == 0
@@ -106,8 +104,7 @@ def test_results_of_other_settings_are_not_replaced_unasked(rig: Path, run: Run)
 def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert run("batch-report", rig / "2026-03-01.npz", "-q").code == 0
     answer = run("batch-report", rig / "2026-03-01.npz", "--rebuild")
-    assert answer.code == 0
-    assert "1 computed, 0 known" in answer.out
+    assert (answer.code, "1 computed, 0 known" in answer.out) == (0, True), answer
     assert "warning: the ledger that was there is kept as friction-drift/ledger-1.sqlite" in answer.err
     with closing(sqlite3.connect("friction-drift/ledger.sqlite")) as database:
         database.execute(f"PRAGMA user_version = {SCHEMA_VERSION - 1}")
@@ -115,8 +112,7 @@ def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert (older.code, "kept as friction-drift/ledger-2.sqlite" in older.err) == (0, True), older
     Path("friction-drift/ledger.sqlite").write_text("no ledger at all, but some text")
     broken = run("batch-report", rig / "2026-03-01.npz")
-    assert broken.code == 3
-    assert "--rebuild to move it aside" in broken.err
+    assert (broken.code, "--rebuild to move it aside" in broken.err) == (3, True), broken
     assert run("batch-report", rig / "2026-03-01.npz", "--rebuild", "-q").code == 0
 
 

@@ -109,7 +109,7 @@ def test_copies_are_one_line_and_the_name_like_the_others_stays(rig: Path, run: 
     assert "rig-2026-03-02.npz; and 3 more copies" in line
 
 
-def test_a_log_that_is_replaced_while_it_is_read_is_kept_under_its_own_content(
+def test_a_log_replaced_while_it_is_read_keeps_its_content(
     rig: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A copy of equal size and times (``cp -p``) takes the place of a log after it was read, before it is hashed."""

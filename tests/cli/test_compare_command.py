@@ -12,8 +12,7 @@ SHORT = ("--persons", "2", "--duration", "12", "--methods", "none,oracle", "-q")
 
 def test_table_and_figures(run: Run, tmp_path: Path) -> None:
     answer = run("compare", *SHORT, "-o", "out")
-    assert answer.code == 0
-    assert answer.err == ""
+    assert (answer.code, answer.err) == (0, ""), answer
     assert "* no compensation" not in answer.out
     for word in ("oracle", "slope [mW]", "stable", "100%", ">32", "out/energy.png"):
         assert word in answer.out
@@ -53,5 +52,4 @@ def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
 
 def test_too_short_a_trial_is_an_analysis_error(run: Run) -> None:
     answer = run("compare", *SHORT, "--duration", "3")
-    assert answer.code == 4
-    assert "longer --duration" in answer.err
+    assert (answer.code, "longer --duration" in answer.err) == (4, True), answer

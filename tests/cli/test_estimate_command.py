@@ -39,8 +39,7 @@ def test_a_dead_torque_has_a_reason_and_takes_no_other_joint_along(run: Run, log
 
 def test_a_log_too_short_for_a_cycle_is_called_short(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("estimate", spoiled(logs / "moved1.csv", tmp_path / "log.csv", {}, rows=200))
-    assert answer.code == 4
-    assert "the log lasts 0.8" in answer.err
+    assert (answer.code, "the log lasts 0.8" in answer.err) == (4, True), answer
     assert "pause" not in answer.err
 
 
@@ -52,8 +51,7 @@ def amperes(logs: Path, tmp_path: Path) -> Path:
 @pytest.mark.usefixtures("sketched")
 def test_motor_current_is_written_in_ampere(run: Run, amperes: Path, tmp_path: Path) -> None:
     answer = run("estimate", amperes, "-o", "out")
-    assert answer.code == 0
-    assert "[A s/rad]" in answer.out
+    assert (answer.code, "[A s/rad]" in answer.out) == (0, True), answer
     assert "N m" not in answer.out
     assert '"coulomb_a","coulomb_low_a"' in (tmp_path / "out" / "history.csv").read_text()
     document = json.loads((tmp_path / "out" / "estimate.json").read_text())

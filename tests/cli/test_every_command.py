@@ -120,9 +120,7 @@ DOCUMENTED = ["estimate", "replay", "diagnose"]
 
 
 @pytest.mark.parametrize(("command", "name"), [(command, name) for command in FILES for name in FILES[command]])
-def test_an_older_result_is_refused_before_anything_is_done(
-    command: str, name: str, run: Run, logs: Path, tmp_path: Path
-) -> None:
+def test_an_older_result_is_refused_at_once(command: str, name: str, run: Run, logs: Path, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / name).write_text("old")
     log = [] if command in ("compare", "reproduce") else [logs / "absent.csv"]

@@ -108,8 +108,7 @@ def test_every_command_has_help_with_groups(name: str, run: Run) -> None:
 
 def test_an_option_without_effect_is_said(run: Run, logs: Path) -> None:
     answer = run("estimate", logs / "moved1.csv", "--payload", "0.7,0,0,0")
-    assert answer.code == 0
-    assert "warning: --payload: not used: F_m = tau_interaction" in answer.err
+    assert (answer.code, "warning: --payload: not used: F_m = tau_interaction" in answer.err) == (0, True), answer
 
 
 @pytest.mark.parametrize(

@@ -50,8 +50,7 @@ def test_the_log_itself_is_never_replaced(run: Run, logs: Path) -> None:
     log.parent.mkdir()
     shutil.copy(logs / "moved1.csv", log)
     answer = run("estimate", log, "-o", "out", "--export", "csv", "--overwrite")
-    assert answer.code == 2
-    assert "interaction.csv: is the log itself; nothing was written" in answer.err
+    assert (answer.code, "interaction.csv: is the log itself; nothing was written" in answer.err) == (2, True), answer
     assert log.read_bytes() == (logs / "moved1.csv").read_bytes()
 
 

@@ -49,9 +49,7 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.parametrize("assume", ["same-motion", "same-torque"])
 @pytest.mark.parametrize("name", ["rig", "robot"])
-def test_what_is_removed_follows_from_the_energies_of_its_row(
-    name: str, assume: str, run: Run, simulated: Path
-) -> None:
+def test_what_is_removed_follows_from_the_energies(name: str, assume: str, run: Run, simulated: Path) -> None:
     for joint in run("replay", simulated / f"{name}.csv", "--assume", assume, "--json").document()["joints"]:
         without, left = joint["energy_without_j"], joint["energy_with_j"]
         assert joint["reason"] or joint["dissipation_removed"] == pytest.approx(1.0 - abs(left) / without, abs=1e-9)
@@ -83,9 +81,7 @@ def test_signals_hold_the_torque_in_force_computed_a_sample_before(run: Run, sim
 
 
 @pytest.mark.usefixtures("sketched")
-def test_the_history_file_holds_the_energies_that_give_its_coefficients(
-    run: Run, simulated: Path, tmp_path: Path
-) -> None:
+def test_the_history_file_holds_what_gives_its_coefficients(run: Run, simulated: Path, tmp_path: Path) -> None:
     assert run("estimate", simulated / "rig.csv", "--estimator", "paper", "-o", "out").code == 0
     rows = pd.read_csv(tmp_path / "out" / "history.csv")
     columns, energy = rows[["path_rad", "square_speed_rad2_s"]].to_numpy(), rows["dissipated_j"].to_numpy()
