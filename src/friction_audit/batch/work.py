@@ -102,8 +102,13 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
 def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
     """Estimate one arm of a log, or the only one if the topic is empty."""
     try:
-        recorded = _record(settings, path, topic)
-        return Worked(sha256=recorded.session.sha256, recorded=(recorded,))
+        log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
+        estimate = estimate_log(log, settings.audit)
+        asked = settings.diagnosis
+        session = session_of(estimate, None if asked is None else diagnose_estimate(estimate, asked).discrepancy)
+        by_serial = bool(log.source.serial)
+        recorded = Recorded(session=session, topic=topic, kind=log.source.robot, named_by_serial=by_serial)
+        return Worked(sha256=session.sha256, recorded=(recorded,))
     except SeveralLogsError:
         raise
     except FrictionAuditError as error:
@@ -117,18 +122,6 @@ def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
     with suppress(OSError):  # a log that cannot even be read
         sha256 = sha256_of(path)
     return Worked(sha256=sha256, faults=(replace(fault, lasting=fault.lasting and bool(sha256)),))
-
-
-def _record(settings: BatchSettings, path: Path, topic: str) -> Recorded:
-    log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
-    estimate = estimate_log(log, settings.audit)
-    discrepancy = None if settings.diagnosis is None else diagnose_estimate(estimate, settings.diagnosis).discrepancy
-    return Recorded(
-        session=session_of(estimate, discrepancy),
-        topic=topic,
-        kind=log.source.robot,
-        named_by_serial=bool(log.source.serial),
-    )
 
 
 def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:

@@ -46,11 +46,11 @@ def dialects() -> list[str]:
     return [writer.name for writer in WRITERS]
 
 
-def completed_by(names: Callable[[], Sequence[str]]) -> Callable[[str], list[str]]:
-    """Return what a shell completes an option with: one of the names, or another one after a comma."""
+def completed_by(names: Callable[[], Sequence[str]], *, several: bool = False) -> Callable[[str], list[str]]:
+    """Return what a shell completes an option with: one of the names, or of several another one after a comma."""
 
     def offer(incomplete: str) -> list[str]:
-        chosen, comma, begun = incomplete.rpartition(",")
+        chosen, comma, begun = incomplete.rpartition(",") if several else ("", "", incomplete)
         left = (name for name in names() if name not in chosen.split(","))
         return [f"{chosen}{comma}{name}" for name in left if name.startswith(begun)]
 
@@ -73,7 +73,7 @@ def described(
     """Return an option for ``Annotated``; ``one_of`` its values, or ``some_of`` them, repeated or between commas."""
     if known := tuple(one_of or some_of):
         shown = f"{'|'.join(known)}{',...' if some_of else ''}"
-        offer = completed_by(lambda: known)
+        offer = completed_by(lambda: known, several=bool(some_of))
         settings = {"metavar": shown, "callback": _known(known), "autocompletion": offer, **settings}
     return typer.Option(*names, help=text, rich_help_panel=panel, **settings)
 
