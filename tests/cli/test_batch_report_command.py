@@ -116,36 +116,6 @@ def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert run("batch-report", rig / "2026-03-01.npz", "--rebuild", "-q").code == 0
 
 
-TABLE = [
-    ("batch-report", 2, "no logs named"),
-    ("batch-report absent", 3, "absent: no such file or directory"),
-    ("batch-report empty", 3, "empty: no log in this folder or below"),
-    ("batch-report bad.csv", 3, "none of 1 logs can be used:\n  bad.csv: no column for dq"),
-    ("batch-report {logs}/still.csv", 4, "no joint of any session has an estimate:\n  {logs}/still.csv: joint 1: "),
-    ("batch-report bad.csv --manifest wrong.csv", 3, "wrong.csv: no column path"),
-    ("batch-report bad.csv --manifest here/../here/sessions.csv -o here", 2, "is a result of an earlier run"),
-    ("batch-report bad.csv --baseline x", 2, "--baseline x"),
-    ("batch-report bad.csv --fail-on coulomb", 2, "--fail-on coulomb"),
-    ("batch-report bad.csv --workers 0", 2, "--workers"),
-    ("batch-report bad.csv --workers 2 --scheduler tcp://a:1", 2, "a cluster has its own workers"),
-    ("batch-report bad.csv -o wrong.csv/deep", 2, "wrong.csv is a file"),
-]
-
-
-@pytest.mark.usefixtures("here")
-@pytest.mark.parametrize(("words", "code", "text"), TABLE, ids=[row[0] for row in TABLE])
-def test_table(words: str, code: int, text: str, run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "empty").mkdir()
-    (tmp_path / "here").mkdir()
-    (tmp_path / "here" / "sessions.csv").write_text("path\n")
-    (tmp_path / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
-    (tmp_path / "wrong.csv").write_text("robot\nleft\n")
-    answer = run(*(word.format(logs=logs) for word in words.split()))
-    assert answer.code == code, answer
-    assert text.format(logs=logs) in answer.err
-    assert answer.out == ""
-
-
 def test_stopped_by_the_user_it_says_how_far_it_came(rig: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     def stopped(_: LocalExecutor, work: Callable[[object], object], tasks: Iterable[object]) -> Iterator[object]:
         for number, task in enumerate(tasks):

@@ -58,29 +58,6 @@ def test_more_is_said_to_those_who_ask(run: Run, logs: Path) -> None:
     assert sentence not in run(*words).out
 
 
-@pytest.mark.parametrize(
-    ("options", "code", "message"),
-    [
-        (["--candidates", "stribek"], 2, "did you mean stribeck?"),
-        (["--candidates", "stribeck,rust"], 2, "rust: expected one of stribeck, stiction"),
-        (["--min-effect", "-1"], 2, "--min-effect"),
-        (["--min-effect", "inf"], 2, "min_effect_nm: inf"),
-        (["--seed", "-1"], 2, "--seed"),
-        (["--joints", "9"], 2, "--joints 9"),
-        (["--joint-model", "absent.toml"], 2, "'absent.toml' does not exist"),
-        (["--joint-model", "wrong.toml"], 3, "wrong.toml: schema is None"),
-        (["--joint-model", "seven.toml"], 2, "--joint-model seven.toml: 7 joints; "),
-    ],
-)
-def test_wrong_usage(options: list[str], code: int, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "wrong.toml").write_text("a = 1\n")
-    entries = "".join(f'[[joint]]\nname = "joint{number}"\n' for number in range(1, 8))
-    (tmp_path / "seven.toml").write_text(f'schema = "friction-audit/model/1"\n{entries}')
-    answer = run("diagnose", logs / "moved1.csv", *options)
-    assert (answer.code, message in answer.err) == (code, True), answer
-    assert answer.out == ""
-
-
 def test_of_a_long_log_a_part_is_diagnosed_and_that_is_said(run: Run, logs: Path) -> None:
     found = run("diagnose", logs / "moved1.csv", "--at-most", "0.5", "--json").document()
     (said,) = [one["message"] for one in found["warnings"] if one["code"] == "part"]

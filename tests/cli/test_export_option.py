@@ -52,26 +52,3 @@ def test_the_log_itself_is_never_replaced(run: Run, logs: Path) -> None:
     answer = run("estimate", log, "-o", "out", "--export", "csv", "--overwrite")
     assert (answer.code, "interaction.csv: is the log itself; nothing was written" in answer.err) == (2, True), answer
     assert log.read_bytes() == (logs / "moved1.csv").read_bytes()
-
-
-@pytest.mark.usefixtures("sketched")
-@pytest.mark.parametrize("window", [(), ("--t-start", "1.5")])
-def test_topics_lie_beside_the_log_that_they_were_made_from(window: tuple[str, ...], run: Run) -> None:
-    original = Path(__file__).parents[2] / "sample_logs" / "formats" / "mcap-franka-robot-state.mcap"
-    answer = run(
-        "estimate", original, *window, "--joints", "7", "-o", "out", "--figure-format", "svg", "--export", "mcap", "-q"
-    )
-    assert answer.code == 0, answer.err
-    (first, last), (begin, end) = span_of(Path("out/estimate.mcap")), span_of(original)
-    skipped = float(window[1]) if window else 0.0
-    assert first == pytest.approx(begin + skipped * 1e9, abs=0.02e9)
-    assert end - 0.02e9 <= last <= end
-
-
-def span_of(path: Path) -> tuple[int, int]:
-    """Return the first and the last time of a file's messages. [ns]"""
-    with path.open("rb") as stream:
-        summary = make_reader(stream).get_summary()
-    assert summary is not None
-    assert summary.statistics is not None
-    return summary.statistics.message_start_time, summary.statistics.message_end_time

@@ -126,41 +126,6 @@ def test_an_interruption_leaves_nothing_and_no_log_without_its_truth(
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("", "error: SCENARIO: missing; expected one of"),
-        ("{one}x -o a.csv", "{one}x: no such scenario; expected one of"),
-        ("{one}", "error: --output: missing"),
-        ("{one} -o a.xyz", "ending .xyz"),
-        ("{one} -o a.csv --dialect mcap", "the dialect mcap writes .mcap"),
-        ("{one} -o a.csv --truth a.txt", "--truth a.txt: ending .txt: expected .json"),
-        ("{one} -o a --dialect rosbag2-mcap --truth a/a.json", "is the log a or lies in it"),
-        ("{one} -o a.csv --truth a.csv", "expected .json"),
-        ("{one} -o a.csv --truth a.csv/a.json", "is the log a.csv or lies in it"),
-        ("{one} -o file/a.csv", "cannot be written to"),
-        ("{one} -o a.csv --truth file/a.json", "cannot be written to"),
-        ("{one} -o a.csv --seed -1", "--seed"),
-        ("{one} -o a.csv --duration 0", "duration_s"),
-        ("{one} -o a.csv --duration inf", "inf: expected a number"),
-        ("{one} -o a.csv --rate=-5", "rate_hz"),
-        ("{one} -o a.csv --duration 5 --set duration_s=6", "--duration 5: --set duration_s contradicts it"),
-        ("{one} -o a.csv --effect stribeck:excess_nm=inf", "excess_nm=inf: expected a number from 0 to 10000"),
-        ("{one} -o a.csv --set duration=3", "did you mean duration_s"),
-        ("{one} -o a.csv --effect stribek", "did you mean stribeck"),
-        ("{one} -o a.csv --effect stribeck@2", "there is only joint 1"),
-        ("{one} -o a.mcap --duration 2", "needs tau_J (the log has"),
-        ("--list --json", "--json: the lists are for people"),
-    ],
-)
-def test_what_cannot_be_is_said_and_nothing_written(words: str, message: str, run: Run, tmp_path: Path) -> None:
-    (tmp_path / "file").touch()
-    answer = run("simulate", *words.format(one=ONE).split())
-    assert (answer.code, answer.out) == (2, "")
-    assert message.format(one=ONE) in answer.err
-    assert [path.name for path in tmp_path.iterdir()] == ["file"]
-
-
 @EACH_SCENARIO
 def test_settings_of_a_scenario_are_listed(scenario: Scenario, run: Run) -> None:
     head, *lines = run("simulate", scenario.name, "--list").out.splitlines()
