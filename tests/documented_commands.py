@@ -14,10 +14,10 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
+from unittest.mock import patch
 
 from friction_audit.cli import main
 from tests.diagnosed_once import diagnosed_once
@@ -109,7 +109,7 @@ class Terminal:
         err = io.StringIO() if apart else out
         with (
             contextlib.chdir(self.folder),
-            _columns(),
+            patch.dict(os.environ, COLUMNS=str(WIDTH)),
             in_this_process(),
             diagnosed_once(),
             contextlib.redirect_stdout(out),
@@ -124,34 +124,31 @@ class Terminal:
 
     def _shell(self, command: str, text: str) -> str:
         """Run anything else in a shell, in which the program is this process: a loop would start it anew every time."""
-        with (
-            tempfile.TemporaryDirectory() as door,
-            tempfile.TemporaryFile("w+", encoding="utf-8") as given,
-            tempfile.TemporaryFile("w+", encoding="utf-8") as out,
-            tempfile.TemporaryFile("w+", encoding="utf-8") as err,
-        ):
+        with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
+            door = Path(name)
+            given, out, err = (
+                stack.enter_context(tempfile.TemporaryFile("w+", encoding="utf-8")) for _ in ("in", "out", "err")
+            )
             given.write(text)
             given.seek(0)
-            os.mkfifo(Path(door, "answered"))
+            os.mkfifo(door / "answered")
             path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
             shell = subprocess.Popen(
                 ["bash", "-o", "pipefail", "-c", PROGRAM + command],
                 cwd=self.folder,
-                env={**os.environ, "PATH": path, "LC_ALL": "C.UTF-8", "DOOR": door},
+                env={**os.environ, "PATH": path, "LC_ALL": "C.UTF-8", "DOOR": name},
                 stdin=given,
                 stdout=out,
                 stderr=err,
             )
             try:
                 while shell.poll() is None:
-                    self._answer(Path(door))
+                    self._answer(door)
                     time.sleep(PAUSE_S)
             finally:
                 shell.kill()
             self.code = shell.wait()
-            out.seek(0)
-            err.seek(0)
-            return out.read() + err.read()
+            return "".join(stream.read() for stream in (out, err) if stream.seek(0) == 0)
 
     def _answer(self, door: Path) -> None:
         """Run the program for the shell, if it asks for that."""
@@ -209,19 +206,6 @@ def same(shown: str, real: str) -> bool:
 
 def _without_numbers(text: str) -> str:
     return re.sub(r"[ \t]+", " ", re.sub(r"─+", "─", _DECIMAL.sub("#", text))).strip()
-
-
-@contextlib.contextmanager
-def _columns() -> Iterator[None]:
-    before = os.environ.get("COLUMNS")
-    os.environ["COLUMNS"] = str(WIDTH)
-    try:
-        yield
-    finally:
-        if before is None:
-            del os.environ["COLUMNS"]
-        else:
-            os.environ["COLUMNS"] = before
 
 
 def refresh(page: Path) -> None:

@@ -126,16 +126,11 @@ def test_the_table_of_messages_is_that_of_the_source() -> None:
     assert page(text) == text, "run python docs/make_message_page.py"
 
 
-def test_every_reader_is_documented() -> None:
+def test_every_reader_and_name_of_a_column_is_documented() -> None:
     rows = [row[:2] for row in cells(DOCS / "formats.md")]
-    for reader in READERS:
-        assert [f"`{reader.name}`", " ".join(f"`{suffix}`" for suffix in reader.suffixes)] in rows
-
-
-def test_names_of_columns_are_documented() -> None:
-    rows = cells(DOCS / "formats.md")
-    for channel, aliases in ALIASES.items():
-        assert [f"`{channel}`", " ".join(f"`{alias}`" for alias in aliases)] in rows
+    named = [*((reader.name, reader.suffixes) for reader in READERS), *ALIASES.items()]
+    for name, words in named:
+        assert [f"`{name}`", " ".join(f"`{word}`" for word in words)] in rows
 
 
 def test_names_of_clocks_are_the_program_s() -> None:

@@ -1,20 +1,19 @@
-"""The names at the top of the package, behind which everything else may move."""
+"""The names at the top of the package, behind which everything else may move.
 
-from collections.abc import Callable, Mapping, Sequence
+Every call raises ``UsageError`` for an option or a value that it cannot use; the message says which ones there are.
+"""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from friction_audit import pipeline as audit
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.settings import (
-    Competitor,
-    ModelFile,
-    OperatorImpedance,
-    ReplaySettings,
-    energy_compensator,
-)
+from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
+from friction_audit.compensation.settings import energy_compensator as energy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import UsageError
@@ -111,48 +110,36 @@ class DiagnosisOptions(TypedDict, total=False):
     model: ArmModel | None
 
 
-SELECTION = ("joints", "t_start_s", "t_stop_s")
-"""Options that are settings of the chain itself."""
+SELECTION = ("joints", "t_start_s", "t_stop_s")  # options that are settings of the chain itself
 
 
 def audit_settings(options: EstimateOptions) -> AuditSettings:
-    """Return the settings of the chain.
-
-    Raises:
-        UsageError: If there is no such option, or a value cannot be used.
-    """
+    """Return the settings of the chain; refuse options that there are not."""
     given: dict[str, Any] = dict(options)
     check_names("estimate_log", given, EstimateOptions)
-    joints = (one,) if isinstance(one := given.get("joints"), int) else one
-    chosen = {name: given[name] for name in SELECTION if name in given}
+    if "joints" in given and given["joints"] is not None:
+        joints = given["joints"]
+        given["joints"] = (joints,) if isinstance(joints, int) else tuple(joints)
+
+    def own(names: Iterable[str]) -> dict[str, Any]:
+        return {name: given[name] for name in names if name in given}
+
     return AuditSettings(
-        **chosen | {"joints": None if joints is None else tuple(joints)},
-        torque=TorqueSettings(**_own(given, TorqueSettings)),
-        cycles=CycleSettings(**_own(given, CycleSettings)),
-        friction=FrictionSettings(**_own(given, FrictionSettings)),
+        **own(SELECTION),
+        torque=TorqueSettings(**own(TorqueSettings.__dataclass_fields__)),
+        cycles=CycleSettings(**own(CycleSettings.__dataclass_fields__)),
+        friction=FrictionSettings(**own(FrictionSettings.__dataclass_fields__)),
     )
 
 
 def check_names(call: str, given: Mapping[str, Any], known: type) -> None:
-    """Refuse options that a call does not know.
-
-    Raises:
-        UsageError: If there are some; the message names the near ones.
-    """
-    from difflib import get_close_matches
-
+    """Refuse options that a call does not know; the message names the near ones."""
     names = tuple(known.__annotations__)
     for name in given:
         if name not in names:
             near = get_close_matches(name, names, n=2)
             hint = f"; did you mean {' or '.join(near)}?" if near else ""
             raise UsageError(f"{call}: no option {name}; expected some of {', '.join(names)}{hint}")
-
-
-def _own(given: Mapping[str, Any], settings: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
-    from dataclasses import fields
-
-    return {f.name: given[f.name] for f in fields(settings) if f.name in given}
 
 
 def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
@@ -167,7 +154,6 @@ def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
         The log, in SI units; what was noticed about it is in ``log.source.findings``.
 
     Raises:
-        UsageError: If it is no path.
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
     check_names("read_log", options, ReadingOptions)
@@ -186,7 +172,6 @@ def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[Reading
         options: Those of ``read_log``.
 
     Raises:
-        UsageError: If it is no frame.
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
     check_names("log_from_frame", options, ReadingOptions)
@@ -201,9 +186,6 @@ def write_log(log: JointLog, path: str | Path, *, dialect: str | None = None, ov
         path: Where to; a directory for ROS 2 bags.
         dialect: One of ``friction-audit convert --list-dialects``, or None for the first one of the ending.
         overwrite: Replace what is there.
-
-    Raises:
-        UsageError: If the dialect is unknown or cannot hold the log, or something is there.
     """
     export.write_log(log, Path(path), dialect=dialect, overwrite=overwrite)
 
@@ -219,16 +201,12 @@ def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), *
 
     Returns:
         ``log``, and in ``truth`` what the log does not say.
-
-    Raises:
-        UsageError: If there is no such scenario, setting or effect, or a value cannot be used.
     """
     named: dict[str, Any] = {one.name: one.settings for one in SCENARIOS}
     if scenario not in named:
         raise UsageError(f"{scenario}: no such scenario; expected one of {', '.join(named)}")
     check_names("simulate_log", changes, type(named[scenario]))
-    # One effect alone is a sequence of letters to Python.
-    hidden = (effects,) if isinstance(effects, str) else effects
+    hidden = (effects,) if isinstance(effects, str) else effects  # one alone is a sequence of letters to Python
     return simulate(hide(replace(named[scenario], **changes), hidden), seed, path=scenario)
 
 
@@ -246,7 +224,6 @@ def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
         its coefficients are NaN and ``reason`` says why.
 
     Raises:
-        UsageError: If an option is unknown or contradicts the log, or it is no log.
         InputError: If the log lacks a channel that the options ask for.
     """
     if not isinstance(log, JointLog):
@@ -265,7 +242,6 @@ def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> Lo
             ``max_torque_rate_nm_s``.
 
     Raises:
-        UsageError: If an option is unknown, or options contradict each other or the log.
         AnalysisError: If the log cannot be replayed.
     """
     check_names("replay_log", options, ReplayOptions)
@@ -281,7 +257,6 @@ def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) 
         options: ``candidates``, ``min_effect_nm``, ``seed``, ``at_most_s``, ``model``.
 
     Raises:
-        UsageError: If an option is unknown or cannot be used.
         AnalysisError: If the log cannot be diagnosed.
     """
     check_names("diagnose_log", options, DiagnosisOptions)
@@ -298,9 +273,6 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
 
     Returns:
         The parts; one that the log gives no answer to is None, and ``unanswered`` says why.
-
-    Raises:
-        UsageError: If the ending is none of these, or something is there.
     """
     from friction_audit.reporting.report_files import REPORT_FORMATS
 
@@ -325,7 +297,7 @@ def replay_settings(estimate: Estimate, options: ReplayOptions) -> ReplaySetting
     """Return how an estimate is replayed: where the hand ends cycles, the compensator counts those that it does."""
     cycles = estimate.settings.cycles
     if "compensator" not in options and cycles.cycles_from == "hand":
-        options = {**options, "compensator": energy_compensator(minimum_path_rad=cycles.minimum_path_rad)}
+        options = {**options, "compensator": energy(minimum_path_rad=cycles.minimum_path_rad)}
     return ReplaySettings(**options)
 
 
@@ -343,9 +315,6 @@ def to_frames(result: Estimate | LogReplay | Diagnosis | LogReport) -> "dict[str
 
     Args:
         result: What ``estimate_log``, ``replay_log``, ``diagnose_log`` or ``report_log`` returned.
-
-    Raises:
-        UsageError: If it is none of these.
     """
     return {table.name: to_frame(table) for table in _of_kind(result, "to_frames", TABLES)(result)}
 
@@ -368,9 +337,6 @@ def plot(
 
     Returns:
         The axes, or a figure that is unknown to pyplot.
-
-    Raises:
-        UsageError: If the result has no such figure or joint, or the kind needs more than one panel.
     """
     return draw_result(result, _of_kind(result, "plot", DRAWN), kind, joint, ax)
 

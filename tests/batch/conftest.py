@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.batch.executor import Asked, Done, Lost
+from friction_audit.batch.executor import Asked, Done, Executor, Lost
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.manifest import BatchSettings
@@ -72,7 +72,7 @@ def batch(tmp_path: Path) -> Batch:
     """Return the batch of some names, with the ledger of the test."""
 
     def run(
-        *names: object, executor: Inline | None = None, settings: BatchSettings | None = None, ledger: str = "out"
+        *names: object, executor: Executor | None = None, settings: BatchSettings | None = None, ledger: str = "out"
     ) -> BatchResult:
         with Ledger(tmp_path / ledger / "ledger.sqlite") as opened:
             logs = find_logs([str(name) for name in names], {})

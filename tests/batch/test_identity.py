@@ -7,16 +7,9 @@ from datetime import UTC, datetime
 import pytest
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
-from friction_audit.batch.identity import (
-    Recorded,
-    identify,
-    parse_time,
-    robot_folder,
-    time_in_name,
-)
-from friction_audit.drift.session import Conditions, JointSummary, Session
-
-NAN = float("nan")
+from friction_audit.batch.identity import Recorded, identify, parse_time, robot_folder, time_in_name
+from friction_audit.drift.session import Session
+from tests.drift.made_sessions import make_joint, make_session
 
 
 def file(path: str, row: ManifestRow | None = None) -> LogFile:
@@ -27,20 +20,9 @@ def file(path: str, row: ManifestRow | None = None) -> LogFile:
 def recorded(
     told: str = "", *, start: float | None = None, joints: int = 7, kind: str = "panda", topic: str = ""
 ) -> Recorded:
-    summaries = tuple(
-        JointSummary(joint=n, name=f"j{n}", coefficients={}, cycles=0, moving_s=0.0, speed_rad_s=(NAN, NAN, NAN))
-        for n in range(1, joints + 1)
-    )
-    session = Session(
-        path="as read",
-        sha256=f"{told}{start}{joints}",
-        robot=told,
-        start_s=start,
-        start_from="nothing" if start is None else "log",
-        duration_s=60.0,
-        conditions=Conditions(drive="hand", torque="tau_J", gravity="logged", inertia="none"),
-        joints=summaries,
-    )
+    made = make_session(0, [make_joint(n, 0.3) for n in range(1, joints + 1)], start=start, robot=told)
+    known = "nothing" if start is None else "log"
+    session = replace(made, sha256=f"{told}{start}{joints}", start_s=start, start_from=known)
     return Recorded(session=session, topic=topic, kind=kind)
 
 
@@ -53,18 +35,12 @@ def robots(sessions: Sequence[Session]) -> dict[str, list[str]]:
 
 def test_manifest_before_log_before_folder() -> None:
     row = ManifestRow(path="a/1.csv", robot="R1", start_s=5.0, temperature_c=21.0, payload="tool", note="new oil")
-    found, warnings = identify(
-        [
-            (file("a/1.csv", row), recorded("left", start=1.0)),
-            (file("a/2.csv"), recorded("left", start=2.0)),
-            (file("a/3.csv"), recorded(start=3.0)),
-        ]
-    )
+    logs = ((file("a/1.csv", row), "left"), (file("a/2.csv"), "left"), (file("a/3.csv"), ""))
+    found, warnings = identify([(log, recorded(told, start=float(n))) for n, (log, told) in enumerate(logs, start=1)])
     assert robots(found) == {"R1": ["a/1.csv"], "a": ["a/3.csv"], "left": ["a/2.csv"]}
     first = next(session for session in found if session.robot == "R1")
     assert (first.start_s, first.start_from, first.temperature_c, first.note) == (5.0, "manifest", 21.0, "new oil")
-    assert first.conditions.payload == "tool"
-    assert warnings == ()
+    assert (first.conditions.payload, warnings) == ("tool", ())
 
 
 @pytest.mark.parametrize(
@@ -92,25 +68,15 @@ def test_arms_of_one_log_stay_apart_and_under_the_manifest_s_name() -> None:
 
 
 def test_sessions_in_the_order_of_their_starts() -> None:
-    found, _ = identify(
-        [
-            (file("a/2026-03-02.csv"), recorded()),
-            (file("a/last.csv"), recorded(start=2e9)),
-            (file("a/2026-03-01.csv"), recorded()),
-        ]
-    )
+    logs = {"a/2026-03-02.csv": None, "a/last.csv": 2e9, "a/2026-03-01.csv": None}
+    found, _ = identify([(file(path), recorded(start=start)) for path, start in logs.items()])
     assert [session.path for session in found] == ["a/2026-03-01.csv", "a/2026-03-02.csv", "a/last.csv"]
     assert [session.start_from for session in found] == ["name", "name", "log"]
 
 
 def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
-    found, warnings = identify(
-        [
-            (file("a/1.csv"), recorded(start=1.0)),
-            (file("a/2.csv"), recorded(start=2.0, kind="fr3")),
-            (file("a/3.csv"), recorded(start=3.0, joints=1, kind="unknown")),
-        ]
-    )
+    unlike = recorded(start=1.0), recorded(start=2.0, kind="fr3"), recorded(start=3.0, joints=1, kind="unknown")
+    found, warnings = identify([(file(f"a/{n}.csv"), one) for n, one in enumerate(unlike)])
     assert set(robots(found)) == {"a (1 joint, unknown)", "a (7 joints, fr3)", "a (7 joints, panda)"}
     assert "robot a: its logs are of unlike arms" in warnings[0]
 
@@ -153,19 +119,12 @@ def test_other_numbers_are_no_dates(name: str) -> None:
     assert time_in_name([name]) is None
 
 
-@pytest.mark.parametrize(
-    ("cell", "start"),
-    [
-        ("2026-03-01", DAY),
-        ("2026-03-01 14:30:05", MOMENT),
-        ("2026-03-01T14:30:05Z", MOMENT),
-        ("1772375405.5", MOMENT + 0.5),
-    ],
-)
-def test_cells_of_a_manifest(cell: str, start: float) -> None:
-    assert parse_time(cell) == start
+CELLS = {
+    "2026-03-01": DAY, "2026-03-01 14:30:05": MOMENT, "2026-03-01T14:30:05Z": MOMENT, "1772375405.5": MOMENT + 0.5,
+    **dict.fromkeys(("yesterday", "1.3.2026", "12", "2026-03-01 25:00", "")),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("cell", ["yesterday", "1.3.2026", "12", "2026-03-01 25:00", ""])
-def test_cells_that_are_no_time(cell: str) -> None:
-    assert parse_time(cell) is None
+@pytest.mark.parametrize("cell", CELLS)
+def test_cells_of_a_manifest(cell: str) -> None:
+    assert parse_time(cell) == CELLS[cell]

@@ -29,8 +29,7 @@ from pathlib import Path
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.executor import LocalExecutor
-from friction_audit.batch.run_batch import catch_up, gather
-from friction_audit.batch.run_batch import run_lock
+from friction_audit.batch.run_batch import catch_up, gather, run_lock
 from friction_audit.batch.manifest import BatchSettings
 
 logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])

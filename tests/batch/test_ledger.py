@@ -12,54 +12,35 @@ from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.ledger import SCHEMA_VERSION, Ledger, move_aside
 from friction_audit.batch.manifest import RESULTS_VERSION, BatchSettings
-from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
+from friction_audit.drift.session import SpeedCurve
 from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.settings import TorqueSettings
 from tests.batch.conftest import Batch, Inline
+from tests.drift.made_sessions import make_joint, make_session
 
 SETTINGS = BatchSettings()
 KEY = SETTINGS.key()
 LOG = LogFile(path="a.csv", place="/logs/a.csv", folders=("logs",), size=10, changed="7")
 THIRD = 1.0 / 3.0
 JOINTS = (
-    JointSummary(
-        joint=1,
-        name="joint1",
+    replace(
+        make_joint(1, THIRD, temperature=31.5, within={"coulomb_nm": Coefficient(value=0.0, low=-THIRD, high=1e308)}),
         coefficients={
             "coulomb_nm": Coefficient(value=THIRD, low=0.1 + 0.2, high=5e-324),
             "viscous_nms_per_rad": UNDETERMINED,
         },
-        cycles=12,
-        moving_s=THIRD,
-        speed_rad_s=(0.1, THIRD, 2.0),
-        temperature_c=31.5,
-        within={"coulomb_nm": Coefficient(value=0.0, low=-THIRD, high=1e308), "viscous_nms_per_rad": UNDETERMINED},
         curve=SpeedCurve(speed_rad_s=(-THIRD, THIRD), torque_nm=(-0.3, 0.1 + 0.2), spread_nm=(0.0, 1e-17)),
         verdict="named",
         effects=("stribeck", "warm_up"),
     ),
-    JointSummary(
-        joint=2,
-        name="Gelenk ä",
-        coefficients={"coulomb_nm": UNDETERMINED, "viscous_nms_per_rad": UNDETERMINED},
-        cycles=0,
-        moving_s=0.0,
-        speed_rad_s=(float("nan"),) * 3,
-        within={"coulomb_nm": UNDETERMINED, "viscous_nms_per_rad": UNDETERMINED},
-        reason="did not move",
-    ),
+    replace(make_joint(2, 0.0, speed=float("nan")), name="Gelenk ä", reason="did not move"),
 )
-SESSION = Session(
+SESSION = replace(
+    make_session(0, JOINTS, start=1.7e9 + THIRD, robot="left"),
     path="a.csv",
     sha256="f00",
-    robot="left",
-    start_s=1.7e9 + THIRD,
-    start_from="log",
-    duration_s=60.0,
-    conditions=Conditions(drive="hand", torque="tau_J", gravity="logged", inertia="none", rate_hz=999.7),
-    joints=JOINTS,
     warnings=("one", Caution(code="dq_late", joint=2, numbers={"joints": [2], "lags_s": [THIRD]})),
     damaged=True,
 )
@@ -100,8 +81,8 @@ def test_names_are_written_with_the_numbers(path: Path) -> None:
         ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
         ledger.name_sessions([(named, "")], KEY)
         assert repr(ledger.recorded(["f00"], KEY)["f00"]) == repr((RECORDED,))
-    with closing(sqlite3.connect(path)) as database:
-        rows = database.execute("SELECT * FROM friction").fetchall()
+    with closing(sqlite3.connect(path)) as opened:
+        rows = opened.execute("SELECT * FROM friction").fetchall()
     assert rows[0] == ("R1", "1970-01-01 00:00:05", "b.csv", 1, "coulomb_nm", THIRD, 0.1 + 0.2, 5e-324)
     assert rows[1][4:] == ("viscous_nms_per_rad", None, None, None)
 
@@ -115,22 +96,19 @@ def test_a_transaction_that_breaks_leaves_nothing(path: Path) -> None:
         assert ledger.known_hash(LOG) is None
 
 
-def other_database(path: Path) -> None:
-    with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE songs (title TEXT)")
-    database.close()
+def database(path: Path, statement: str) -> None:
+    with closing(sqlite3.connect(path)) as opened, opened:
+        opened.execute(statement)
 
 
 def newer_ledger(path: Path) -> None:
     Ledger(path).close()
-    with sqlite3.connect(path) as database:
-        database.execute(f"PRAGMA user_version = {SCHEMA_VERSION + 1}")
-    database.close()
+    database(path, f"PRAGMA user_version = {SCHEMA_VERSION + 1}")
 
 
 FAULTY: dict[str, tuple[Callable[[Path], object], str]] = {
     "text": (lambda path: path.write_text("hello, this is a text " * 20), "no SQLite database, and so no ledger"),
-    "other": (other_database, "an SQLite database, but no ledger"),
+    "other": (lambda path: database(path, "CREATE TABLE songs (title TEXT)"), "an SQLite database, but no ledger"),
     "newer": (newer_ledger, f"a ledger of schema {SCHEMA_VERSION + 1}; this friction-audit knows {SCHEMA_VERSION}"),
     "folder": (lambda path: path.mkdir(), "cannot be opened"),
 }
@@ -183,9 +161,9 @@ BROKEN: dict[str, str] = {
 @pytest.mark.parametrize("fault", BROKEN)
 def test_a_broken_session_is_named_and_computed_anew(fault: str, rig: Path, batch: Batch, tmp_path: Path) -> None:
     first = batch(rig)
-    with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as database, database:
-        (path,) = database.execute("SELECT path FROM sessions WHERE id = 1").fetchone()
-        assert database.execute(BROKEN[fault]).rowcount > 0
+    with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as opened, opened:
+        (path,) = opened.execute("SELECT path FROM sessions WHERE id = 1").fetchone()
+        assert opened.execute(BROKEN[fault]).rowcount > 0
     executor = Inline()
     second = batch(rig, executor=executor)
     assert executor.taken == [Path(path).name]
@@ -193,12 +171,3 @@ def test_a_broken_session_is_named_and_computed_anew(fault: str, rig: Path, batc
     assert warning.startswith(f"{path}: ")
     assert repr(second.sessions) == repr(first.sessions)
     assert batch(rig).warnings == ()
-
-
-def test_a_ledger_of_an_older_schema_is_kept_and_computed_anew(rig: Path, batch: Batch, tmp_path: Path) -> None:
-    first, ledger = batch(rig), tmp_path / "out" / "ledger.sqlite"
-    with closing(sqlite3.connect(ledger)) as database:
-        database.execute(f"PRAGMA user_version = {SCHEMA_VERSION - 1}")
-    second = batch(rig)
-    assert (second.new, repr(second.sessions)) == (4, repr(first.sessions))
-    assert ledger.with_name("ledger-1.sqlite").exists()

@@ -17,7 +17,6 @@ from tests.reporting.conftest import build_estimate
 
 FEW = ("--candidates", "stribeck,torque_ripple")
 DEAD = {"torque of zeros": ("tau_interaction", 0.0), "frozen torque": ("tau_interaction", 0.37), "no dq": ("dq", 0.0)}
-ERRORS = (ZeroDivisionError, FloatingPointError, np.linalg.LinAlgError, ValueError, IndexError)
 
 
 @pytest.fixture
@@ -31,15 +30,11 @@ def dead(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
     return tmp_path / "dead.csv"
 
 
-def fails(error: type[Exception], number: int) -> object:
-    """Return a diagnosis that ends in an error for one joint."""
-
-    def diagnose(subject: Subject, *others: object) -> JointDiagnosis:
-        if subject.number == number:
-            raise error("by zero")
-        return diagnose_joint(subject, *others)  # type: ignore[arg-type]
-
-    return diagnose
+def fails(subject: Subject, *others: object) -> JointDiagnosis:
+    """Diagnose a joint; of the first one the diagnosis ends in an error."""
+    if subject.number == 1:
+        raise ZeroDivisionError("by zero")
+    return diagnose_joint(subject, *others)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("dead", DEAD, indirect=True)
@@ -52,57 +47,40 @@ def test_a_dead_channel_is_a_fault_of_its_joint(dead: Path, run: Run) -> None:
     assert good["nominal"]["coulomb_nm"]["value"] == pytest.approx(0.245, abs=0.01)
 
 
-@pytest.mark.parametrize("error", ERRORS)
-def test_a_bug_in_one_joint_is_its_own(
-    error: type[Exception], run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(engine, "diagnose_joint", fails(error, 1))
+def test_a_bug_in_one_joint_is_its_own(run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "diagnose_joint", fails)
     answer = run("diagnose", logs / "moved2.csv", "--json", *FEW)
     assert answer.code == 1
     bad, good = answer.document()["joints"]
     assert (bad["verdict"], good["verdict"]) == ("failed", "adequate")
-    assert error.__name__ in bad["message"]
-    assert answer.err.splitlines() == [f"error: joint 1: {bad['message']}"]
-
-
-def test_the_traceback_of_a_bug_is_for_those_who_ask(
-    run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(engine, "diagnose_joint", fails(ZeroDivisionError, 1))
+    assert answer.err == f"error: joint 1: {bad['message']}\n"
     answer = run("diagnose", logs / "moved1.csv", "-v", *FEW)
-    assert answer.code == 1
+    assert (answer.code, "failed" in answer.out) == (1, True)
     assert "Traceback (most recent call last)" in answer.err
     assert answer.err.splitlines()[-1].startswith("error: joint 1: the diagnosis failed with ZeroDivisionError")
-    assert "failed" in answer.out
-    answer = run("report", logs / "moved2.csv", "--format", "markdown")
-    assert answer.code == 1
-    assert "Traceback" not in answer.err
-    page = (tmp_path / "moved2.report.md").read_text(encoding="utf-8")
+    answer = run("report", logs / "moved1.csv", "--format", "markdown")
+    assert (answer.code, "Traceback" in answer.err) == (1, False)
+    page = (tmp_path / "moved1.report.md").read_text(encoding="utf-8")
     assert re.search(r"^\| 1 .*\| failed \|", page, re.MULTILINE)
-    assert re.search(r"^\| 2 .*\| adequate \|", page, re.MULTILINE)
 
 
 @pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize(("part", "stays"), [("replay", "What the model misses"), ("diagnose", "a compensator would")])
 def test_a_bug_in_one_part_leaves_the_others_on_the_page(
-    part: str, stays: str, run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    part: str, stays: str, run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(log_report, f"{part}_estimate", lambda *_: 1 / 0)
     answer = run("report", logs / "moved1.csv", "--format", "markdown,html,json")
-    assert answer.code == 1
-    assert f"error: {part} failed with ZeroDivisionError" in answer.err
-    page = (tmp_path / "moved1.report.md").read_text(encoding="utf-8")
+    assert (answer.code, f"error: {part} failed with ZeroDivisionError" in answer.err) == (1, True), answer
+    page = Path("moved1.report.md").read_text(encoding="utf-8")
     assert f"{part} failed with ZeroDivisionError" in page
     assert "Friction is estimated: " in page
     assert stays in page
 
 
-def test_without_an_estimate_the_page_says_what_was_read_and_what_to_record(
-    run: Run, logs: Path, tmp_path: Path
-) -> None:
+def test_without_an_estimate_the_page_says_what_to_record(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("report", logs / "still.csv", "-o", "out", "--format", "html,markdown,json,pdf")
-    assert answer.code == 4
-    assert "no joint has an estimate:\n  joint 1: did not move" in answer.err
+    assert (answer.code, "no joint has an estimate:\n  joint 1: did not move" in answer.err) == (4, True), answer
     assert len(list((tmp_path / "out").iterdir())) == 4
     page = (tmp_path / "out" / "still.report.md").read_text(encoding="utf-8")
     for said in ("Friction is estimated on no joint", "move back and forth", "SHA-256", "samples"):
@@ -110,7 +88,7 @@ def test_without_an_estimate_the_page_says_what_was_read_and_what_to_record(
 
 
 @pytest.mark.parametrize("share", [0.15, 0.45])
-@pytest.mark.parametrize("rate", [30.0, 38.0, 50.0, 100.0, 119.0, 125.0, 2000.0])
+@pytest.mark.parametrize("rate", [30.0, 50.0, 119.0, 2000.0])
 def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: Run, tmp_path: Path) -> None:
     """Noise of the motion lowers the corner of the filter; a vibration above it is filtered away."""
     log, rng = build_estimate(1, count=24, rate=rate).log, np.random.default_rng(0)

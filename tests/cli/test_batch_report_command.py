@@ -1,14 +1,9 @@
 """``batch-report`` from words to files and exit codes."""
 
 import json
-import os
 import shutil
-import signal
 import sqlite3
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.ledger import SCHEMA_VERSION
 from friction_audit.cli.batch_files import RESULTS
 from friction_audit.io.writers.write_log import write_log
@@ -26,7 +22,6 @@ from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
 
 DAYS, STEP = 8, 5
-PATIENCE_S = 120.0
 
 
 @pytest.fixture(scope="module")
@@ -85,8 +80,7 @@ def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
 def test_limits_come_before_failures(rig: Path, run: Run) -> None:
     (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
     answer = run("batch-report", rig, "--fail-on", "coulomb=15%", "-q")
-    assert answer.code == 5
-    assert "limit exceeded:" in answer.out
+    assert (answer.code, "limit exceeded:" in answer.out) == (5, True), answer
     assert "failed: rig/bad.csv: no column for dq" in answer.out
     assert run("batch-report", rig, "--fail-on", "coulomb=60%", "-q").code == 6
 
@@ -96,8 +90,7 @@ def test_results_of_other_settings_are_not_replaced_unasked(rig: Path, run: Run)
     assert run("batch-report", rig, "-q").code == 0
     before = Path("friction-drift/batch.json").read_bytes()
     answer = run("batch-report", rig, "-q", "--model", "coulomb")
-    assert answer.code == 2
-    assert "friction-drift/batch.json" in answer.err
+    assert (answer.code, "friction-drift/batch.json" in answer.err) == (2, True), answer
     assert "made with other settings" in answer.err
     assert Path("friction-drift/batch.json").read_bytes() == before
     assert run("batch-report", rig, "-q", "--model", "coulomb", "--overwrite").code == 0
@@ -111,8 +104,7 @@ def test_results_of_other_settings_are_not_replaced_unasked(rig: Path, run: Run)
 def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert run("batch-report", rig / "2026-03-01.npz", "-q").code == 0
     answer = run("batch-report", rig / "2026-03-01.npz", "--rebuild")
-    assert answer.code == 0
-    assert "1 computed, 0 known" in answer.out
+    assert (answer.code, "1 computed, 0 known" in answer.out) == (0, True), answer
     assert "warning: the ledger that was there is kept as friction-drift/ledger-1.sqlite" in answer.err
     with closing(sqlite3.connect("friction-drift/ledger.sqlite")) as database:
         database.execute(f"PRAGMA user_version = {SCHEMA_VERSION - 1}")
@@ -120,73 +112,18 @@ def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert (older.code, "kept as friction-drift/ledger-2.sqlite" in older.err) == (0, True), older
     Path("friction-drift/ledger.sqlite").write_text("no ledger at all, but some text")
     broken = run("batch-report", rig / "2026-03-01.npz")
-    assert broken.code == 3
-    assert "--rebuild to move it aside" in broken.err
+    assert (broken.code, "--rebuild to move it aside" in broken.err) == (3, True), broken
     assert run("batch-report", rig / "2026-03-01.npz", "--rebuild", "-q").code == 0
 
 
-@pytest.mark.usefixtures("here")
-def test_a_manifest_tells_what_logs_do_not(rig: Path, run: Run) -> None:
-    Path("manifest.csv").write_text("path,robot,start,note\nrig/2026-03-02.npz,R7,2025-01-01,found again\n")
-    document = run("batch-report", "--manifest", "manifest.csv", "--json", "-q").document()
-    session = document["sessions"][0]
-    assert (session["robot"], session["start_from"], session["note"]) == ("R7", "manifest", "found again")
-    assert "--manifest manifest.csv" in document["command"]
-    assert rig.exists()
+def test_stopped_by_the_user_it_says_how_far_it_came(rig: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(_: LocalExecutor, work: Callable[[object], object], tasks: Iterable[object]) -> Iterator[object]:
+        for number, task in enumerate(tasks):
+            if number == 2:
+                raise KeyboardInterrupt
+            yield task, work(task)
 
-
-TABLE = [
-    ("batch-report", 2, "no logs named"),
-    ("batch-report absent", 3, "absent: no such file or directory"),
-    ("batch-report empty", 3, "empty: no log in this folder or below"),
-    ("batch-report bad.csv", 3, "none of 1 logs can be used:\n  bad.csv: no column for dq"),
-    ("batch-report {logs}/still.csv", 4, "no joint of any session has an estimate:\n  {logs}/still.csv: joint 1: "),
-    ("batch-report bad.csv --manifest wrong.csv", 3, "wrong.csv: no column path"),
-    ("batch-report bad.csv --manifest here/../here/sessions.csv -o here", 2, "is a result of an earlier run"),
-    ("batch-report bad.csv --baseline x", 2, "--baseline x"),
-    ("batch-report bad.csv --fail-on coulomb", 2, "--fail-on coulomb"),
-    ("batch-report bad.csv --workers 0", 2, "--workers"),
-    ("batch-report bad.csv --workers 2 --scheduler tcp://a:1", 2, "a cluster has its own workers"),
-    ("batch-report bad.csv -o wrong.csv/deep", 2, "wrong.csv is a file"),
-]
-
-
-@pytest.mark.usefixtures("here")
-@pytest.mark.parametrize(("words", "code", "text"), TABLE, ids=[row[0] for row in TABLE])
-def test_table(words: str, code: int, text: str, run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "empty").mkdir()
-    (tmp_path / "here").mkdir()
-    (tmp_path / "here" / "sessions.csv").write_text("path\n")
-    (tmp_path / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
-    (tmp_path / "wrong.csv").write_text("robot\nleft\n")
-    answer = run(*(word.format(logs=logs) for word in words.split()))
-    assert answer.code == code, answer
-    assert text.format(logs=logs) in answer.err
-    assert answer.out == ""
-
-
-def test_stopped_by_the_user_it_says_how_far_it_came(written: Path, tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "friction_audit", "batch-report", str(written), "-o", "out", "--workers", "1"]
-    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, env=os.environ)
-    ledger, begin = tmp_path / "out" / "ledger.sqlite", time.monotonic()
-    while _sessions(ledger) < 1:
-        assert process.poll() is None
-        assert time.monotonic() < begin + PATIENCE_S
-        time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
-    _, said = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode in (0, 130)
-    if process.returncode == 130:
-        assert f"of {DAYS} new logs are finished; out/ledger.sqlite keeps them" in said
-    assert 1 <= _sessions(ledger) <= DAYS
-    assert "Traceback" not in said
-
-
-def _sessions(ledger: Path) -> int:
-    if not ledger.exists():
-        return 0
-    with closing(sqlite3.connect(ledger, timeout=30.0)) as database:
-        try:
-            return int(database.execute("SELECT COUNT(*) FROM sessions").fetchone()[0])
-        except sqlite3.OperationalError:  # before its tables are there
-            return 0
+    monkeypatch.setattr(LocalExecutor, "run", stopped)
+    answer = run("batch-report", rig, "-o", "out")
+    assert (answer.code, answer.out) == (130, "")
+    assert f"stopped: 2 of {DAYS} new logs are finished; out/ledger.sqlite keeps them" in answer.err

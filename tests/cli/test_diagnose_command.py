@@ -1,5 +1,4 @@
 import json
-import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -8,21 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.effects.joint_model import load_model
 from friction_audit.io.writers.write_log import write_log
 from tests.cli.conftest import Run
 from tests.reporting.conftest import build_estimate
 
 FEW = ("--candidates", "stribeck,torque_ripple")
-
-
-def test_the_table_has_a_row_and_a_sentence_per_joint(run: Run, logs: Path) -> None:
-    answer = run("diagnose", logs / "moved2.csv", *FEW)
-    assert answer.code == 0
-    rows = [line.split() for line in answer.out.splitlines() if line[:2] in ("1 ", "2 ")]
-    assert [row[:2] for row in rows] == [["1", "adequate"], ["2", "adequate"]]
-    assert re.search(r"^joint 1: no effect above", answer.out, re.MULTILINE)
-    assert answer.out.count("residual RMS on held-out cycles") == 1
 
 
 @pytest.mark.usefixtures("sketched")
@@ -44,16 +33,14 @@ def test_a_hidden_effect_is_named_sized_and_added_to_the_model(run: Run, tmp_pat
     assert "[joint.terms.stribeck]" in (tmp_path / "out" / "model.toml").read_text()
 
 
-def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
-    answer = run("diagnose", logs / "moved2.csv", "--joints", "2", "--json", *FEW, "--seed", "3", "--min-effect", "0.2")
-    document = answer.document()
-    assert answer.err == ""
+def test_options_reach_the_diagnosis(run: Run, logs: Path) -> None:
+    words = ("--joints", "2", "--json", *FEW, "--seed", "3", "--min-effect", "0.2")
+    document = run("diagnose", logs / "moved2.csv", *words).document()
     asked = document["settings"]["diagnosis"]
     assert (asked["seed"], asked["min_effect_nm"], asked["candidates"]) == (3, 0.2, ["stribeck", "torque_ripple"])
     (joint,) = document["joints"]
     assert (joint["joint"], joint["verdict"]) == (2, "adequate")
     assert joint["gap"]["baseline_rms_nm"] == pytest.approx(joint["gap"]["noise_floor_rms_nm"], rel=0.05)
-    assert joint["gap"]["held_out_cycles"] >= 0.3 * 24 - 1
     assert joint["nominal"]["coulomb_nm"]["value"] == pytest.approx(0.152, abs=0.01)
 
 
@@ -64,48 +51,11 @@ def test_a_process_of_its_own_which_works_in_copies_says_the_same(run: Run, logs
     assert (done.stdout, done.stderr) == (run(*words).out, "")
 
 
-@pytest.mark.usefixtures("sketched")
-def test_the_model_of_a_diagnosis_is_taken_again(run: Run, logs: Path, tmp_path: Path) -> None:
-    assert run("diagnose", logs / "moved1.csv", "-o", "out/deep", "-q", *FEW).code == 0
-    folder = tmp_path / "out" / "deep"
-    (joint,) = load_model(folder / "model.toml").joints
-    assert joint is not None
-    assert joint.values("coulomb") == pytest.approx([0.245], abs=0.01)
-    assert joint.provenance.method == "diagnose"
-    again = run("diagnose", logs / "moved1.csv", "--joint-model", folder / "model.toml", "--json", *FEW).document()
-    assert "inertia_kg_m2" not in again["joints"][0]["nominal"]
-    assert again["settings"]["diagnosis"]["model"]["joints"][0]["provenance"]["cycles"] > 10
-
-
 def test_more_is_said_to_those_who_ask(run: Run, logs: Path) -> None:
     words = ("diagnose", logs / "moved1.csv", "--candidates", "stribeck,inertial_coupling")
     sentence = "this log cannot show inertial_coupling: no other joint moves"
     assert sentence in run(*words, "-v").out
     assert sentence not in run(*words).out
-
-
-@pytest.mark.parametrize(
-    ("options", "code", "message"),
-    [
-        (["--candidates", "stribek"], 2, "did you mean stribeck?"),
-        (["--candidates", "stribeck,rust"], 2, "rust: expected one of stribeck, stiction"),
-        (["--min-effect", "-1"], 2, "--min-effect"),
-        (["--min-effect", "inf"], 2, "min_effect_nm: inf"),
-        (["--seed", "-1"], 2, "--seed"),
-        (["--joints", "9"], 2, "--joints 9"),
-        (["--joint-model", "absent.toml"], 2, "'absent.toml' does not exist"),
-        (["--joint-model", "wrong.toml"], 3, "wrong.toml: schema is None"),
-        (["--joint-model", "seven.toml"], 2, "--joint-model seven.toml: 7 joints; "),
-    ],
-)
-def test_wrong_usage(options: list[str], code: int, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "wrong.toml").write_text("a = 1\n")
-    entries = "".join(f'[[joint]]\nname = "joint{number}"\n' for number in range(1, 8))
-    (tmp_path / "seven.toml").write_text(f'schema = "friction-audit/model/1"\n{entries}')
-    answer = run("diagnose", logs / "moved1.csv", *options)
-    assert answer.code == code
-    assert message in answer.err
-    assert answer.out == ""
 
 
 def test_of_a_long_log_a_part_is_diagnosed_and_that_is_said(run: Run, logs: Path) -> None:

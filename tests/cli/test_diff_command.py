@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,10 @@ from scipy.stats import t as student
 from statsmodels.stats.multitest import multipletests
 
 from friction_audit.drift.covariates import Recording
-from friction_audit.drift.session import Conditions, JointSummary, Session
 from friction_audit.drift.two_sides import compare_sides
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from tests.cli.conftest import Run
+from tests.drift.made_sessions import make_joint, make_session
 
 Pair = tuple[float, float]
 SPEED = 1.0  # rad/s: of the friction law of results, which hold no speeds
@@ -23,20 +24,10 @@ SPEED = 1.0  # rad/s: of the friction law of results, which hold no speeds
 
 def joint(number: int, coulomb: Pair | None, viscous: Pair | None, cycles: int, **changes: Any) -> dict[str, Any]:
     """Return a joint of a result; a coefficient is a value and the half width of its interval."""
-    found = [
-        None if one is None else {"value": one[0], "ci95": [one[0] - one[1], one[0] + one[1]]}
-        for one in (coulomb, viscous)
-    ]
-    own = {"joint": number, "name": f"joint{number}", "coulomb_nm": found[0], "viscous_nms_per_rad": found[1]}
-    return {
-        **own,
-        "cycles": cycles,
-        "moving_s": 9.0,
-        "method": "energy",
-        "correlation": -0.8,
-        "reason": None,
-        **changes,
-    }
+    found = [one and {"value": one[0], "ci95": [one[0] - one[1], one[0] + one[1]]} for one in (coulomb, viscous)]
+    own = {"joint": number, "name": f"joint{number}", "cycles": cycles, "moving_s": 9.0, "method": "energy"}
+    estimate = {"coulomb_nm": found[0], "viscous_nms_per_rad": found[1], "correlation": -0.8, "reason": None}
+    return own | estimate | changes
 
 
 def result(path: Path, *joints: dict[str, Any], count: int = 2, **changes: Any) -> Path:
@@ -75,22 +66,14 @@ def welch(before: Pair, after: Pair, cycles: Pair) -> tuple[float, float, float]
 
 def test_numbers_of_two_results_are_those_of_welch_and_holm(run: Run, pair: tuple[Path, Path]) -> None:
     document = run("diff", *pair, "--json").document()
-    known = [
-        ((0.30, 0.02), (0.36, 0.03), (11, 21)),
-        ((0.10, 0.03), (0.09, 0.02), (11, 21)),
-        ((0.20, 0.05), (0.21, 0.04), (6, 9)),
-    ]
+    known = [((0.30, 0.02), (0.36, 0.03), (11, 21)), ((0.10, 0.03), (0.09, 0.02), (11, 21))]
+    known += [((0.20, 0.05), (0.21, 0.04), (6, 9))]
     tests = [welch(*one) for one in known]
     adjusted = multipletests([p for *_, p in tests], method="holm")[1]
     first, second = document["joints"]
-    for found, unit, (before, after, _), (error, freedom, p), q in zip(
-        (first["coulomb"], first["viscous"], second["coulomb"]),
-        ("nm", "nms_per_rad", "nm"),
-        known,
-        tests,
-        adjusted,
-        strict=True,
-    ):
+    rows = zip((first["coulomb"], first["viscous"], second["coulomb"]), known, tests, adjusted, strict=True)
+    for found, (before, after, _), (error, freedom, p), q in rows:
+        unit = "nms_per_rad" if found is first["viscous"] else "nm"
         difference, half = after[0] - before[0], student.ppf(0.975, freedom) * error
         assert found[f"difference_{unit}"]["value"] == pytest.approx(difference)
         assert found[f"difference_{unit}"]["ci95"] == pytest.approx([difference - half, difference + half])
@@ -216,22 +199,16 @@ def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str
 @pytest.mark.parametrize(("first", "second"), [(1, 3), (1, 5), (3, 3)])
 @pytest.mark.parametrize("between", [0.0, 1.0, 3.0])
 def test_the_interval_holds_the_scatter_between_recordings(first: int, second: int, between: float) -> None:
-    rng, freedom, runs = np.random.default_rng(5), 20, 500
+    rng, freedom, runs = np.random.default_rng(5), 20, 200
     known = float(stdtrit(freedom, 0.975))
 
     def recorded() -> Recording:
         value = 10.0 + between * rng.normal() + rng.normal()
         half = known * (rng.chisquare(freedom) / freedom) ** 0.5
-        coefficients = {"coulomb_nm": Coefficient(value=value, low=value - half, high=value + half)}
-        coefficients["viscous_nms_per_rad"] = UNDETERMINED
-        one = JointSummary(
-            joint=1, name="j", coefficients=coefficients, cycles=freedom + 1, moving_s=9.0, speed_rad_s=(1.0, 1.0, 1.0)
-        )
-        alike = Conditions(drive="hand", torque="tau_J", gravity="logged", inertia="none")
-        session = Session(
-            path="", sha256="", robot="", start_s=None, start_from="nothing", duration_s=9.0, conditions=alike,
-            joints=(one,),
-        )  # fmt: skip
+        own = make_joint(1, value)
+        found = Coefficient(value=value, low=value - half, high=value + half)
+        coefficients = {"coulomb_nm": found, "viscous_nms_per_rad": UNDETERMINED}
+        session = make_session(0, [replace(own, coefficients=coefficients, cycles=freedom + 1)])
         return Recording(session=session, joints=1, unit="N m", method="")
 
     held = 0

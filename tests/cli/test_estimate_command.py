@@ -5,28 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Run
-from tests.reporting.conftest import COULOMB, VISCOUS
-
-
-def test_the_table_holds_the_known_friction(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved2.csv")
-    assert answer.code == 0
-    rows = {line.split()[0]: line for line in answer.out.splitlines() if line[:1] in "12" and "±" in line}
-    for joint, row in enumerate((rows["1"], rows["2"])):
-        assert float(row.split()[1]) == pytest.approx(COULOMB[joint], abs=0.02)
-
-
-def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
-    answer = run("estimate", logs / "moved2.csv", "--json", "--joints", "2", "--time-scale", "1.0")
-    document = answer.document()
-    assert answer.err == ""
-    assert [joint["joint"] for joint in document["joints"]] == [2]
-    viscous = document["joints"][0]["viscous_nms_per_rad"]
-    assert viscous["value"] == pytest.approx(VISCOUS[1], rel=0.02)
-    low, high = viscous["ci95"]
-    assert low < viscous["value"] < high
-    assert document["settings"]["reading"]["time_scale"] == 1.0
-    assert document["settings"]["joints"] == [2]
+from tests.reporting.conftest import COULOMB
 
 
 @pytest.mark.usefixtures("sketched")
@@ -60,8 +39,7 @@ def test_a_dead_torque_has_a_reason_and_takes_no_other_joint_along(run: Run, log
 
 def test_a_log_too_short_for_a_cycle_is_called_short(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("estimate", spoiled(logs / "moved1.csv", tmp_path / "log.csv", {}, rows=200))
-    assert answer.code == 4
-    assert "the log lasts 0.8" in answer.err
+    assert (answer.code, "the log lasts 0.8" in answer.err) == (4, True), answer
     assert "pause" not in answer.err
 
 
@@ -73,8 +51,7 @@ def amperes(logs: Path, tmp_path: Path) -> Path:
 @pytest.mark.usefixtures("sketched")
 def test_motor_current_is_written_in_ampere(run: Run, amperes: Path, tmp_path: Path) -> None:
     answer = run("estimate", amperes, "-o", "out")
-    assert answer.code == 0
-    assert "[A s/rad]" in answer.out
+    assert (answer.code, "[A s/rad]" in answer.out) == (0, True), answer
     assert "N m" not in answer.out
     assert '"coulomb_a","coulomb_low_a"' in (tmp_path / "out" / "history.csv").read_text()
     document = json.loads((tmp_path / "out" / "estimate.json").read_text())

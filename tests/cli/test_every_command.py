@@ -74,33 +74,16 @@ def test_a_misspelt_option_suggests_the_near_one(module: "ModuleType") -> None:
 @EACH
 def test_what_is_dumped_can_be_read_back(module: "ModuleType", run: Run, tmp_path: Path) -> None:
     """Every example of the command's help, with the options in a file instead."""
-    for number, words in enumerate(examples(module)):
+    there, path = tmp_path / "model.toml", tmp_path / "dumped.toml"
+    there.write_text("")
+    arguments = ["x" for p in command_of(NAME[module]).params if p.param_type_name == "argument" and p.required]
+    for words in examples(module):
         if EAGER & set(words):
             continue
-        (tmp_path / "model.toml").write_text("")
-        given = [_there(word, tmp_path) for word in words[1:]]
-        first = run(*given, "--dump-config")
+        first = run(*(there if word.endswith(READ_AT_ONCE) else word for word in words[1:]), "--dump-config")
         assert first.code == 0, first.err
-        path = tmp_path / f"{number}.toml"
         path.write_text(first.out, encoding="utf-8")
-        again = run(*_without_options(module, given), "--config", path, "--dump-config")
-        assert again.out == first.out
-
-
-def _there(word: str, folder: Path) -> str:
-    """Return the word, of a file that must be there a file that is."""
-    return str(folder / "model.toml") if word.endswith(READ_AT_ONCE) else word
-
-
-def _without_options(module: "ModuleType", words: list[str]) -> list[str]:
-    """Return the command and its arguments."""
-    context = command_of(words[0]).make_context(NAME[module], words[1:])
-    arguments = [p.name for p in context.command.params if p.param_type_name == "argument"]
-    values = [context.params[name] for name in arguments if context.params[name] is not None]
-    return [
-        words[0],
-        *(str(one) for value in values for one in (value if isinstance(value, list | tuple) else [value])),
-    ]
+        assert run(NAME[module], *arguments, "--config", path, "--dump-config").out == first.out
 
 
 PAGES = Path(__file__).parents[2] / "docs" / "commands"
@@ -137,9 +120,7 @@ DOCUMENTED = ["estimate", "replay", "diagnose"]
 
 
 @pytest.mark.parametrize(("command", "name"), [(command, name) for command in FILES for name in FILES[command]])
-def test_an_older_result_is_refused_before_anything_is_done(
-    command: str, name: str, run: Run, logs: Path, tmp_path: Path
-) -> None:
+def test_an_older_result_is_refused_at_once(command: str, name: str, run: Run, logs: Path, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / name).write_text("old")
     log = [] if command in ("compare", "reproduce") else [logs / "absent.csv"]

@@ -15,15 +15,6 @@ def test_one_bad_file_does_not_sink_the_others(run: Run, logs: Path) -> None:
     assert answer.err == f"error: {document['failed'][0]['message']}\n"
 
 
-def test_cycles_and_channels(run: Run, logs: Path) -> None:
-    log = run("info", logs / "moved2.csv", "--json", "--joints", "2", "--t-end", "20").document()["logs"][0]
-    assert log["channels"]["tau_interaction"] == "tau_interaction_{i}"
-    assert log["duration_s"] < 20
-    assert [joint["joint"] for joint in log["joints"]] == [2]
-    assert log["joints"][0]["cycles"] > 5
-    assert log["torque"]["source"] == "interaction"
-
-
 def test_the_check_of_the_clock_and_the_unit_of_a_current_are_said(run: Run, tmp_path: Path) -> None:
     table = tidy_frame(3000).rename(columns={f"tau_J_{joint}": f"actual_current_{joint}" for joint in (1, 2, 3)})
     table.to_csv(tmp_path / "moved.csv", index=False)
@@ -40,8 +31,7 @@ def test_the_check_of_the_clock_and_the_unit_of_a_current_are_said(run: Run, tmp
 
 def test_a_torque_that_cannot_be_made_is_a_warning(run: Run, logs: Path) -> None:
     answer = run("info", logs / "moved1.csv", "--torque", "tau_J")
-    assert answer.code == 0
-    assert "warning: " in answer.err
+    assert (answer.code, "warning: " in answer.err) == (0, True), answer
     assert "peak speed" in answer.out
 
 

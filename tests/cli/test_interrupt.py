@@ -42,9 +42,7 @@ def run(number: signal.Signals, moment: str, *words: str) -> "subprocess.Complet
 
 
 @pytest.mark.parametrize("number", SIGNALS)
-def test_a_file_that_is_stopped_before_it_is_in_place_is_not_there(
-    number: signal.Signals, logs: Path, tmp_path: Path
-) -> None:
+def test_a_file_stopped_before_it_is_in_place_is_not_there(number: signal.Signals, logs: Path, tmp_path: Path) -> None:
     done = run(number, AT_THE_DRAFT, "convert", str(logs / "moved1.csv"), str(tmp_path / "out.csv"), "-q")
     assert done.stderr.startswith("draft of ")
     assert "Traceback" not in done.stderr

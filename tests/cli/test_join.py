@@ -20,26 +20,29 @@ def q_of(t: np.ndarray) -> np.ndarray:
     return 1.0 - np.cos(0.6 * t)
 
 
-def motion(rate: float = 200.0, seconds: float = 60.0, start: float = 0.0) -> dict[str, np.ndarray]:
-    t = np.arange(0.0, seconds, 1.0 / rate)
+def clock(rate: float = 200.0, seconds: float = 60.0, shift: float = 0.0) -> np.ndarray:
+    return np.arange(shift, seconds, 1.0 / rate)
+
+
+def motion(start: float = 0.0) -> dict[str, np.ndarray]:
+    t = clock()
     return {"time": t + start, "q_1": q_of(t), "dq_1": 0.6 * np.sin(0.6 * t)}
 
 
-def torque(rate: float = 200.0, seconds: float = 60.0, start: float = 0.0, shift: float = 0.0) -> dict[str, np.ndarray]:
-    t = np.arange(shift, seconds, 1.0 / rate)
+def torque(rate: float = 200.0, start: float = 0.0, shift: float = 0.0) -> dict[str, np.ndarray]:
+    t = clock(rate, shift=shift)
     speed = 0.6 * np.sin(0.6 * t)
     return {"time": t + start, "tau_interaction_1": 0.5 * np.sign(speed) + 0.2 * speed}
 
 
 def saved(path: Path, columns: Mapping[str, np.ndarray]) -> Path:
     frame = pd.DataFrame(dict(columns))
-    match path.suffix:
-        case ".parquet":
-            frame.to_parquet(path)
-        case ".npz":
-            np.savez(path, **columns)  # type: ignore[arg-type]
-        case _:
-            frame.to_csv(path, index=False, float_format="%.17g")
+    if path.suffix == ".parquet":
+        frame.to_parquet(path)
+    elif path.suffix == ".npz":
+        np.savez(path, **columns)  # type: ignore[arg-type]
+    else:
+        frame.to_csv(path, index=False, float_format="%.17g")
     return path
 
 
@@ -51,19 +54,9 @@ def joined(first: Path, *others: Path, **more: object) -> JointLog:
 @pytest.mark.parametrize("start", [0.0, 123.4, EPOCH])
 def test_three_files_are_one_log(tmp_path: Path, endings: tuple[str, ...], start: float) -> None:
     t = np.arange(-1.0, 62.0, 1.0)
-    files = [
-        saved(tmp_path / f"{name}{ending}", columns)
-        for name, ending, columns in zip(
-            ("motion", "torque", "temperature"),
-            endings,
-            (
-                motion(start=start),
-                torque(start=start, rate=100.0),
-                {"time": t + start, "temperature_1": 30.0 + 0.1 * t},
-            ),
-            strict=True,
-        )
-    ]
+    warmth = {"time": t + start, "temperature_1": 30.0 + 0.1 * t}
+    tables = (motion(start), torque(start=start, rate=100.0), warmth)
+    files = [saved(tmp_path / f"{k}{ending}", one) for k, (ending, one) in enumerate(zip(endings, tables, strict=True))]
     log = joined(*files)
     assert len(log.t) == 12000 - 1  # the last stamp of the torque is 10 ms before the end
     assert log.temperature is not None
@@ -87,10 +80,8 @@ def test_between_samples_the_joined_channel_is_linear(tmp_path: Path) -> None:
 def test_nothing_is_invented_in_a_gap(tmp_path: Path) -> None:
     columns = torque()
     kept = (columns["time"] < 20.0) | (columns["time"] > 25.0)
-    log = joined(
-        saved(tmp_path / "a.csv", motion()),
-        saved(tmp_path / "b.csv", {key: value[kept] for key, value in columns.items()}),
-    )
+    part = {key: value[kept] for key, value in columns.items()}
+    log = joined(saved(tmp_path / "a.csv", motion()), saved(tmp_path / "b.csv", part))
     assert not ((log.t > 20.0) & (log.t < 25.0)).any()
     (found,) = [one for one in log.source.findings if one.code == "joined"]
     assert found.amount == 1001.0  # the stamps from 20.0 to 25.0 s

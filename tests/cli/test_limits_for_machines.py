@@ -69,12 +69,9 @@ def cases(path: Path) -> dict[str, ET.Element | None]:
 
 
 def test_junit_has_a_case_for_each_joint_and_limit(run: Run, tmp_path: Path) -> None:
-    before = result(
-        tmp_path / "a.json", joint(1, (0.30, 0.01), (0.10, 0.01), 21), joint(2, (0.2, 0.001), (0.1, 0.1), 21)
-    )
-    after = result(
-        tmp_path / "b.json", joint(1, (0.36, 0.01), (0.10, 0.01), 21), joint(2, (0.2, 0.001), (0.1, 0.1), 21)
-    )
+    still = joint(2, (0.2, 0.001), (0.1, 0.1), 21)
+    before = result(tmp_path / "a.json", joint(1, (0.30, 0.01), (0.10, 0.01), 21), still)
+    after = result(tmp_path / "b.json", joint(1, (0.36, 0.01), (0.10, 0.01), 21), still)
     limits = ["--fail-on", "coulomb=10%", "--fail-on", "joint2.viscous=20%", "--fail-on", "joint9.any=5%"]
     answer = run("diff", before, after, "-q", *limits, "--junit", "limits.xml")
     assert answer.code == 5
@@ -82,16 +79,16 @@ def test_junit_has_a_case_for_each_joint_and_limit(run: Run, tmp_path: Path) -> 
     assert [root.get(name) for name in ("tests", "failures", "errors")] == ["4", "1", "2"]
     assert [suite.get("name") for suite in root] == ["coulomb=10%", "joint2.viscous=20%", "joint9.any=5%"]
     found = cases(Path("limits.xml"))
-    beyond = found["joint 1: Coulomb friction, limit coulomb=10%"]
-    assert beyond is not None
-    assert beyond.tag == "failure"
-    assert f"limit exceeded: {beyond.text}" in answer.out
-    assert "rose by 20 % (15 to 25 %)" in str(beyond.text)
-    kept = found["joint 2: Coulomb friction, limit coulomb=10%"]
-    assert kept is not None
-    assert kept.tag == "system-out"
-    unknown = [found[name] for name in ("joint 2: viscous friction, limit joint2.viscous=20%", "limit joint9.any=5%")]
-    assert [one is not None and one.tag for one in unknown] == ["error", "error"]
+    tags = {name: one is not None and one.tag for name, one in found.items()}
+    assert tags == {
+        "joint 1: Coulomb friction, limit coulomb=10%": "failure",
+        "joint 2: Coulomb friction, limit coulomb=10%": "system-out",
+        "joint 2: viscous friction, limit joint2.viscous=20%": "error",
+        "limit joint9.any=5%": "error",
+    }
+    said = getattr(found["joint 1: Coulomb friction, limit coulomb=10%"], "text", "")
+    assert f"limit exceeded: {said}" in answer.out
+    assert "rose by 20 % (15 to 25 %)" in said
 
 
 def test_junit_is_not_replaced_unasked_and_needs_a_limit(run: Run, tmp_path: Path) -> None:

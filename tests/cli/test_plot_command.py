@@ -15,19 +15,8 @@ def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("sketched")
 def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
-    answer = run(
-        "plot",
-        logs / "moved2.csv",
-        "--joints",
-        "2",
-        "--figures",
-        "all",
-        "--figure-format",
-        "svg,pdf",
-        "-o",
-        "x",
-        "--json",
-    )
+    words = ("--joints", "2", "--figures", "all", "--figure-format", "svg,pdf", "-o", "x", "--json")
+    answer = run("plot", logs / "moved2.csv", *words)
     figures = answer.document()["figures"]
     assert tuple(figure["kind"] for figure in figures[::2]) == figure_names("estimate", "replay", "diagnosis")
     assert {figure["joint"] for figure in figures} == {2}

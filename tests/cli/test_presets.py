@@ -1,6 +1,5 @@
 """Arms known by name: limits, names of joints, kinds of torque, and what is said where a model is missing."""
 
-import json
 import runpy
 from math import inf
 from pathlib import Path
@@ -63,13 +62,8 @@ def test_arms_by_the_names_of_their_joints(names: list[str], arms: tuple[str, ..
 
 
 def test_a_make_is_no_name_of_an_arm() -> None:
-    assert [arm_name(prefix) for prefix in ("ur10e", "iiwa_14", "gen3", "left_ur5e", "fr3v2_1")] == [
-        "",
-        "",
-        "",
-        "left_ur5e",
-        "",
-    ]
+    prefixes = ("ur10e", "iiwa_14", "gen3", "left_ur5e", "fr3v2_1")
+    assert [arm_name(prefix) for prefix in prefixes] == ["", "", "", "left_ur5e", ""]
 
 
 def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
@@ -78,9 +72,8 @@ def test_limits_of_a_compensator_are_those_of_the_preset() -> None:
 
 
 def test_a_plan_without_a_log_is_for_the_arm_named(run: Run, tmp_path: Path) -> None:
-    done = run(
-        "plan", "--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "90", "-o", tmp_path
-    )
+    words = ("--robot", "ur5e", "--joints", "3", "--drive", "robot", "--no-check", "--duration", "60")
+    done = run("plan", *words, "-o", tmp_path)
     assert done.code == 0, done.err
     header = (tmp_path / "trajectory_estimate.csv").read_text().splitlines()[0]
     assert "q_elbow_joint" in header
@@ -107,16 +100,15 @@ def test_info_names_the_arms_that_share_the_names_and_doubts_the_unit(run: Run, 
     done = run("info", log)
     assert "robot unknown (joints of ur3e, ur5e, ur10e, ur16e, ur20, ur30: name it with --robot)" in done.out
     assert "motor current [A]" in done.err
-    named = run("info", log, "--robot", "ur10e", "--json")
-    entry = json.loads(named.out)["logs"][0]
-    assert entry["robot"] == "ur10e"
-    assert "effort_is_current" in [one["code"] for one in entry["warnings"]]
-    in_ampere = run("info", log, "--map", "tau_J=" + ",".join(f"{n}.effort" for n in UR_NAMES) + ":A", "--json")
-    entry = json.loads(in_ampere.out)["logs"][0]
-    assert entry["torque_unit"] == "A"
-    assert "effort_is_current" not in [one["code"] for one in entry["warnings"]]
-    scaled = run("info", log, "--torque-scale", "10", "--json")
-    assert "effort_is_current" not in scaled.out
+    in_ampere = "tau_J=" + ",".join(f"{name}.effort" for name in UR_NAMES) + ":A"
+    for words, robot, unit in (
+        (("--robot", "ur10e"), "ur10e", "N m"),
+        (("--map", in_ampere), "unknown", "A"),
+        (("--torque-scale", "10"), "unknown", "N m"),
+    ):
+        (entry,) = run("info", log, *words, "--json").document()["logs"]
+        doubted = "effort_is_current" in [one["code"] for one in entry["warnings"]]
+        assert (entry["robot"], entry["torque_unit"], doubted) == (robot, unit, robot == "ur10e")
 
 
 def test_a_model_of_a_preset_without_one_is_refused_with_what_to_do(run: Run, tmp_path: Path) -> None:

@@ -21,24 +21,8 @@ def watch(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     monkeypatch.setattr("sys.stderr", terminal)
     monkeypatch.setenv("TERM", "xterm")
     monkeypatch.delenv("NO_COLOR", raising=False)
-    return terminal
-
-
-def work(voice: Voice) -> None:
-    with voice.step("simulate") as report:
-        assert report is not None
-        time.sleep(0.05)
-        for share in (0.25, 0.5):
-            report(share)
-        time.sleep(0.15)
-
-
-def test_a_terminal_shows_the_share_done(monkeypatch: pytest.MonkeyPatch) -> None:
-    terminal = watch(monkeypatch)
     monkeypatch.setattr(console, "PATIENCE_S", 0.01)
-    work(Voice(quiet=False, verbose=False))
-    assert "simulate ..." in terminal.getvalue()
-    assert "50%" in terminal.getvalue()
+    return terminal
 
 
 def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -53,7 +37,6 @@ def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch
 
 def test_a_terminal_shows_how_many_are_done_and_failed(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
-    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
     with Voice(quiet=False, verbose=False).count("estimate") as count:
         assert count is not None
         time.sleep(0.05)
@@ -67,7 +50,6 @@ def test_a_terminal_shows_how_many_are_done_and_failed(monkeypatch: pytest.Monke
 
 def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
-    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
     with Voice(quiet=False, verbose=False).stages(4) as told:
         for name in ("read", "estimate"):
             with told.step(name):
@@ -87,7 +69,6 @@ def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_stages_of_known_length_show_the_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = watch(monkeypatch)
-    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
     with Voice(quiet=False, verbose=False).stages([1.0, 99.0]) as told:
         with told.step("read"):
             time.sleep(0.1)

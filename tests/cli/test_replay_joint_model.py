@@ -37,12 +37,8 @@ def test_a_better_model_buys_more(run: Run, log: str) -> None:
     assert better["compensator"]["kind"] == "joint_model"
     assert list(better["compensator"]["terms"]) == ["coulomb", "viscous", "stribeck"]
     assert document["settings"]["replay"]["joint_model"] == "model.toml"
-    assert better["joint_model"]["provenance"] == {
-        "method": "diagnose",
-        "log": "first.parquet",
-        "sha256": "ab",
-        "cycles": 12,
-    }
+    provenance = {"method": "diagnose", "log": "first.parquet", "sha256": "ab", "cycles": 12}
+    assert better["joint_model"]["provenance"] == provenance
     assert better["joint_model"]["terms"]["stribeck"]["stribeck_speed_rad_s"] == 0.1
     assert better["fitted_joint"] is None
 
@@ -80,64 +76,6 @@ def test_the_joint_of_the_file_moves(run: Run, log: str) -> None:
 def test_a_joint_without_a_model_does_not_stop_the_others(run: Run, logs: Path) -> None:
     save(None, SIMPLE)
     answer = run("replay", logs / "moved2.csv", *APPLIED)
-    assert answer.code == 0
-    assert "not replayed: joint 1: the model file has no model of it" in answer.out
+    assert (answer.code, "not replayed: joint 1: the model file has no model of it" in answer.out) == (0, True), answer
     assert "compensator: joint_model" in answer.out
     assert "joint 2 by model.toml" in answer.out
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["--compensator", "model"], "give it by --joint-model"),
-        (["--joint-model", "one.toml"], "not used with --assume same-motion"),
-        (["--joint-model", "absent.toml", "--assume", "same-torque"], "absent.toml"),
-        (["--joint-model", "two.toml", "--assume", "same-torque"], "two.toml: 2 joints;"),
-        (["--joint-model", "one.toml", "--compensator", "model", "--factor", "2"], "does not use --factor"),
-    ],
-)
-def test_wrong_usage(words: list[str], message: str, run: Run, logs: Path) -> None:
-    save(SIMPLE, path="one.toml")
-    save(SIMPLE, SIMPLE, path="two.toml")
-    answer = run("replay", logs / "moved1.csv", *words)
-    assert answer.code == 2
-    assert message in " ".join(answer.err.split())
-    assert answer.out == ""
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("no toml", "is no TOML"),
-        ('schema = "other"', "schema is 'other'"),
-        ('schema = "friction-audit/model/1"', "no [[joint]] table"),
-        (
-            'schema = "friction-audit/model/1"\n[[joint]]\nname = "a"\ninertia_kg_m2 = 1\n[joint.terms.stribek]',
-            "'stribek' is no term",
-        ),
-    ],
-)
-def test_a_file_that_is_no_model(text: str, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
-    (tmp_path / "bad.toml").write_text(text)
-    answer = run("replay", logs / "moved1.csv", "--assume", "same-torque", "--joint-model", "bad.toml")
-    assert answer.code == 3
-    assert message in " ".join(answer.err.split())
-
-
-@pytest.mark.parametrize(
-    ("joint", "message"),
-    [
-        (None, "the model file has no model of it"),
-        (replace(SIMPLE, inertia_kg_m2=-0.01), "an inertia of -0.01 kg m^2"),
-        (
-            replace(SIMPLE, terms=(FittedTerm("backlash", (1.0, 0.01, 50.0, 0.2, 1.0)),)),
-            "backlash: the person is on one side",
-        ),
-    ],
-)
-def test_a_model_that_cannot_be_moved(joint: JointModel | None, message: str, run: Run, logs: Path) -> None:
-    save(joint)
-    answer = run("replay", logs / "moved1.csv", "--assume", "same-torque", "--joint-model", "model.toml", "-o", "out")
-    assert answer.code == 4
-    assert message in " ".join(answer.err.split())
-    assert not Path("out").exists()

@@ -22,8 +22,7 @@ def no_answer(*_: object) -> None:
 @pytest.mark.usefixtures("sketched")
 def test_every_format_is_written_and_the_document_is_the_file(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("report", logs / "moved1.csv", "-o", "out", "--format", "html,json,markdown,pdf", "--json")
-    assert answer.code == 0
-    assert answer.err == ""
+    assert (answer.code, answer.err) == (0, ""), answer
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted((*NAMES, PDF))
     page, document, markdown = ((tmp_path / "out" / name).read_text(encoding="utf-8") for name in NAMES)
     assert json.loads(document) == answer.document()
@@ -37,9 +36,7 @@ def test_every_format_is_written_and_the_document_is_the_file(run: Run, logs: Pa
     assert (tmp_path / "out" / PDF).read_bytes().startswith(b"%PDF-")
 
 
-def test_a_part_without_an_answer_leaves_the_others(
-    run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_part_without_an_answer_leaves_the_others(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(log_report, "diagnose_estimate", no_answer)
     answer = run("report", logs / "damaged.csv", "--format", "markdown")
     assert answer.code == 6
@@ -47,7 +44,7 @@ def test_a_part_without_an_answer_leaves_the_others(
     assert lead.startswith("Friction is estimated: Coulomb ")
     assert written == "damaged.report.md"
     assert "warning: " in answer.err
-    text = (tmp_path / "damaged.report.md").read_text(encoding="utf-8")
+    text = Path("damaged.report.md").read_text(encoding="utf-8")
     assert WHY in text
     assert "that friction dissipated" in text
 

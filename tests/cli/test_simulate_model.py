@@ -24,12 +24,8 @@ def file(tmp_path: Path) -> Path:
 def test_the_log_is_one_of_the_model(run: Run, file: Path, tmp_path: Path) -> None:
     words = ("--joint-model", file, "--ideal", "--duration", "20", "--json")
     document = run("simulate", "joint", "-o", "run.parquet", *words).document()
-    assert document["settings"]["joints"][0] == {
-        "inertia_kg_m2": 0.25,
-        "coulomb_nm": 0.4,
-        "viscous_nms_per_rad": 0.1,
-        "torque_loop": {"gain": 0.0, "damping_s": 0.0, "dead_time_s": 0.0},
-    }
+    joint = document["settings"]["joints"][0]
+    assert [joint[name] for name in ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")] == [0.25, 0.4, 0.1]
     assert [effect["name"] for effect in document["effects"]] == ["stribeck"]
     assert document["effects"][0]["parameters"]["excess_nm"] == 0.15
     log = read_log(tmp_path / "run.parquet")
@@ -48,13 +44,10 @@ def test_settings_and_effects_come_on_top(run: Run, file: Path) -> None:
     assert sorted(effect["name"] for effect in document["effects"]) == ["stribeck", "time_delay"]
 
 
-def test_a_model_of_another_arm_is_refused(run: Run, file: Path) -> None:
+def test_a_model_that_does_not_fit_is_refused(run: Run, file: Path, tmp_path: Path) -> None:
     answer = run("simulate", "panda", "-o", "run.parquet", "--joint-model", file)
     assert answer.code == 2
     assert f"--joint-model {file}: the model has 1 joints, the scenario 7; expected as many" in answer.err
-
-
-def test_a_term_without_an_equal_is_refused(run: Run, tmp_path: Path) -> None:
     drift = JointModel(inertia_kg_m2=0.25, terms=(FittedTerm("torque_drift", (0.1, 0.0, 0.0, 0.0, 1.0)),))
     save_model(ArmModel(names=("joint1",), joints=(drift,)), tmp_path / "drift.toml")
     answer = run("simulate", "joint", "-o", "run.parquet", "--joint-model", "drift.toml")

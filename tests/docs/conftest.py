@@ -19,17 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Site:
-    """The built site.
-
-    Attributes:
-        folder: Where it is.
-        code: What the build ended with.
-        said: What it said.
-    """
+    """The built site."""
 
     folder: Path
-    code: int
-    said: str
+    code: int  # what the build ended with
+    said: str  # what it said
 
     def page(self, name: str) -> Path:
         """Return the file of a page, ``effects/stribeck`` say."""

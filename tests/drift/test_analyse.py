@@ -11,17 +11,9 @@ from friction_audit.drift.report import ArmDrift, CoefficientDrift
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
 from friction_audit.reporting.drift_words import arm_sentence, describe, headline, joint_sentence
-from tests.drift.made_sessions import (
-    A_DAY_S,
-    FIRST_S,
-    about,
-    make_arm_sessions,
-    make_joint,
-    make_session,
-    make_sessions,
-    noisy,
-)
+from tests.drift.made_sessions import FIRST_S, about, make_arm_sessions, make_joint, make_session, make_sessions, noisy
 
 QUICK = DriftSettings(permutations=199)
 
@@ -35,14 +27,18 @@ def coulomb(sessions: list[Session], chosen: DriftSettings = QUICK) -> Coefficie
     return analyse(sessions, chosen).joints[0].coefficients[0]
 
 
+def stepped(level: Float, at: int, factor: float = 1.15) -> Float:
+    """Return a level that is higher from a session on."""
+    return level * np.where(np.arange(len(level)) >= at, factor, 1.0)
+
+
 def described(sessions: list[Session]) -> tuple[CoefficientDrift, str]:
     found = coulomb(sessions)
     return found, describe(found, sessions)
 
 
 def test_step_of_15_percent_is_found_sized_and_dated() -> None:
-    level = noisy(24) * np.where(np.arange(24) >= 14, 1.15, 1.0)
-    found, text = described(make_arm_sessions(level))
+    found, text = described(make_arm_sessions(stepped(noisy(24), 14)))
     assert (found.drift, found.shape) == (True, "step")
     (step,) = found.change_points
     assert (step.session, step.low, step.high) == (14, 14, 14)
@@ -54,16 +50,10 @@ def test_step_of_15_percent_is_found_sized_and_dated() -> None:
 
 
 def test_step_of_one_joint_leaves_the_others_alone() -> None:
-    sessions = []
-    for i in range(20):
-        levels = [noisy(20, seed)[i] for seed in range(7)]
-        levels[2] *= 1.15 if i >= 2 else 1.0
-        viscous = [noisy(20, 10 + seed, level=0.07)[i] for seed in range(7)]
-        sessions.append(make_session(i, [make_joint(j + 1, levels[j], viscous[j]) for j in range(7)]))
-    arm = analyse(sessions)
-    assert [joint.joint for joint in arm.joints if joint.drift] == [3]
-    assert joint_sentence(arm, arm.joints[2]).startswith("Coulomb friction rose by 1")
-    assert joint_sentence(arm, arm.joints[2]).endswith("; nothing else changed")
+    arm = analyse(make_arm_sessions(stepped(noisy(20), 2)))
+    assert [joint.joint for joint in arm.joints if joint.drift] == [1]
+    assert joint_sentence(arm, arm.joints[0]).startswith("Coulomb friction rose by 1")
+    assert joint_sentence(arm, arm.joints[0]).endswith("; nothing else changed")
 
 
 def test_slow_rise_is_a_ramp() -> None:
@@ -149,24 +139,15 @@ def test_too_few_sessions_say_how_many_are_needed(count: int) -> None:
     assert "at least 4 are needed" in arm_sentence(arm)
 
 
-def test_arms_are_never_mixed() -> None:
-    low = make_sessions(noisy(8))
-    high = [replace(session, robot="other") for session in make_sessions(noisy(8, level=0.6))]
-    report = analyse_drift([*low, *high], QUICK)
-    assert [arm.robot for arm in report.arms] == ["arm", "other"]
-    assert not report.drift
-
-
 def test_temperature_that_varies_explains_the_changes() -> None:
     warmth = 25.0 + 4.0 * np.random.default_rng(4).standard_normal(24)
     level = noisy(24) * np.exp(-0.01 * (warmth - 25.0))
     found = coulomb(make_sessions(level, temperature=warmth))
     assert not found.drift
     assert found.temperature_slope.low < -0.01 < found.temperature_slope.high
-    stepped = coulomb(make_sessions(level * np.where(np.arange(24) >= 9, 1.15, 1.0), temperature=warmth))
-    assert (stepped.shape, stepped.change_points[0].session) == ("step", 9)
-    values = np.array([value.value for value in stepped.values])
-    assert np.std(values[:9]) < 0.02 * 0.3
+    changed = coulomb(make_sessions(stepped(level, 9), temperature=warmth))
+    assert (changed.shape, changed.change_points[0].session) == ("step", 9)
+    assert np.std([value.value for value in changed.values[:9]]) < 0.02 * 0.3
 
 
 def test_temperature_that_rises_with_time_cannot_be_told_from_drift() -> None:
@@ -188,15 +169,9 @@ def test_coefficient_near_zero_has_no_relative_change() -> None:
 
 
 def test_warm_up_within_sessions_is_told_apart() -> None:
-    rng = np.random.default_rng(0)
-    sessions = [
-        make_session(
-            i,
-            [make_joint(1, c, 0.07 + 0.003 * rng.standard_normal(), within={"coulomb_nm": about(-0.08, 0.02)})],
-        )
-        for i, c in enumerate(noisy(12))
-    ]
-    found, text = described(sessions)
+    warm = {"coulomb_nm": about(-0.08, 0.02)}
+    levels = zip(noisy(12), noisy(12, 7, level=0.07), strict=True)
+    found, text = described([make_session(i, [make_joint(1, *level, within=warm)]) for i, level in enumerate(levels)])
     assert not found.drift
     assert found.within.value == pytest.approx(-0.08)
     assert found.within.high < 0.0
@@ -204,11 +179,9 @@ def test_warm_up_within_sessions_is_told_apart() -> None:
 
 
 def test_reference_is_the_first_sessions_or_those_asked_for() -> None:
-    level = noisy(20) * np.where(np.arange(20) >= 3, 1.15, 1.0)
-    sessions = make_sessions(level)
+    sessions = make_sessions(stepped(noisy(20), 3))
     assert analyse(sessions).reference == (0, 1, 2, 3, 4)
-    chosen = replace(QUICK, baseline=(10, 11, 12))
-    arm = analyse(sessions, chosen)
+    arm = analyse(sessions, replace(QUICK, baseline=(10, 11, 12)))
     found = arm.joints[0].coefficients[0]
     assert arm.reference == (10, 11, 12)
     assert found.total.low < 0.0 < found.total.high
@@ -218,7 +191,7 @@ def test_reference_is_the_first_sessions_or_those_asked_for() -> None:
 @settings(max_examples=3, deadline=None)
 @given(factor=st.floats(0.01, 100.0), seed=st.integers(0, 100))
 def test_scale_changes_nothing(factor: float, seed: int) -> None:
-    level = noisy(14, seed) * np.where(np.arange(14) >= 7, 1.08, 1.0)
+    level = stepped(noisy(14, seed), 7, 1.08)
     one, other = (
         coulomb(make_sessions(scale * level, error=scale * 0.003), replace(QUICK, permutations=99))
         for scale in (1.0, factor)
@@ -242,10 +215,7 @@ def test_order_of_the_arguments_changes_nothing(order: list[int]) -> None:
 @example(value=286.0, error=1.0000000000000003e-09, count=10)
 @given(value=st.floats(1e-4, 1e4), error=st.floats(1e-9, 1e-2), count=st.integers(1, 15))
 def test_what_is_constant_never_drifts(value: float, error: float, count: int) -> None:
-    sessions = [
-        make_session(i, [make_joint(1, value, 0.07, error=error * value)], start=FIRST_S + i * A_DAY_S)
-        for i in range(count)
-    ]
+    sessions = [make_session(i, [make_joint(1, value, error=error * value)]) for i in range(count)]
     found = coulomb(sessions, replace(QUICK, permutations=99))
     assert not found.drift
     assert found.change_points == ()
@@ -264,14 +234,13 @@ def test_false_alarms_are_as_rare_as_said(arms: int, too_many: int) -> None:
 
 
 def test_intervals_without_width_are_no_division_by_zero() -> None:
-    level = np.where(np.arange(12) >= 6, 0.33, 0.3)
-    found = coulomb(make_sessions(level, error=0.0))
+    found = coulomb(make_sessions(stepped(np.full(12, 0.3), 6, 1.1), error=0.0))
     assert (found.drift, found.shape) == (True, "step")
     assert found.change_points[0].relative.value == pytest.approx(0.1)
 
 
 def test_missing_intervals_are_taken_from_the_others() -> None:
-    sessions = make_sessions(noisy(12) * np.where(np.arange(12) >= 6, 1.15, 1.0))
+    sessions = make_sessions(stepped(noisy(12), 6))
     bare = Coefficient(value=0.3, low=float("nan"), high=float("nan"))
     own = sessions[2].joints[0]
     sessions[2] = replace(sessions[2], joints=(replace(own, coefficients={**own.coefficients, "coulomb_nm": bare}),))

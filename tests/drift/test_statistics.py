@@ -38,22 +38,14 @@ def test_scatter_between_neighbours_passes_over_a_step() -> None:
     assert steps_scatter(level, np.full(200, 0.01)) == 0.0
 
 
-def test_step_statistic_is_the_two_sample_t() -> None:
+def test_statistics_of_a_step_and_of_a_ramp_are_those_of_the_usual_tests() -> None:
     level = noisy(12, 5)
     directions = make_directions(series_of(level, error=1e-9))
-    t = studentise(directions.residual[None, :], directions)[0]
-    k = int(np.flatnonzero(directions.split == 5)[0])
-    y = np.log(level)
-    weight = directions.weight  # equal to 1e-6: errors are far below the scatter
-    assert np.ptp(weight) < 1e-6 * weight[0]
-    assert t[k] == pytest.approx(stats.ttest_ind(y[5:], y[:5]).statistic, rel=1e-4)
-
-
-def test_ramp_statistic_is_the_slope_of_a_regression() -> None:
-    level = noisy(12, 5)
-    directions = make_directions(series_of(level, error=1e-9))
-    t = studentise(directions.residual[None, :], directions)[0]
-    line = stats.linregress(np.arange(12), np.log(level))
+    assert np.ptp(directions.weight) < 1e-6 * directions.weight[0]  # errors are far below the scatter
+    t, y = studentise(directions.residual[None, :], directions)[0], np.log(level)
+    step = t[directions.split == 5][0]
+    assert step == pytest.approx(stats.ttest_ind(y[5:], y[:5]).statistic, rel=1e-4)
+    line = stats.linregress(np.arange(12), y)
     assert t[directions.ramps] == pytest.approx(line.slope / line.stderr, rel=1e-4)
 
 
@@ -75,10 +67,9 @@ def test_hardly_a_step_more_than_there_are(series: int, too_many: int) -> None:
 
 
 def test_weighted_mean_by_hand() -> None:
-    fit = fit_model(series_of(np.array([0.30, 0.31, 0.29, 0.30]), 0.05), np.ones((4, 1)))
     # The errors are far beyond the differences: no scatter, weights as the values squared over the errors squared.
     values = np.array([0.30, 0.31, 0.29, 0.30])
-    weight = (values / 0.05) ** 2
+    fit, weight = fit_model(series_of(values, 0.05), np.ones((4, 1))), (values / 0.05) ** 2
     assert fit.scatter == 0.0
     assert fit.value[0] == pytest.approx(np.sum(weight * np.log(values)) / np.sum(weight))
     assert fit.covariance[0, 0] == pytest.approx(1 / np.sum(weight), rel=1e-3)

@@ -7,6 +7,7 @@ import pytest
 
 from friction_audit.drift.session import JointSummary
 from friction_audit.drift.summarise import BINS, bin_torque, summarise_joints
+from friction_audit.friction.history import Coefficient
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
@@ -27,11 +28,6 @@ def summaries(estimate: Estimate) -> tuple[JointSummary, ...]:
 def log() -> JointLog:
     """Return one joint moved by hand for a minute."""
     return simulate(BenchSettings(duration_s=60.0, rate_hz=250.0), seed=3).log
-
-
-@pytest.fixture(scope="module")
-def estimate(log: JointLog) -> Estimate:
-    return estimate_log(log, AuditSettings())
 
 
 def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
@@ -75,16 +71,14 @@ def test_a_compensator_s_torque_counts_with_the_hand_s() -> None:
     assert all(a == pytest.approx(b + 0.1) for a, b in pairs)
 
 
-def warmed(log: JointLog, change: Float) -> Estimate:
-    """Return the estimate of a log whose torque is multiplied."""
-    assert log.tau_interaction is not None
-    return estimate_log(replace(log, tau_interaction=log.tau_interaction * change[:, None]), AuditSettings())
+def test_what_changes_within_a_session_is_told(log: JointLog) -> None:
+    def within(change: Float | float) -> Coefficient:
+        assert log.tau_interaction is not None
+        warmed = replace(log, tau_interaction=log.tau_interaction * np.broadcast_to(change, log.t.shape)[:, None])
+        return summaries(estimate_log(warmed, AuditSettings()))[0].within["coulomb_nm"]
 
-
-def test_what_changes_within_a_session_is_told(log: JointLog, estimate: Estimate) -> None:
-    steady = summaries(estimate)[0].within["coulomb_nm"]
+    steady, falling = within(1.0), within(1.0 - 0.3 * log.t / log.t[-1])
     assert steady.low < 0.0 < steady.high
-    falling = summaries(warmed(log, 1.0 - 0.3 * log.t / log.t[-1]))[0].within["coulomb_nm"]
     # From the middle of the first third to the middle of the last one: 0.75 / 0.95 - 1.
     assert falling.low < 0.75 / 0.95 - 1.0 < falling.high < 0.0
 

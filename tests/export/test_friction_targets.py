@@ -19,10 +19,18 @@ import friction_audit
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export.export import TARGETS, Export, ExportSettings, choose_target, export_friction, read_into
-from friction_audit.export.friction_law import FrictionLaw, Target, even_speeds, friction_law
+from friction_audit.export.export import (
+    TARGETS,
+    Export,
+    ExportSettings,
+    Target,
+    choose_target,
+    export_friction,
+    read_into,
+)
+from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
+from friction_audit.export.robot_xml import XmlText
 from friction_audit.export.source import Joints
-from friction_audit.export.xml_text import XmlText
 
 PANDA_URDF = Path(friction_audit.__file__).parent / "robot" / "panda.urdf"
 SIMPLE = simple_model(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3)
@@ -203,7 +211,7 @@ def test_attributes_are_set_whatever_stands_around_them(text: str, wide: bool) -
     except ET.ParseError:
         return  # XML has no place for the character
     xml = XmlText(source, "file")
-    after = ET.fromstring(xml.edited([xml.set_attributes(xml.root.children[0], {"damping": "1", "frictionloss": "2"})]))
+    after = ET.fromstring(xml.edited([xml.set_attributes(xml.tags[1], {"damping": "1", "frictionloss": "2"})]))
     assert after.attrib == before.attrib
     assert after[0].attrib == {"name": "a", "damping": "1", "frictionloss": "2"}
 
@@ -225,12 +233,9 @@ def test_a_broken_file_is_refused(text: bytes, message: str, tmp_path: Path) -> 
 
 def test_a_joint_that_the_file_lacks_is_named(tmp_path: Path) -> None:
     (tmp_path / "arm.xml").write_text(ARM)
+    three = joints(SIMPLE, SIMPLE, SIMPLE, names=("shoulder", "elbow", "wrist"))
     with pytest.raises(UsageError, match="no joint wrist; its 2 joints"):
-        export(
-            joints(SIMPLE, SIMPLE, SIMPLE, names=("shoulder", "elbow", "wrist")),
-            tmp_path / "o.xml",
-            tmp_path / "arm.xml",
-        )
+        export(three, tmp_path / "o.xml", tmp_path / "arm.xml")
     by_order = export(joints(SIMPLE, STRIBECK, names=("j1", "j2")), tmp_path / "o.xml", tmp_path / "arm.xml")
     assert by_order.by_order
     assert [joint.name for joint in by_order.joints] == ["shoulder", "elbow"]

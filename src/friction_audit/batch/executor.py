@@ -124,10 +124,18 @@ class LocalExecutor:
         return self._pool.submit(work, task)
 
     def _loss(self) -> Lost:
+        """Say how the process ended that worked on a task."""
         team = [] if self._pool is None else team_of(self._pool)
         if self._pool is not None:
             self._pool.shutdown()  # until then its own thread asks for the exit codes
-        return Lost(_how_it_ended(next((code for one in team if (code := one.exitcode)), 1)))
+        code = next((code for one in team if (code := one.exitcode)), 1)
+        if code >= 0:
+            how, more = f"ended with code {code} twice", "report it with the log"
+        else:
+            name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
+            how = f"was ended by {name} twice, the second time while nothing else ran"
+            more = "if memory was short, cut the log or use a machine with more"
+        return Lost(f"the process that worked on it {how}; expected it to finish; {more}")
 
     def _close(self) -> None:
         self._pool = None
@@ -136,16 +144,6 @@ class LocalExecutor:
 
 def _is_broken(future: "Future[Any]") -> bool:
     return isinstance(future.exception(), BrokenProcessPool)
-
-
-def _how_it_ended(code: int) -> str:
-    if code < 0:
-        name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-        return (
-            f"the process that worked on it was ended by {name} twice, the second time while nothing else ran; "
-            "expected it to finish; if memory was short, cut the log or use a machine with more"
-        )
-    return f"the process that worked on it ended with code {code} twice; expected it to finish; report it with the log"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

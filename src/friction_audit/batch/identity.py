@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from datetime import UTC, datetime
+from datetime import datetime
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
 from friction_audit.drift.session import Session, natural, put_in_order
@@ -53,14 +53,10 @@ _DATE_ONLY = re.compile(rf"(?<!\d){_DATE}(?!\d)")
 
 def parse_time(text: str) -> float | None:
     """Return the Unix time of a cell: a date, a date and time (UTC if no zone is stated), or seconds; else None."""
-    whole = _MOMENT.fullmatch(text)
-    if whole is not None:
+    if whole := _MOMENT.fullmatch(text):
         return _unix_time(whole)
-    seconds = re.fullmatch(r"\d{9,}(?:\.\d+)?", text)
-    if seconds is None:
-        return None
     named = _EPOCH.fullmatch(text)
-    return float(text) if named is None else _seconds(named)
+    return _seconds(named) if named else float(text) if re.fullmatch(r"\d{9,}(?:\.\d+)?", text) else None
 
 
 def time_in_name(names: Iterable[str]) -> float | None:
@@ -69,28 +65,23 @@ def time_in_name(names: Iterable[str]) -> float | None:
     A name without a zone is taken as UTC: what counts is the order and the distance of sessions.
     """
     for name in names:
-        moment = _MOMENT.search(name)
-        if moment is not None and (found := _unix_time(moment)) is not None:
+        if (moment := _MOMENT.search(name)) and (found := _unix_time(moment)) is not None:
             return found
-        epoch = _EPOCH.search(name)
-        if epoch is not None:
+        if epoch := _EPOCH.search(name):
             return _seconds(epoch)
     return None
 
 
 def _seconds(found: re.Match[str]) -> float:
     whole, finer, decimals = found.groups()
-    if finer:
-        return int(whole) + int(finer) / 10.0 ** len(finer)
-    return float(f"{whole}.{decimals or 0}")
+    return int(whole) + int(finer) / 10.0 ** len(finer) if finer else float(f"{whole}.{decimals or 0}")
 
 
 def _unix_time(found: re.Match[str]) -> float | None:
     date = f"{found['year']}-{found['month']}-{found['day']}"
     clock = f"{found['hour'] or '00'}:{found['minute'] or '00'}:{found['second'] or '00'}"
-    zone = (found["zone"] or "+00:00").upper().replace("Z", "+00:00")
     try:
-        moment = datetime.fromisoformat(f"{date}T{clock}{zone}").astimezone(UTC)
+        moment = datetime.fromisoformat(f"{date}T{clock}{(found['zone'] or 'Z').upper()}")
     except ValueError:  # 30 February
         return None
     return moment.timestamp() + float(f"0.{found['part'] or 0}")

@@ -112,8 +112,9 @@ class Ledger:
 
     def remember(self, log: LogFile, sha256: str) -> None:
         """Keep the hash of a log's content."""
-        with self._transaction():
-            self._remember(log, sha256)
+        values = (encodable(log.place), log.size, log.changed, sha256)
+        with self._worded():
+            self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
 
     def is_done(self, sha256: str, settings: str) -> bool:
         """Return True if nothing new would come of a log."""
@@ -125,18 +126,15 @@ class Ledger:
 
     def forget_broken(self, hashes: Iterable[str], settings: str) -> set[str]:
         """Remove the sessions whose stored content is not what was written; return the hashes of their logs."""
-        broken: dict[int, str] = {}
-        for some in _in_lots(hashes):
-            for row in self._stored(some, settings):
-                if row["digest"] != _digest(row["content"]):
-                    broken[row["id"]] = row["sha256"]
+        stored = self._of_logs("sessions", hashes, settings)
+        broken = {row["id"]: str(row["sha256"]) for row in stored if row["digest"] != _digest(row["content"])}
         unreadable = "typeof(message) <> 'text' OR typeof(topic) <> 'text' OR typeof(lasting) <> 'integer'"
         if broken or self._ask(f"SELECT 1 FROM failed WHERE {unreadable}"):  # noqa: S608 - a constant
+            keys = [(key,) for key in broken]
             with self._transaction():
                 self._database.execute(f"DELETE FROM failed WHERE {unreadable}")  # noqa: S608
-                for key in broken:
-                    self._database.execute("DELETE FROM coefficients WHERE session = ?", (key,))
-                    self._database.execute("DELETE FROM sessions WHERE id = ?", (key,))
+                self._database.executemany("DELETE FROM coefficients WHERE session = ?", keys)
+                self._database.executemany("DELETE FROM sessions WHERE id = ?", keys)
         return set(broken.values())
 
     def save(self, log: LogFile, settings: BatchSettings, worked: Worked) -> None:
@@ -147,7 +145,7 @@ class Ledger:
             self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, encodable(log.place)))
             if worked.sha256:
                 self._database.execute("DELETE FROM failed WHERE settings = ? AND sha256 = ?", (key, worked.sha256))
-                self._remember(log, worked.sha256)
+                self.remember(log, worked.sha256)
             for recorded in worked.recorded:
                 self._save_session(recorded, key)
             for fault in worked.faults:
@@ -157,24 +155,26 @@ class Ledger:
 
     def recorded(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Recorded, ...]]:
         """Return what is known of logs, by the hash of their content; of several arms in the order of their topics."""
-        found: dict[str, tuple[Recorded, ...]] = {}
-        for some in _in_lots(hashes):
-            for row in self._stored(some, settings):
-                found[row["sha256"]] = (*found.get(row["sha256"], ()), _recorded(json.loads(row["content"])))
-        return found
-
-    def _stored(self, hashes: tuple[str, ...], settings: str) -> list[sqlite3.Row]:
-        query = f"SELECT * FROM sessions WHERE settings = ? AND sha256 IN ({_marks(hashes)}) ORDER BY topic"  # noqa: S608
-        return self._ask(query, (settings, *hashes))
+        found: dict[str, tuple[Recorded, ...]] = defaultdict(tuple)
+        for row in self._of_logs("sessions", hashes, settings):
+            found[row["sha256"]] += (_recorded(json.loads(row["content"])),)
+        return dict(found)
 
     def faults(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Fault, ...]]:
         """Return what is lastingly wrong with logs, by the hash of their content."""
         found: dict[str, dict[str, Fault]] = defaultdict(dict)
-        for some in _in_lots(hashes):
-            query = f"SELECT * FROM failed WHERE settings = ? AND sha256 IN ({_marks(some)}) AND lasting ORDER BY topic"  # noqa: S608
-            for row in self._ask(query, (settings, *some)):
+        for row in self._of_logs("failed", hashes, settings):
+            if row["lasting"]:
                 found[row["sha256"]][row["topic"]] = Fault(message=row["message"], topic=row["topic"])
         return {sha256: tuple(faults.values()) for sha256, faults in found.items()}
+
+    def _of_logs(self, table: str, hashes: Iterable[str], settings: str) -> Iterator[sqlite3.Row]:
+        """Yield the rows of logs, a few logs at a time; values never become part of a query."""
+        every = tuple(dict.fromkeys(hashes))
+        for first in range(0, len(every), AT_ONCE):
+            some = every[first : first + AT_ONCE]
+            where = f"settings = ? AND sha256 IN ({', '.join('?' * len(some))})"
+            yield from self._ask(f"SELECT * FROM {table} WHERE {where} ORDER BY topic", (settings, *some))  # noqa: S608
 
     def name_sessions(self, named: Iterable[tuple[Session, str]], settings: str) -> None:
         """Write which arm sessions are of, and when they were, with their numbers; each with its topic."""
@@ -183,10 +183,11 @@ class Ledger:
             AND (path, robot, start_s) IS NOT (:path, :robot, :start)"""
         values = [
             {"path": one.path, "robot": one.robot, "start": one.start_s, "sha256": one.sha256, "topic": topic}
+            | {"settings": settings}
             for one, topic in named
         ]
         with self._transaction():
-            self._database.executemany(query, [value | {"settings": settings} for value in values])
+            self._database.executemany(query, values)
 
     def note(self, key: str) -> str | None:
         """Return a note about the ledger as a whole."""
@@ -195,7 +196,7 @@ class Ledger:
 
     def write_note(self, key: str, value: str) -> None:
         """Keep a note about the ledger as a whole."""
-        with self._transaction():
+        with self._worded():
             self._database.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, value))
 
     def _set_up(self) -> None:
@@ -240,10 +241,6 @@ class Ledger:
                 for name, one in joint.coefficients.items()
             ]
             self._database.executemany("INSERT OR REPLACE INTO coefficients VALUES (?, ?, ?, ?, ?, ?)", rows)
-
-    def _remember(self, log: LogFile, sha256: str) -> None:
-        values = (encodable(log.place), log.size, log.changed, sha256)
-        self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
 
     def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> list[sqlite3.Row]:
         with self._worded():
@@ -290,16 +287,6 @@ def move_aside(path: Path) -> Path | None:
     return target
 
 
-def _marks(keys: tuple[str, ...]) -> str:
-    return ", ".join("?" * len(keys))  # values never become part of a query
-
-
-def _in_lots(keys: Iterable[str]) -> Iterator[tuple[str, ...]]:
-    every = tuple(dict.fromkeys(keys))
-    for first in range(0, len(every), AT_ONCE):
-        yield every[first : first + AT_ONCE]
-
-
 def _digest(content: object) -> str:
     """Return the hash by which a changed or damaged session is known."""
     return hashlib.sha256(str(content).encode("utf-8", "surrogateescape")).hexdigest()
@@ -308,18 +295,15 @@ def _digest(content: object) -> str:
 def _recorded(held: dict[str, Any]) -> Recorded:
     """Return what was kept, as the log says it."""
     session = held["session"]
-    warnings = tuple(one if isinstance(one, str) else Caution(**one) for one in session["warnings"])
-    lists = {"warnings": warnings, "codes": tuple(session["codes"])}
-    joints = tuple(_joint(one) for one in session["joints"])
-    whole = session | lists | {"joints": joints, "conditions": Conditions(**session["conditions"])}
-    return Recorded(**held | {"session": Session(**whole)})
-
-
-def _joint(held: dict[str, Any]) -> JointSummary:
-    coefficients, within = (
-        {name: Coefficient(**one) for name, one in held[key].items()} for key in ("coefficients", "within")
-    )
-    lists = {name: tuple(held[name]) for name in ("speed_rad_s", "effects")}
-    return JointSummary(
-        **held | lists | {"coefficients": coefficients, "within": within, "curve": SpeedCurve(**held["curve"])}
-    )
+    session |= {
+        "warnings": tuple(one if isinstance(one, str) else Caution(**one) for one in session["warnings"]),
+        "codes": tuple(session["codes"]),
+        "conditions": Conditions(**session["conditions"]),
+    }
+    for joint in session["joints"]:
+        joint |= {name: tuple(joint[name]) for name in ("speed_rad_s", "effects")}
+        for key in ("coefficients", "within"):
+            joint[key] = {name: Coefficient(**one) for name, one in joint[key].items()}
+        joint["curve"] = SpeedCurve(**joint["curve"])
+    session["joints"] = tuple(JointSummary(**joint) for joint in session["joints"])
+    return Recorded(**held | {"session": Session(**session)})

@@ -6,7 +6,8 @@ import io
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
@@ -39,17 +40,14 @@ def read_manifest(manifest: Path) -> dict[str, ManifestRow]:
     for cells in ([cell.strip() for cell in row] for row in lines):
         if not any(cells):
             continue
+        row, faults = _row(dict.fromkeys(COLUMNS, "") | dict(zip(header, cells, strict=False)), manifest.parent)
         if len(cells) > len(header):
-            found = f"{len(cells)} cells under {len(header)} columns"
-            wrong.append(f"line {lines.line_num}: {found}; put text with commas in quotes")
-            continue
-        values = dict(zip(header, cells, strict=False))
-        wrong += _wrong_with(values, lines.line_num, manifest.parent)
-        place = _place(values.get("path", ""), manifest.parent)
-        if values.get("path") and seen.setdefault(place, lines.line_num) != lines.line_num:
-            wrong.append(f"line {lines.line_num}: {values['path']} comes twice, first in line {seen[place]}")
-        if not wrong:
-            rows[place] = _row(values)
+            faults = [f"{len(cells)} cells under {len(header)} columns; put text with commas in quotes"]
+        place = row.path if "://" in row.path else os.path.normpath((manifest.parent / row.path).absolute())
+        if row.path and seen.setdefault(place, lines.line_num) != lines.line_num:
+            faults.append(f"{row.path} comes twice, first in line {seen[place]}")
+        wrong += [f"line {lines.line_num}: {fault}" for fault in faults]
+        rows[place] = row
     if wrong:
         raise InputError(f"{manifest}: " + "; ".join(wrong))
     if not rows:
@@ -78,40 +76,22 @@ def _check_header(manifest: Path, header: list[str]) -> None:
         raise InputError(f"{manifest}: {'; '.join(wrong)}; found {found}; expected {', '.join(COLUMNS)}")
 
 
-def _wrong_with(values: Mapping[str, str], line: int, folder: Path) -> Iterator[str]:
-    path = values.get("path", "")
+def _row(values: Mapping[str, str], folder: Path) -> tuple[ManifestRow, list[str]]:
+    """Return what a row says, and what is wrong with it."""
+    path, start, temperature = values["path"], values["start"], values["temperature"]
+    start_s, temperature_c, faults = parse_time(start), math.nan, list[str]()
+    with suppress(ValueError):
+        temperature_c = float(temperature or "nan")
     if not path:
-        yield f"line {line}: no path"
+        faults.append("no path")
     elif "://" not in path and not (folder / path).exists():
-        yield f"line {line}: {path}: no such file or directory in the folder of the manifest"
-    start, temperature = values.get("start", ""), values.get("temperature", "")
-    if start and parse_time(start) is None:
-        yield f"line {line}: start {start}: expected a date and time such as 2026-03-01T14:30:00 or seconds since 1970"
-    if temperature and not _is_number(temperature):
-        yield f"line {line}: temperature {temperature}: expected degrees Celsius, such as 23.5"
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return math.isfinite(float(text))
-    except ValueError:
-        return False
-
-
-def _place(path: str, folder: Path) -> str:
-    return path if "://" in path else os.path.normpath((folder / path).absolute())
-
-
-def _row(values: Mapping[str, str]) -> ManifestRow:
-    temperature = values.get("temperature", "")
-    return ManifestRow(
-        path=values["path"],
-        start_s=parse_time(values.get("start", "")),
-        robot=values.get("robot", ""),
-        temperature_c=float(temperature) if temperature else None,
-        payload=values.get("payload", ""),
-        note=values.get("note", ""),
-    )
+        faults.append(f"{path}: no such file or directory in the folder of the manifest")
+    if start and start_s is None:
+        faults.append(f"start {start}: expected a date and time such as 2026-03-01T14:30:00 or seconds since 1970")
+    if temperature and not math.isfinite(temperature_c):
+        faults.append(f"temperature {temperature}: expected degrees Celsius, such as 23.5")
+    own = {name: values[name] for name in ("path", "robot", "payload", "note")}
+    return ManifestRow(**own, start_s=start_s, temperature_c=temperature_c if temperature else None), faults
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -102,8 +102,13 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
 def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
     """Estimate one arm of a log, or the only one if the topic is empty."""
     try:
-        recorded = _record(settings, path, topic)
-        return Worked(sha256=recorded.session.sha256, recorded=(recorded,))
+        log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
+        estimate = estimate_log(log, settings.audit)
+        asked = settings.diagnosis
+        session = session_of(estimate, None if asked is None else diagnose_estimate(estimate, asked).discrepancy)
+        by_serial = bool(log.source.serial)
+        recorded = Recorded(session=session, topic=topic, kind=log.source.robot, named_by_serial=by_serial)
+        return Worked(sha256=session.sha256, recorded=(recorded,))
     except SeveralLogsError:
         raise
     except FrictionAuditError as error:
@@ -117,18 +122,6 @@ def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
     with suppress(OSError):  # a log that cannot even be read
         sha256 = sha256_of(path)
     return Worked(sha256=sha256, faults=(replace(fault, lasting=fault.lasting and bool(sha256)),))
-
-
-def _record(settings: BatchSettings, path: Path, topic: str) -> Recorded:
-    log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
-    estimate = estimate_log(log, settings.audit)
-    discrepancy = None if settings.diagnosis is None else diagnose_estimate(estimate, settings.diagnosis).discrepancy
-    return Recorded(
-        session=session_of(estimate, discrepancy),
-        topic=topic,
-        kind=log.source.robot,
-        named_by_serial=bool(log.source.serial),
-    )
 
 
 def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
@@ -227,23 +220,21 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
 
 def _joint(found: Mapping[str, Any]) -> JointSummary:
     by_energy = found["method"] == "energy"
-    values = (_coefficient(found[name]) for name in COEFFICIENTS)
+    known = {name: found[name] for name in COEFFICIENTS if by_energy and found[name] is not None}
+    ends = {name: tuple(_number(end) for end in one["ci95"]) for name, one in known.items()}
+    values = {
+        name: Coefficient(value=float(one["value"]), low=ends[name][0], high=ends[name][1])
+        for name, one in known.items()
+    }
     return JointSummary(
         joint=int(found["joint"]),
         name=str(found["name"]),
-        coefficients=dict(zip(COEFFICIENTS, values if by_energy else (UNDETERMINED, UNDETERMINED), strict=True)),
+        coefficients=dict.fromkeys(COEFFICIENTS, UNDETERMINED) | values,
         cycles=int(found["cycles"]),
         moving_s=float(found["moving_s"]),
         speed_rad_s=(NAN, NAN, NAN),
         reason=str(found["reason"] or "") if by_energy else BY_REGRESSION,
     )
-
-
-def _coefficient(found: Mapping[str, Any] | None) -> Coefficient:
-    if found is None:
-        return UNDETERMINED
-    low, high = (_number(end) for end in found["ci95"])
-    return Coefficient(value=float(found["value"]), low=low, high=high)
 
 
 def _number(found: float | None) -> float:

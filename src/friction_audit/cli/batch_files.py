@@ -5,9 +5,9 @@ import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
@@ -35,12 +35,11 @@ UNTESTABLE = 7  # exit code: the sessions cannot test a limit that the user set
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BatchAnswer:
-    """What a batch answers: file of the JSON document, table and sentences, warnings and exit code."""
+    """What a batch answers beyond its JSON document; a note of the ledger holds it."""
 
-    document: Path
-    text: str
-    warnings: tuple[str, ...]
-    code: int
+    text: str  # table and sentences
+    warnings: Sequence[str]
+    code: int  # exit code
     junit: str  # the limits as JUnit; empty without one
     codes: Mapping[str, Sequence[str]]  # of the warnings of each session that has some, by its path
 
@@ -48,13 +47,14 @@ class BatchAnswer:
         """Return the text, with what was computed and known in this run."""
         return _COUNTS.sub(f"{standing.new} computed, {standing.known} known", self.text, count=1)
 
-    def document_of(self, standing: "Standing") -> Iterator[str]:
-        """Yield the lines of the document, with what was computed and known in this run."""
-        counts = {"computed": standing.new, "known": standing.known}
-        with self.document.open(encoding="utf-8") as lines:
-            for line in lines:
-                count = _COUNT.fullmatch(line)
-                yield line if count is None else f'  "{count[1]}": {counts[count[1]]},\n'
+
+def document_lines(folder: Path, standing: "Standing") -> Iterator[str]:
+    """Yield the lines of the document, with what was computed and known in this run."""
+    counts = {"computed": standing.new, "known": standing.known}
+    with (folder / DOCUMENT).open(encoding="utf-8") as lines:
+        for line in lines:
+            count = _COUNT.fullmatch(line)
+            yield line if count is None else f'  "{count[1]}": {counts[count[1]]},\n'
 
 
 def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settings: "BatchSettings") -> None:
@@ -83,15 +83,14 @@ def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice
         )
         return None
     note = json.loads(text)
-    if note["request"] != _digest(request) or note["files"] != _stamps(folder, note["files"]):
+    files = note.pop("files")
+    if note.pop("request") != _digest(request) or files != _stamps(folder, files):
         return None
-    held = {name: note[name] for name in ("text", "code", "junit", "codes")}
-    return BatchAnswer(document=folder / DOCUMENT, warnings=tuple(note["warnings"]), **held)
+    return BatchAnswer(**note)
 
 
 def write_results(
     summary: "BatchSummary",
-    warnings: tuple[str, ...],
     junit: str,
     request: object,
     folder: Path,
@@ -113,14 +112,18 @@ def write_results(
         tables.result()
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
-    text = "".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose))
-    codes = {session.path: session.codes for session in summary.sessions if session.codes}
     code = DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
     if summary.exceeded or summary.cannot_tell:  # what was asked, the limits, comes before files that failed
         code = EXCEEDED if summary.exceeded else UNTESTABLE
-    held: dict[str, Any] = {"text": text, "warnings": warnings, "code": code, "junit": junit, "codes": codes}
-    answer = BatchAnswer(document=folder / DOCUMENT, **held)
-    written = json.dumps({"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn]), **held})
+    answer = BatchAnswer(
+        text="".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose)),
+        warnings=summary.warnings,
+        code=code,
+        junit=junit,
+        codes={session.path: session.codes for session in summary.sessions if session.codes},
+    )
+    made = {"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn])}
+    written = json.dumps(made | asdict(answer))
     ledger.write_note(REPORTED, f"{_digest(written)} {written}")
     return answer
 
@@ -175,8 +178,7 @@ def _prefixes(arms: "Sequence[ArmDrift]") -> dict[str, str]:
     if len(robots) == 1:
         return {robots[0]: ""}
     names = [re.sub(r"[^\w.-]+", "-", robot[:LONGEST_PREFIX]).strip("-.") or "robot" for robot in robots]
-    earlier = [
-        names[:place].count(name) for place, name in enumerate(names)
-    ]  # different arms, alike as files are named
+    # Different arms may be alike as files are named.
+    earlier = [names[:place].count(name) for place, name in enumerate(names)]
     numbers = [f"-{count + 1}" if count else "" for count in earlier]
     return {robot: f"{name}{number}-" for robot, name, number in zip(robots, names, numbers, strict=True)}

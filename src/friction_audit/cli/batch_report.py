@@ -1,11 +1,9 @@
 """``friction-audit batch-report``."""
 
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
-from importlib import import_module
 from pathlib import Path
-from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,12 +11,13 @@ import typer
 from friction_audit import __version__
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
+from friction_audit.cli.batch_files import RESULTS, check_results, document_lines, recall_results, write_results
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
 from friction_audit.cli.outputs import check_junit, write_junit
+from friction_audit.drift.settings import DriftSettings, parse_baseline
 from friction_audit.errors import AnalysisError, InputError, UsageError, encodable
 
 if TYPE_CHECKING:
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from friction_audit.batch.manifest import BatchSettings
     from friction_audit.batch.run_batch import BatchResult, Progress, Standing
     from friction_audit.drift.report import Limit
-    from friction_audit.drift.settings import DriftSettings
     from friction_audit.reporting.drift import BatchSummary
 
 EXAMPLES = """Examples:
@@ -40,13 +38,11 @@ EXAMPLES = """Examples:
 INTERRUPTED = 130  # exit code: stopped by the user
 # Parameters that change nothing in the numbers; the values of a --config file are written out.
 NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers", "strict", "junit")
-# Modules that writing the results takes, imported while others read logs.
+# Modules that the drift and the results take, imported while others read logs.
 FOR_RESULTS = (
-    "friction_audit.io.writers.tables",
-    "friction_audit.reporting.html.batch_page",
-    "jinja2",
-    "pyarrow.csv",
-    "pyarrow.parquet",
+    *("scipy.optimize", "scipy.signal", "scipy.stats", "statsmodels.robust.robust_linear_model"),
+    *("statsmodels.stats.multitest", "friction_audit.io.writers.tables", "friction_audit.reporting.html.batch_page"),
+    *("jinja2", "pyarrow.csv", "pyarrow.parquet"),
 )
 MOST_NAMED = 5  # logs that a message names; more are counted
 
@@ -119,7 +115,6 @@ def command(
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.executor import DaskExecutor, LocalExecutor
     from friction_audit.drift.report import parse_limit
-    from friction_audit.drift.settings import DriftSettings, parse_baseline
     from friction_audit.reporting.junit import junit_text
 
     voice = shared.general.voice
@@ -140,14 +135,12 @@ def command(
         if answer is None:
             again = encodable(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
-                summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
+                summary = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
                 text = junit_text("batch-report", summary.report, limits) if limits else ""
-            answer = write_results(
-                summary, warnings, text, request, folder, formats, ledger, settings, processes, voice
-            )
+            answer = write_results(summary, text, request, folder, formats, ledger, settings, processes, voice)
     if not shared.general.json:
         voice.warn(answer.warnings)
-    for text in answer.document_of(standing) if shared.general.json else (answer.text_of(standing),):
+    for text in document_lines(folder, standing) if shared.general.json else (answer.text_of(standing),):
         say(text, nl=False)
     write_junit(junit, answer.junit, overwrite=shared.overwrite)
     chain.exit_if_strict(answer.codes, strict=strict)
@@ -158,12 +151,12 @@ def command(
 def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: opt.LogOptions) -> "BatchSettings":
     from friction_audit.batch.manifest import BatchSettings
 
+    chain.refuse_join(shared.reading, "batch-report reads")
     diagnosis = None
     if sessions.diagnose:
         from friction_audit.diagnosis.settings import DiagnosisSettings
 
         diagnosis = DiagnosisSettings(min_effect_nm=sessions.min_effect)
-    chain.refuse_join(shared.reading, "batch-report reads")
     reading = read_options(shared.reading, shared.selection)
     return BatchSettings(audit=audit_settings(shared, friction), reading=reading, diagnosis=diagnosis)
 
@@ -213,61 +206,48 @@ def _catch_up(
     from friction_audit.batch.run_batch import catch_up
 
     last: list[Progress] = []
-    loading = Thread(target=_load, name="load", daemon=True)
 
     def watch(progress: "Progress") -> None:
         last[:] = [progress]
         if progress.done == 1 < progress.total:
-            loading.start()  # there is time while others read logs
+            loading.enter_context(chain.loading(*FOR_RESULTS))  # there is time while others read logs
         if count is not None:
             count(progress.done, progress.total, progress.failed)
 
     try:
-        with voice.count("estimate friction") as count:
-            standing = catch_up(found, settings, ledger, executor, watch, backwards=not alone)
+        with ExitStack() as loading, voice.count("estimate friction") as count:
+            return catch_up(found, settings, ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
         remark(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from stop
-    if loading.is_alive():  # modules that import each other, imported by two threads at once, are half there
-        loading.join()
-    return standing
-
-
-def _load() -> None:
-    from friction_audit.drift.analyse import load
-
-    load()
-    for name in FOR_RESULTS:
-        import_module(name)
 
 
 def _require_an_answer(result: "BatchResult") -> None:
     """Refuse a batch without a session, or without any coefficient in all of them, with the reasons."""
     from friction_audit.reporting.notices import reason_lines
 
+    def named(lines: list[str]) -> str:
+        more = [f"and {len(lines) - MOST_NAMED} more"] if len(lines) > MOST_NAMED else []
+        return "".join(f"\n  {line}" for line in lines[:MOST_NAMED] + more)
+
     if not result.sessions:
         lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
-        raise InputError(f"none of {len(lines)} logs can be used:{_first_of(lines)}")
+        raise InputError(f"none of {len(lines)} logs can be used:{named(lines)}")
     if all(joint.reason for session in result.sessions for joint in session.joints):
         lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
-        raise AnalysisError(f"no joint of any session has an estimate:{_first_of(lines)}")
-
-
-def _first_of(lines: list[str]) -> str:
-    more = [f"and {len(lines) - MOST_NAMED} more"] if len(lines) > MOST_NAMED else []
-    return "".join(f"\n  {line}" for line in lines[:MOST_NAMED] + more)
+        raise AnalysisError(f"no joint of any session has an estimate:{named(lines)}")
 
 
 def _summarise(
     standing: "Standing",
     settings: "BatchSettings",
     ledger: "Ledger",
-    drift: "DriftSettings",
+    drift: DriftSettings,
     limits: "tuple[Limit, ...]",
     command: str,
     processes: "LocalExecutor",
-) -> "tuple[BatchSummary, tuple[str, ...]]":
+) -> "BatchSummary":
     from friction_audit.batch.run_batch import drift_of_arms, gather
     from friction_audit.reporting.drift import BatchSummary, FailedLog
     from friction_audit.reporting.drift_words import limit_sentences
@@ -279,7 +259,7 @@ def _summarise(
     every = {"reading": chain.reading_settings(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
     every["diagnosis"] = None if settings.diagnosis is None else asdict(settings.diagnosis)
     beyond, unknown = limit_sentences(report, limits)
-    summary = BatchSummary(
+    return BatchSummary(
         report=report,
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
         exceeded=beyond,
@@ -290,4 +270,3 @@ def _summarise(
         computed=result.new,
         known=result.known,
     )
-    return summary, result.warnings

@@ -15,15 +15,16 @@ from friction_audit.cli import options as opt
 from friction_audit.cli.choices import parse_joints, parse_list, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice, remark
 from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import check_place, keep_input
 from friction_audit.joint_numbers import parse_joint_numbers
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 
 if TYPE_CHECKING:
     from friction_audit.effects.joint_model import ArmModel
     from friction_audit.io.readers import ReadOptions
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
-    from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
     from friction_audit.reporting.notices import Notice, Reasoned
 
 
@@ -214,48 +215,32 @@ def read_options(reading: opt.ReadingOptions, selection: opt.SelectionOptions) -
     )
 
 
-def torque_settings(torque: opt.TorqueOptions, robot: str) -> "TorqueSettings":
-    """Return how the interaction torque is made."""
-    from friction_audit.preprocessing.settings import TorqueSettings
-
-    own: dict[str, Any] = asdict(torque)
-    own["model_rate_hz"] = own.pop("model_rate")
-    own["gravity_vector"] = parse_numbers("--gravity-vector", torque.gravity_vector, ("x", "y", "z"))
-    if torque.payload is not None:
-        own["payload"] = parse_numbers("--payload", torque.payload, ("mass", "x", "y", "z"))
-    return TorqueSettings(robot=robot, **own)
-
-
-def cycle_settings(cycles: opt.CycleOptions) -> "CycleSettings":
-    """Return how cycles are found."""
-    from friction_audit.preprocessing.settings import CycleSettings
-
-    names = ("INIT", "TERM")
-    speeds: dict[str, Any] = {"thresholds": "auto"}
-    if cycles.thresholds != "auto":
-        begin, end = parse_numbers("--thresholds", cycles.thresholds, names)
-        speeds = {"initiation_rad_s": begin, "termination_rad_s": end}
-    hand_begin, hand_end = parse_numbers("--hand-thresholds", cycles.hand_thresholds, names)
-    return CycleSettings(
-        cycles_from=cycles.cycles_from,
-        hand_initiation_m_s=hand_begin,
-        hand_termination_m_s=hand_end,
-        minimum_path_rad=cycles.min_path,
-        **speeds,
-    )
-
-
 def audit_settings(options: opt.LogOptions, estimate: opt.EstimateOptions | None = None) -> "AuditSettings":
     """Return the settings of the whole chain."""
-    from friction_audit.friction.settings import FrictionSettings
     from friction_audit.pipeline import AuditSettings
 
-    selection, estimate = options.selection, estimate or opt.EstimateOptions()
+    selection, cycles, given = options.selection, options.cycles, options.torque
+    torque: dict[str, Any] = asdict(given)
+    torque["model_rate_hz"] = torque.pop("model_rate")
+    torque["gravity_vector"] = parse_numbers("--gravity-vector", given.gravity_vector, ("x", "y", "z"))
+    if given.payload is not None:
+        torque["payload"] = parse_numbers("--payload", given.payload, ("mass", "x", "y", "z"))
+    speeds: dict[str, Any] = {"thresholds": "auto"}
+    if cycles.thresholds != "auto":
+        begin, end = parse_numbers("--thresholds", cycles.thresholds, ("INIT", "TERM"))
+        speeds = {"initiation_rad_s": begin, "termination_rad_s": end}
+    hand_begin, hand_end = parse_numbers("--hand-thresholds", cycles.hand_thresholds, ("INIT", "TERM"))
     return AuditSettings(
         joints=parse_joints(selection.joints),
         t_start_s=selection.t_start,
         t_stop_s=selection.t_end,
-        torque=torque_settings(options.torque, options.reading.robot),
-        cycles=cycle_settings(options.cycles),
-        friction=FrictionSettings(**asdict(estimate)),
+        torque=TorqueSettings(robot=options.reading.robot, **torque),
+        cycles=CycleSettings(
+            cycles_from=cycles.cycles_from,
+            hand_initiation_m_s=hand_begin,
+            hand_termination_m_s=hand_end,
+            minimum_path_rad=cycles.min_path,
+            **speeds,
+        ),
+        friction=FrictionSettings(**asdict(estimate or opt.EstimateOptions())),
     )

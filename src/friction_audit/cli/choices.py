@@ -46,21 +46,19 @@ def dialects() -> list[str]:
     return [writer.name for writer in WRITERS]
 
 
-def completed_by(names: Callable[[], Sequence[str]]) -> Callable[[str], list[str]]:
-    """Return what a shell completes an option of one name with."""
-    return lambda incomplete: [name for name in names() if name.startswith(incomplete)]
+def completed_by(names: Callable[[], Sequence[str]], *, several: bool = False) -> Callable[[str], list[str]]:
+    """Return what a shell completes an option with: one of the names, or of several another one after a comma."""
+
+    def offer(incomplete: str) -> list[str]:
+        chosen, comma, begun = incomplete.rpartition(",") if several else ("", "", incomplete)
+        left = (name for name in names() if name not in chosen.split(","))
+        return [f"{chosen}{comma}{name}" for name in left if name.startswith(begun)]
+
+    return offer
 
 
 def option(panel: str, text: str, *names: str, default: object = None, **settings: Any) -> Any:  # noqa: ANN401
-    """Return an option as the default of a parameter of a command, or of a field of a group of options.
-
-    Args:
-        panel: Its heading in the help text.
-        text: Its help.
-        names: As typed; made from the parameter's name if there are none.
-        default: Its value where it is not given.
-        settings: Of ``described``.
-    """
+    """Return an option as the default of a parameter of a command, or of a field of a group; see ``described``."""
     return field(default=default, metadata={OPTION: described(panel, text, *names, **settings)})
 
 
@@ -73,40 +71,22 @@ def described(
     **settings: Any,  # noqa: ANN401 - of typer.Option
 ) -> object:
     """Return an option for ``Annotated``; ``one_of`` its values, or ``some_of`` them, repeated or between commas."""
-    known = tuple(one_of or some_of)
-    if one_of:
-        offer = completed_by(lambda: known)
-        settings = {"metavar": "|".join(known), "callback": _one(known), "autocompletion": offer, **settings}
-    elif some_of:
-        shown = f"{'|'.join(known)},..."
-        settings = {"metavar": shown, "callback": _some(known), "autocompletion": _offer_some(known), **settings}
+    if known := tuple(one_of or some_of):
+        shown = f"{'|'.join(known)}{',...' if some_of else ''}"
+        offer = completed_by(lambda: known, several=bool(some_of))
+        settings = {"metavar": shown, "callback": _known(known), "autocompletion": offer, **settings}
     return typer.Option(*names, help=text, rich_help_panel=panel, **settings)
 
 
-def _offer_some(names: Sequence[str]) -> Callable[[str], list[str]]:
-    def offer(incomplete: str) -> list[str]:
-        chosen, comma, begun = incomplete.rpartition(",")
-        left = (name for name in names if name not in chosen.split(","))
-        return [f"{chosen}{comma}{name}" for name in left if name.startswith(begun)]
-
-    return offer
-
-
-def _one(names: Sequence[str]) -> Callable[[str | None], str | None]:
-    def check(value: str | None) -> str | None:
-        if value is not None:
-            _check(value, names)
-        return value
-
-    return check
-
-
-def _some(names: Sequence[str]) -> Callable[[list[str]], list[str]]:
-    def check(values: list[str]) -> list[str]:
-        chosen = [name.strip() for value in values for name in value.split(",")]
+def _known(names: Sequence[str]) -> Callable[[Any], Any]:
+    def check(value: Any) -> Any:  # noqa: ANN401 - a name, several of them, or None
+        several = isinstance(value, list | tuple)
+        chosen = [name.strip() for one in value for name in one.split(",")] if several else [value]
         for name in chosen:
-            _check(name, names)
-        return list(dict.fromkeys(chosen))
+            if name is not None and name not in names:
+                near = near_misses(name, names)
+                raise typer.BadParameter(f"{printable(name)}: expected one of {', '.join(names)}{near}")
+        return list(dict.fromkeys(chosen)) if several else value
 
     return check
 
@@ -126,11 +106,6 @@ def near_misses(word: str, names: Sequence[str]) -> str:
     """Return ``"; did you mean ...?"`` for a misspelt name, or nothing."""
     near = difflib.get_close_matches(word, names, n=2)
     return f"; did you mean {' or '.join(near)}?" if near else ""
-
-
-def _check(value: str, names: Sequence[str]) -> None:
-    if value not in names:
-        raise typer.BadParameter(f"{printable(value)}: expected one of {', '.join(names)}{near_misses(value, names)}")
 
 
 def parse_joints(text: str | None) -> tuple[int, ...] | None:

@@ -56,14 +56,10 @@ def command(
     for source in (before, after):
         out.check(source, (DOCUMENT, TABLE))
     check_junit(junit, limits, overwrite=shared.overwrite)
-    recordings, left_out = [], []
-    for source in (before, after):
-        found, lost = _recordings(source, shared, friction, folder, voice)
-        recordings.append(found)
-        left_out += lost
+    sources = [_recordings(source, shared, friction, folder, voice) for source in (before, after)]
     with voice.step("compare"):
-        sides = compare_sides(*recordings)
-    notices = (*left_out, *diff_notices(sides))
+        sides = compare_sides(*(found for found, _ in sources))
+    notices = (*(one for _, lost in sources for one in lost), *diff_notices(sides))
     code = _report(sides, limits, notices, out, shared, friction)
     if junit is not None:
         from friction_audit.reporting.junit import junit_text
@@ -83,9 +79,8 @@ def _recordings(
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.reporting.notices import Notice
 
-    results = (
-        [source] if source.suffix.lower() == ".json" else [*source.glob(RESULT)] or sorted(source.glob(f"*/{RESULT}"))
-    )
+    is_result = source.suffix.lower() == ".json"
+    results = [source] if is_result else [*source.glob(RESULT)] or sorted(source.glob(f"*/{RESULT}"))
     if results:
         return [_of_result(path, parse_joints(shared.selection.joints)) for path in results], []
     if source.suffix.lower() == ".toml":

@@ -13,7 +13,7 @@ from typer.core import TyperCommand
 
 from friction_audit.cli.choices import OPTION, near_misses
 from friction_audit.cli.console import say
-from friction_audit.errors import UsageError, printable, shortened
+from friction_audit.errors import printable, shortened
 from friction_audit.io.files import read_toml
 from friction_audit.preprocessing.settings import GIVEN, TorqueSettings
 
@@ -27,42 +27,23 @@ TUNING, RUNNING, GENERAL = "Compensator", "Processes", "General"
 MOTION = "Motion"
 EVERY = "friction_audit.every_option"  # key in the context of a help that shows every option
 
+# Headings of the help in their order -> the commands whose ``--help`` shows them, None: every one that has options
+# there; ``--help-all`` shows all.
 HEADINGS: dict[str, Collection[str] | None] = {
-    ARGUMENTS: None,
-    REPLAY: None,
-    SIMULATION: None,
-    COMPARISON: None,
-    SESSIONS: None,
-    DRIFT: None,
+    **dict.fromkeys((ARGUMENTS, REPLAY, SIMULATION, COMPARISON, SESSIONS, DRIFT)),
     ESTIMATE: ("estimate",),
     DIAGNOSIS: ("diagnose",),
     MOTION: None,
     OUTPUT: None,
     FIGURE_FILES: ("plot", "compare", "reproduce"),
     COMMON: None,
-    READING: ("info", "convert"),
-    SELECTION: ("info", "convert"),
-    TORQUE: (),
-    CYCLES: (),
-    TUNING: (),
-    RUNNING: (),
-    GENERAL: (),
+    **dict.fromkeys((READING, SELECTION), ("info", "convert")),
+    **dict.fromkeys((TORQUE, CYCLES, TUNING, RUNNING, GENERAL), ()),
 }
-"""Headings of the help in their order -> the commands whose ``--help`` shows them, None: every one that has options
-there; ``--help-all`` shows all."""
-RENAMED = {("plot", "--kind"): "--figures", ("plot", "--format"): "--figure-format"}  # since version 0.1
 
 
 class GroupedCommand(TyperCommand):
     """A command whose help lists its options by task, those without a task (``--help``) last."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - types of Typer's private copy of click
-        """Refuse the former name of an option with its new one."""
-        for word in args:
-            old = word.partition("=")[0]
-            if (new := RENAMED.get((str(self.name), old))) is not None:
-                raise UsageError(f"{old}: {self.name} calls it {new}; write {new}")
-        return super().parse_args(ctx, args)
 
     def format_options(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - types of Typer's private copy of click
         """Write arguments and options under their headings; with ``--help`` only those that the command shows."""
@@ -164,18 +145,24 @@ def command_line(context: typer.Context, *, leave_out: Collection[str]) -> str:
 
 def load_config(context: typer.Context, path: Path | None) -> Path | None:
     """Make the file's values the defaults of the command's options; called before any other option is read."""
-    if path is not None and not context.resilient_parsing:
-        context.default_map = _translate(_read(path), path, _options(context))
-    return path
-
-
-def dump_config(context: typer.Context) -> str:
-    """Return the options in force as TOML; those without a value as comments."""
+    if path is None or context.resilient_parsing:
+        return path
+    try:
+        values = {key.replace("_", "-"): value for key, value in read_toml(path).items()}
+    except OSError as error:
+        raise typer.BadParameter(f"{path}: cannot be read: {error.strerror}") from error
+    except ValueError as error:
+        raise typer.BadParameter(f"{path}: not TOML with options: {printable(str(error))}") from error
     options = _options(context)
-    lines = [
-        _line(key, context.params.get(parameter.name)) for key, parameter in options.items() if key not in NOT_DUMPED
-    ]
-    return "".join(f"{line}\n" for line in lines)
+    unknown = [shortened(printable(key), LONGEST_KEY) for key in values if key not in options]
+    if unknown:
+        few = [f"{key}{near_misses(key, tuple(options))}" for key in unknown[:MOST_NAMED]]
+        more = f" and {len(unknown) - len(few)} more" if len(unknown) > len(few) else ""
+        listed = "" if "?" in "".join(few) else f" (options of this command: {', '.join(options)})"
+        raise typer.BadParameter(f"{path}: no option {', '.join(few)}{more}{listed}")
+    given = {options[key].name: _as_given(value, several=options[key].multiple) for key, value in values.items()}
+    context.default_map = given
+    return path
 
 
 def _options(context: typer.Context) -> dict[str, Any]:
@@ -183,43 +170,28 @@ def _options(context: typer.Context) -> dict[str, Any]:
     return {max(option.opts, key=len).removeprefix("--"): option for option in options}
 
 
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return read_toml(path)
-    except OSError as error:
-        raise typer.BadParameter(f"{path}: cannot be read: {error.strerror}") from error
-    except ValueError as error:
-        raise typer.BadParameter(f"{path}: not TOML with options: {printable(str(error))}") from error
-
-
-def _translate(values: dict[str, Any], path: Path, options: dict[str, Any]) -> dict[str, Any]:
-    named = {key.replace("_", "-"): value for key, value in values.items()}
-    unknown = [shortened(printable(key), LONGEST_KEY) for key in named if key not in options]
-    if unknown:
-        few = [f"{key}{near_misses(key, tuple(options))}" for key in unknown[:MOST_NAMED]]
-        more = f" and {len(unknown) - len(few)} more" if len(unknown) > len(few) else ""
-        listed = "" if "?" in "".join(few) else f" (options of this command: {', '.join(options)})"
-        raise typer.BadParameter(f"{path}: no option {', '.join(few)}{more}{listed}")
-    return {options[key].name: _as_given(value, repeatable=options[key].multiple) for key, value in named.items()}
-
-
-def _as_given(value: Any, *, repeatable: bool) -> Any:  # noqa: ANN401 - any TOML value
+def _as_given(value: Any, *, several: bool) -> Any:  # noqa: ANN401 - any TOML value
     if isinstance(value, dict):
         value = [f"{key}={item}" for key, item in value.items()]
-    if repeatable:
+    if several:
         return [str(item) for item in (value if isinstance(value, list) else [value])]
     if isinstance(value, list):
         return ",".join(map(str, value))
     return value if isinstance(value, bool) else str(value)
 
 
-def _line(key: str, value: Any) -> str:  # noqa: ANN401 - any value of an option
-    if value is None or value in ([], ()):
-        return f"# {key} ="
-    if isinstance(value, bool):
-        return f"{key} = {str(value).lower()}"
-    if isinstance(value, int | float):
-        return f"{key} = {value!r}"
-    if isinstance(value, list | tuple):
-        return f"{key} = {json.dumps([str(item) for item in value], ensure_ascii=False)}"
-    return f"{key} = {json.dumps(str(value), ensure_ascii=False)}"
+def dump_config(context: typer.Context) -> str:
+    """Return the options in force as TOML, of which JSON writes text, lists and booleans; as comments those without."""
+    lines = []
+    for key, parameter in _options(context).items():
+        value = context.params.get(parameter.name)
+        if key in NOT_DUMPED:
+            continue
+        if value is None or value in ([], ()):
+            lines.append(f"# {key} =\n")
+            continue
+        shown = [str(item) for item in value] if isinstance(value, list | tuple) else value
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        text = repr(value) if number else json.dumps(shown, ensure_ascii=False, default=str)
+        lines.append(f"{key} = {text}\n")
+    return "".join(lines)

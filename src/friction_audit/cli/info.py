@@ -2,23 +2,24 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import cycle_settings, read_options, torque_settings
-from friction_audit.cli.choices import option, parse_joints
+from friction_audit.cli.chain import read_options
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.grouped_help import READING
 from friction_audit.errors import FrictionAuditError
+from friction_audit.io.files import stamp_of
 
 if TYPE_CHECKING:
     from friction_audit.io.readers import ReadOptions
     from friction_audit.io.readers.reader import Topic
     from friction_audit.joint_log import JointLog
-    from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+    from friction_audit.pipeline import AuditSettings
     from friction_audit.reporting.info import InfoEntry, LogSummary
 
 LARGE_BYTES = 64 << 20  # of a larger file the beginning is read; a smaller one takes less than a second
@@ -42,14 +43,13 @@ def command(
     ),
 ) -> None:
     """Summarise logs: format, channels, clock, joints, cycles."""
+    shared = opt.LogOptions(selection=selection, reading=reading, torque=torque, cycles=cycles, general=general)
     voice = general.voice
     if len(logs) > 1:
         chain.refuse_join(reading, "these are")
-    options = read_options(reading, selection)
-    joints = parse_joints(selection.joints)
-    view = _View(joints, torque_settings(torque, reading.robot), cycle_settings(cycles), full)
+    options, settings = read_options(reading, selection), chain.audit_settings(shared)
     failures: list[FrictionAuditError] = []
-    entries = [_entry(path, options, view, voice, failures) for path in logs]
+    entries = [_entry(path, options, settings, voice, failures, full=full) for path in logs]
     _print(entries, voice, json=general.json)
     if len(failures) == len(entries):
         raise typer.Exit(max(error.exit_code for error in failures))
@@ -57,17 +57,14 @@ def command(
         raise typer.Exit(DAMAGED)
 
 
-class _View(NamedTuple):
-    """What of a log is looked at, and how."""
-
-    joints: tuple[int, ...] | None
-    torque: "TorqueSettings"
-    cycles: "CycleSettings"
-    full: bool
-
-
 def _entry(
-    path: Path, options: "ReadOptions", view: _View, voice: Voice, failures: list[FrictionAuditError]
+    path: Path,
+    options: "ReadOptions",
+    settings: "AuditSettings",
+    voice: Voice,
+    failures: list[FrictionAuditError],
+    *,
+    full: bool,
 ) -> "InfoEntry":
     """Look at one file; a file that cannot be read becomes an entry with its message, and one more failure."""
     from friction_audit.io.readers import list_topics
@@ -76,8 +73,8 @@ def _entry(
     topics: tuple[Topic, ...] = ()
     try:
         topics = tuple(list_topics(path)[1])
-        log = chain.read(path, options, voice) if view.full else _read(path, options, topics, voice)
-        return InfoEntry(path=str(path), topics=topics, summary=_summary(log, view))
+        log = chain.read(path, options, voice) if full else _read(path, options, topics, voice)
+        return InfoEntry(path=str(path), topics=topics, summary=_summary(log, settings))
     except FrictionAuditError as error:
         failures.append(error)
         return InfoEntry(path=str(path), topics=topics, message=str(error))
@@ -85,7 +82,6 @@ def _entry(
 
 def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice: Voice) -> "JointLog":
     """Read a log, or the part asked for or the beginning of a large one."""
-    from friction_audit.io.files import stamp_of
     from friction_audit.io.readers.reader import FirstLook
     from friction_audit.joint_log import Finding
 
@@ -102,18 +98,18 @@ def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice
     return replace(part, source=replace(part.source, findings=(*part.source.findings, finding)))
 
 
-def _summary(log: "JointLog", view: _View) -> "LogSummary":
+def _summary(log: "JointLog", settings: "AuditSettings") -> "LogSummary":
     """Go as far along the chain as the log allows."""
     from friction_audit.preprocessing.interaction_torque import extract_interaction
     from friction_audit.preprocessing.segmentation import segment_cycles
     from friction_audit.reporting.info import summarize_log
 
     try:
-        hand = view.cycles.cycles_from == "hand"
-        interaction = extract_interaction(log, view.torque, joints=view.joints, hand=hand)
+        hand = settings.cycles.cycles_from == "hand"
+        interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
     except FrictionAuditError as error:
         return summarize_log(log, None, None, obstacle=str(error))
-    return summarize_log(log, interaction, segment_cycles(interaction, view.cycles))
+    return summarize_log(log, interaction, segment_cycles(interaction, settings.cycles))
 
 
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:

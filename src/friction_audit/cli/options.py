@@ -41,33 +41,18 @@ Exports = Annotated[
         panel.OUTPUT,
         "Also write every table of the result to DIR: mcap as topics on the log's clock, csv and parquet one file "
         "per table.",
-        "--export",
         some_of=choices.EXPORTS,
     ),
 ]
-MinEffect = Annotated[
-    float,
-    described(
-        panel.DIAGNOSIS,
-        "Effects of a smaller rms torque are negligible: they are listed separately and do not change the verdict "
-        "[N m].",
-        "--min-effect",
-        metavar="NM",
-        min=0.0,
-    ),
-]
-
-
-JUnit = Annotated[
-    Path | None,
-    described(
-        panel.DRIFT,
-        "Write the limits as JUnit, a test case per joint and limit: a failure where it is exceeded, an error where it "
-        "cannot be tested.",
-        "--junit",
-        metavar="FILE.xml",
-    ),
-]
+MIN_EFFECT = (
+    "Effects of a smaller rms torque are negligible: they are listed separately and do not change the verdict [N m]."
+)
+MinEffect = Annotated[float, described(panel.DIAGNOSIS, MIN_EFFECT, metavar="NM", min=0.0)]
+JUNIT = (
+    "Write the limits as JUnit, a test case per joint and limit: a failure where it is exceeded, an error where it "
+    "cannot be tested."
+)
+JUnit = Annotated[Path | None, described(panel.DRIFT, JUNIT, metavar="FILE.xml")]
 
 
 def joint_model_option(panel: str, text: str) -> Any:  # noqa: ANN401

@@ -136,15 +136,12 @@ def _write(
 def _find_scenario(name: str | None) -> "Scenario":
     from friction_audit.simulation.scenarios import SCENARIOS
 
-    names = [scenario.name for scenario in SCENARIOS]
-    if name is None:
-        raise UsageError(f"SCENARIO: missing; expected one of {', '.join(names)}")
-    found = next((scenario for scenario in SCENARIOS if scenario.name == name), None)
-    if found is None:
-        raise UsageError(
-            f"{name}: no such scenario; expected one of {', '.join(names)}{choices.near_misses(name, names)}"
-        )
-    return found
+    named = {scenario.name: scenario for scenario in SCENARIOS}
+    if name not in named:
+        found = "SCENARIO: missing" if name is None else f"{name}: no such scenario"
+        near = choices.near_misses(name or "", list(named))
+        raise UsageError(f"{found}; expected one of {', '.join(named)}{near}")
+    return named[name]
 
 
 def _choose_output(
@@ -193,6 +190,8 @@ def changed(settings: Any, change: opt.ChangeOptions, model: Path | None = None,
 def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
     """Print the scenarios, or the settings of one as ``--set`` takes them, and the effects."""
     from friction_audit.simulation.assign import Kind, paths, write_value
+    from friction_audit.simulation.effects import EFFECTS
+    from friction_audit.simulation.effects.effect import described
     from friction_audit.simulation.scenarios import SCENARIOS
 
     if json:
@@ -208,23 +207,15 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
             others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
             rows.append((path, write_value(value) + others))
         _print_table(rows, margin="  ")
-    if lists.effects_there_are:
-        _list_effects()
-
-
-def _list_effects() -> None:
-    """Print the effects by family: each with its parameters, their usual values and their meaning."""
-    from friction_audit.simulation.effects import EFFECTS
-    from friction_audit.simulation.effects.effect import described
-
-    for family in dict.fromkeys(effect.family() for effect in EFFECTS):
-        say(family)
-        for effect in (one for one in EFFECTS if one.family() == family):
-            say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
-            rows = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
-            if effect.forms:
-                rows.append(("form", effect.forms[0], f"one of {', '.join(effect.forms)}"))
-            _print_table(rows, margin="    ")
+    families = [effect.family() for effect in EFFECTS]
+    family = ""
+    for effect in sorted(EFFECTS, key=lambda one: families.index(one.family())) if lists.effects_there_are else ():
+        if effect.family() != family:
+            say(family := effect.family())
+        say(f"  {effect.name}: {effect.summary}{'; takes several joints' if effect.needs_neighbours else ''}")
+        known = [(one.name, f"{one.default:g}", described(one)) for one in effect.parameters()]
+        forms = [("form", effect.forms[0], f"one of {', '.join(effect.forms)}")] if effect.forms else []
+        _print_table(known + forms, margin="    ")
 
 
 def _print_table(rows: Sequence[tuple[str, ...]], margin: str = "") -> None:

@@ -2,31 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from importlib import import_module
 
 from friction_audit.drift.change_points import find_isolated, leave_outliers_out
-from friction_audit.drift.change_test import judge_family
-from friction_audit.drift.coefficient import Verdict, describe_series, too_few
+from friction_audit.drift.change_test import Verdict, judge_family
+from friction_audit.drift.coefficient import describe_series, too_few
 from friction_audit.drift.covariates import choose_comparable, use_temperature, without_temperature
 from friction_audit.drift.regression import baseline_columns
 from friction_audit.drift.report import ArmDrift, DriftReport, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.joint_numbers import write_joint_numbers
-
-HEAVY = (
-    "scipy.optimize",
-    "scipy.signal",
-    "scipy.stats",
-    "statsmodels.robust.robust_linear_model",
-    "statsmodels.stats.multitest",
-)
-
-
-def load() -> None:
-    """Import ahead what an analysis imports where it is used."""
-    for name in HEAVY:
-        import_module(name)
 
 
 def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:
@@ -114,24 +99,17 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:
     """Test the coefficients of an arm, all of whose sessions count; None for those with too few sessions."""
     # One degree of freedom is left given level, temperature and one change.
-    testable = [
-        i
+    testable = {
+        i: series
         for i, series in enumerate(family)
         if len(series.y) >= FEWEST_SESSIONS and len(series.y) > baseline_columns(series).shape[1] + 1
-    ]
+    }
     verdicts: list[Verdict | None] = [None] * len(family)
     if not testable:
         return verdicts
-    chosen = [family[i] for i in testable]
-    test = judge_family(chosen, settings)
-    warm = any(series.temperature is not None for series in chosen)
-    plain = judge_family([without_temperature(series) for series in chosen], settings) if warm else test
-    for k, i in enumerate(testable):
-        verdicts[i] = Verdict(
-            p_value=float(test.p_value[k]),
-            ramp_p_value=float(test.ramp_p_value[k]),
-            p_without_temperature=float(plain.p_value[k]),
-            critical=test.critical,
-            autocorrelation=test.autocorrelation[k],
-        )
+    test = plain = judge_family([*testable.values()], settings)
+    if any(series.temperature is not None for series in testable.values()):
+        plain = judge_family([without_temperature(series) for series in testable.values()], settings)
+    for i, found, bare in zip(testable, test, plain, strict=True):
+        verdicts[i] = replace(found, p_without_temperature=bare.p_value)
     return verdicts

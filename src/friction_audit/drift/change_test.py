@@ -232,17 +232,18 @@ def _simulate(
     return float(low), float(middle), float(high), float(np.quantile(largest, QUANTILE))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class FamilyTest:
-    """What the test of an arm says of each of its s series."""
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Verdict:
+    """What the test of an arm says of one series."""
 
-    p_value: Float  # of the largest statistic, family-wise, shape (s,)
-    ramp_p_value: Float  # of the ramps alone, family-wise, shape (s,)
+    p_value: float  # of the largest statistic, family-wise
+    ramp_p_value: float  # of the ramps alone, family-wise
+    p_without_temperature: float  # as if no temperature were known; the same as ``p_value`` where none is used
     critical: float  # score that is exceeded without drift with probability alpha, in any series
-    autocorrelation: tuple[Autocorrelation, ...]
+    autocorrelation: Autocorrelation  # of the scatter
 
 
-def judge_family(family: Sequence[Series], settings: DriftSettings) -> FamilyTest:
+def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verdict]:
     """Test all series of an arm for drift; all of their sessions count."""
     every = [make_directions(series) for series in family]
     orders, width = settings.permutations, 1 + max(int(np.max(series.place)) for series in family)
@@ -253,19 +254,19 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> FamilyTes
         for kind in dict.fromkeys(kinds)
     }
     maxima, ramp_maxima = _permute(every, [series.place for series in family], rng, width, settings)
-    observed, ramp = [], []
+    observed, ramp = np.empty(len(family)), np.empty(len(family))
     for k, (directions, kind) in enumerate(zip(every, kinds, strict=True)):
         real, freedom = np.abs(studentise(directions.residual[None, :], directions)), directions.freedom
         growth = of_kind[kind].growth
-        observed.append(score(np.max(real) / growth, freedom))
-        ramp.append(score(np.max(real[:, directions.ramps], initial=0.0) / growth, freedom))
+        observed[k] = score(np.max(real) / growth, freedom)
+        ramp[k] = score(np.max(real[:, directions.ramps], initial=0.0) / growth, freedom)
         maxima[:, k], ramp_maxima[:, k] = score(maxima[:, k], freedom), score(ramp_maxima[:, k], freedom)
-    return FamilyTest(
-        p_value=step_down(np.array(observed), maxima),
-        ramp_p_value=step_down(np.array(ramp), ramp_maxima),
-        critical=float(np.quantile(np.max(maxima, axis=1), 1.0 - settings.alpha)),
-        autocorrelation=tuple(of_kind[kind] for kind in kinds),
-    )
+    critical = float(np.quantile(np.max(maxima, axis=1), 1.0 - settings.alpha))
+    p_values = zip(step_down(observed, maxima).tolist(), step_down(ramp, ramp_maxima).tolist(), kinds, strict=True)
+    return [
+        Verdict(p_value=p, ramp_p_value=q, p_without_temperature=p, critical=critical, autocorrelation=of_kind[kind])
+        for p, q, kind in p_values
+    ]
 
 
 def _permute(

@@ -3,13 +3,15 @@
 import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from friction_audit.drift.change_points import Step, find_steps
-from friction_audit.drift.change_test import Autocorrelation, orthogonal
+from friction_audit.drift.change_test import Verdict, orthogonal
 from friction_audit.drift.covariates import CONFOUNDED, follows, shared, without_temperature
 from friction_audit.drift.regression import (
+    STRONG_EVIDENCE,
     Fit,
     Model,
     baseline_columns,
@@ -21,7 +23,6 @@ from friction_audit.drift.regression import (
     ramp_columns,
     ramp_model,
     relative_size,
-    shape_of,
     slope_over,
     steps_model,
     temperature_slope,
@@ -39,17 +40,6 @@ SPEED_CHANGE = 1.25  # a speed of motion that changes less with a drift does not
 CERTAIN = 30.0  # statistic beyond which the noise of the numerator of t is negligible against that of its denominator
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Verdict:
-    """What the test of the arm says of one series."""
-
-    p_value: float  # family-wise
-    ramp_p_value: float  # the same of a straight trend alone
-    p_without_temperature: float  # as if no temperature were known; the same as ``p_value`` where none is used
-    critical: float  # score that the test asks for
-    autocorrelation: Autocorrelation  # of the scatter
-
-
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class _Described:
     """The shape of a series, with the model that it was measured by."""
@@ -62,16 +52,20 @@ class _Described:
 def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
     """Return what can be said of a series with too few sessions: its values."""
     own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
-    return CoefficientDrift(
-        coefficient=series.coefficient,
-        sessions=tuple(int(index) for index in series.session),
-        values=_values(series, series.y),
-        isolated=tuple(int(index) for index in series.session[~series.kept]),
-        shape="too_few",
-        within=change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
-        drift=False,
-        reasons=tuple(joint.reason for joint in own if joint.reason),
-    )
+    reasons = tuple(joint.reason for joint in own if joint.reason)
+    return CoefficientDrift(**_shown(series, series.y, sessions), shape="too_few", drift=False, reasons=reasons)
+
+
+def _shown(series: Series, y: Float, sessions: Sequence[Session]) -> dict[str, Any]:
+    """Return what is shown of any series."""
+    half = NORMAL_95 * series.y_error
+    return {
+        "coefficient": series.coefficient,
+        "sessions": tuple(series.session.tolist()),
+        "values": tuple(to_level(one, series) for one in _coefficients(np.column_stack([y, y - half, y + half]))),
+        "isolated": tuple(series.session[~series.kept].tolist()),
+        "within": change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
+    }
 
 
 def describe_series(
@@ -97,10 +91,7 @@ def describe_series(
     least = Coefficient(value=smallest, low=smallest, high=smallest)
     relative_scatter = not series.logarithmic and not is_near_zero(level)
     return CoefficientDrift(
-        coefficient=series.coefficient,
-        sessions=tuple(int(index) for index in series.session),
-        values=_values(series, y),
-        isolated=tuple(int(index) for index in series.session[~series.kept]),
+        **_shown(series, y, sessions),
         level=level,
         shape=found.shape,
         p_value=verdict.p_value,
@@ -116,7 +107,6 @@ def describe_series(
         scatter=fit.scatter / abs(level.value) if relative_scatter else fit.scatter,
         smallest_change=to_change(least, level, series).value,
         smallest_drift=to_relative(least, level, series).value,
-        within=change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
         drift=verdict.p_value <= settings.alpha,
         warmer_k=_warming(warm),
         by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
@@ -132,17 +122,11 @@ def _find_shape(series: Series, verdict: Verdict, reference: Collection[int], se
         return _Described(shape="temperature" if with_temperature else "none", model=ends)
     steps = find_steps(series, settings, verdict.autocorrelation.growth)
     stepped, ramp = steps_model(series, [step.place for step in steps], reference), ramp_model(series, reference)
-    scores = criterion(series, stepped), criterion(series, ramp)
-    shape = shape_of(*scores, len(steps))
-    if shape == "ramp" or (shape == "step_or_ramp" and scores[1] < scores[0]):
-        return _Described(shape=shape, model=ramp)
-    return _Described(shape=shape, model=stepped, steps=steps)
-
-
-def _values(series: Series, y: Float) -> tuple[Coefficient, ...]:
-    half = NORMAL_95 * series.y_error
-    rows = zip(y.tolist(), (y - half).tolist(), (y + half).tolist(), strict=True)
-    return tuple(to_level(Coefficient(value=value, low=low, high=high), series) for value, low, high in rows)
+    better = criterion(series, stepped) - criterion(series, ramp)  # of the ramp than of the steps
+    shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
+    if not abs(better) >= STRONG_EVIDENCE:
+        shape = "step_or_ramp"
+    return _Described(shape=shape, model=ramp) if better > 0.0 else _Described(shape=shape, model=stepped, steps=steps)
 
 
 def _change_points(series: Series, found: _Described, fit: Fit, p_value: float) -> tuple[ChangePoint, ...]:

@@ -178,13 +178,6 @@ def criterion(series: Series, model: Model) -> float:
     return n * float(np.log(np.sum(left**2) / n + 1e-12)) + model.free * float(np.log(n))
 
 
-def shape_of(steps: float, ramp: float, count: int) -> str:
-    """Return the shape that the criteria of so many steps and of a ramp favour."""
-    if steps <= ramp - STRONG_EVIDENCE:
-        return "step" if count == 1 else "steps"
-    return "ramp" if ramp <= steps - STRONG_EVIDENCE else "step_or_ramp"
-
-
 def slope_over(series: Series, clock: Float | None, inflation: float) -> Coefficient:
     """Return the slope of the coefficient over a clock (n,), the temperature in the model, unit of the coefficient.
 

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, nan
 from typing import Literal, NamedTuple
 
 from friction_audit.drift.session import Session
@@ -151,7 +151,12 @@ def parse_limit(text: str) -> Limit:
     found = PATTERN.fullmatch(text.strip().lower())
     if found is None or found["name"] not in COEFFICIENT_OF:
         raise UsageError(f"{where}: not a limit; {EXPECTED}")
-    size = _number(found["size"], where)
+    try:
+        size = float(found["size"])
+    except ValueError:
+        size = nan
+    if not (isfinite(size) and size >= 0.0):
+        raise UsageError(f"{where}: {found['size']} is no size of a change; {EXPECTED}")
     relative = found["percent"] is not None
     if found["name"] == "any" and not relative:
         raise UsageError(f"{where}: the coefficients have different units; expected a limit in per cent, e.g. any=20%")
@@ -162,16 +167,6 @@ def parse_limit(text: str) -> Limit:
         relative=relative,
         text=text.strip(),
     )
-
-
-def _number(text: str, where: str) -> float:
-    try:
-        size = float(text)
-    except ValueError as error:
-        raise UsageError(f"{where}: {text!r} is no number; {EXPECTED}") from error
-    if not (isfinite(size) and size >= 0.0):
-        raise UsageError(f"{where}: {text} is no size of a change; {EXPECTED}")
-    return size
 
 
 class Judged(NamedTuple):

@@ -1,6 +1,6 @@
 """Friction of the joints of a source -> a file of a simulator or a controller, checked by simulation in MuJoCo."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,17 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.export import plain_text, robot_xml
-from friction_audit.export.friction_law import (
-    ExportedJoint,
-    FittedFriction,
-    FrictionLaw,
-    Target,
-    even_speeds,
-    match_names,
-)
+from friction_audit.export import plain_text as text
+from friction_audit.export import robot_xml as xml
+from friction_audit.export.friction_law import ExportedJoint, FittedFriction, FrictionLaw, even_speeds, match_names
+from friction_audit.export.robot_xml import Edit, Tag, XmlText
 from friction_audit.export.source import Joints, laws_of, speeds_of
-from friction_audit.export.xml_text import XmlText
 from friction_audit.io.files import whole_file
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
@@ -28,15 +22,34 @@ from friction_audit.preprocessing.torque_source import known_arm
 if TYPE_CHECKING:
     from mujoco import MjModel
 
-TARGETS: tuple[Target, ...] = (
-    *(robot_xml.URDF, robot_xml.MJCF, robot_xml.SDF, plain_text.USD, plain_text.ISAAC_LAB, plain_text.CPP),
-    *(plain_text.ROS2_CONTROL, plain_text.CSV),
+
+@dataclass(frozen=True, slots=True)
+class Target:
+    """A file format of a simulator or a controller."""
+
+    name: str  # unique name
+    suffixes: tuple[str, ...]  # file name endings with the dot, the usual one first
+    template: str  # of a new file
+    highest_power: int | None = 1  # of the speed, that its damping has; None where it holds the law itself
+    armature: bool = False  # whether it has a place for the inertia
+    # of a format that takes the user's file: its joints in their order, and the edits that put friction into some
+    joints_of: Callable[[XmlText], list[Tag]] | None = None
+    edits: Callable[[XmlText, Sequence[tuple[Tag, ExportedJoint]]], Iterator[Edit]] | None = None
+
+
+TARGETS = (
+    Target("urdf", (".urdf",), text.URDF, joints_of=xml.turning_joints, edits=xml.edit_urdf),
+    Target("mjcf", (".xml",), text.MJCF, 3, armature=True, joints_of=xml.mjcf_joints, edits=xml.edit_mjcf),
+    Target("sdf", (".sdf",), text.SDF, joints_of=xml.turning_joints, edits=xml.edit_sdf),
+    Target("usd", (".usda",), text.USD, armature=True),
+    Target("isaac-lab", (".py",), text.ISAAC_LAB, armature=True),
+    Target("cpp", (".hpp", ".h"), text.CPP, None),
+    Target("ros2-control", (".yaml",), text.ROS2),
+    Target("csv", (".csv",), text.CSV, armature=True),
 )
-"""All formats."""
 CUBIC = 3  # highest power of the damping that MuJoCo simulates
-WINDOW_S = (
-    0.2  # after which the simulation starts again from the recorded state: an arm without friction is far by then
-)
+# After so long the simulation starts again from the recorded state: an arm without friction is far by then.
+WINDOW_S = 0.2
 MOST_WINDOWS = 300  # a minute of simulation in all, spread over the log; their rms is known to 4 %
 GAP_STEPS = 20  # median time steps above which a window has no torque to be driven by
 STEP_S = 1e-3  # of the simulation, or the log's own step where that is shorter
@@ -124,10 +137,20 @@ def export_friction(
     armature = target.armature and bool(joints.reflected if settings.armature is None else settings.armature)
     count = len(joints.models) + len(joints.lacking)
     laws, lacking = laws_of(joints, speeds, wanted=settings.joints, armature=armature)
-    written, by_order = _joints_of(laws, count, target, into)
-    text = target.write(written, into)
+    names, by_order, tags = [law.name for law in laws], False, dict[str, Tag]()
+    if into is not None and target.joints_of is not None:
+        found = [(tag.attributes.get("name", ""), tag) for tag in target.joints_of(into)]
+        names, by_order = match_names(laws, count, [name for name, _ in found], into.where)
+        tags = dict(found)
+    power = 1 if target.highest_power is None else target.highest_power
+    pairs = zip(names, laws, strict=True)
+    written = tuple(ExportedJoint(name=name, law=law, fitted=law.fit(power)) for name, law in pairs)
+    if into is None or target.edits is None:
+        content = text.render(target.template, written)
+    else:
+        content = into.edited(target.edits(into, [(tags[joint.name], joint) for joint in written]))
     with whole_file(out, overwrite=settings.overwrite) as draft:
-        draft.write_bytes(text)
+        draft.write_bytes(content)
     return Export(
         target=target,
         path=str(out),
@@ -141,46 +164,32 @@ def export_friction(
     )
 
 
-def _joints_of(
-    laws: Sequence[FrictionLaw], count: int, target: Target, into: XmlText | None
-) -> tuple[tuple[ExportedJoint, ...], bool]:
-    """Fit each law to what the target holds, and find its joint in the user's file, by name or else by order."""
-    names, by_order = [law.name for law in laws], False
-    if into is not None and target.joints_of is not None:
-        found = [tag.attributes.get("name", "") for tag in target.joints_of(into)]
-        names, by_order = match_names(laws, count, found, into.where)
-    power = 1 if target.highest_power is None else target.highest_power
-    pairs = zip(names, laws, strict=True)
-    return tuple(ExportedJoint(name=name, law=law, fitted=law.fit(power)) for name, law in pairs), by_order
-
-
 def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate | None) -> tuple[SimulatedGap, ...]:
     """Simulate a log in MuJoCo: the whole arm where a model of it made the torque, else each joint alone."""
     if estimate is None:
         return ()
     choice, log, seen = estimate.interaction.choice, estimate.log, estimate.interaction
     friction = {law.joint: law.fit(CUBIC) for law in laws}
-    gaps = []
+    found: dict[int, tuple[float, float, int]] = {}
     if choice.inertia == "model":  # what is left of the inertia moves no joint: it takes the whole arm
         arm = known_arm(log, estimate.settings.torque, choice)
         if arm is not None and choice.drive == "robot" and choice.source == "tau_J" and log.tau_J is not None:
             q, dq, torque = (arm.to_model(signal) for signal in (log.q, log.dq, log.tau_J))
             order = [column + 1 for column in arm.columns]
-            found = simulated_gaps(arm.model, log.t, q, dq, torque, [friction.get(number) for number in order])
-            gaps = [_gap(order.index(number), number, found) for number in sorted(friction)]
+            own = [friction.get(number) for number in order]
+            without, rubbing, windows = simulated_gaps(arm.model, log.t, q, dq, torque, own)
+            found = {n: (without[k], rubbing[k], windows) for k, n in enumerate(order) if n in friction}
     else:
         inertias = {number: model.inertia_kg_m2 for number, _, model in joints.models}
         for number, fitted in ((law, one) for law, one in friction.items() if inertias[law] > 0.0):
             k = [seen.joint_numbers.index(number)]
             q, dq, torque = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
-            gaps.append(_gap(0, number, simulated_gaps(hinge(inertias[number]), seen.t, q, dq, torque, [fitted])))
-    return tuple(gap for gap in gaps if gap.windows)
-
-
-def _gap(column: int, number: int, found: tuple[Float, Float, int]) -> SimulatedGap:
-    without, with_friction, windows = found
-    return SimulatedGap(
-        joint=number, without_rad=float(without[column]), with_rad=float(with_friction[column]), windows=windows
+            without, rubbing, windows = simulated_gaps(hinge(inertias[number]), seen.t, q, dq, torque, [fitted])
+            found[number] = without[0], rubbing[0], windows
+    return tuple(
+        SimulatedGap(joint=number, without_rad=float(without), with_rad=float(rubbing), windows=windows)
+        for number, (without, rubbing, windows) in sorted(found.items())
+        if windows
     )
 
 
@@ -196,17 +205,9 @@ def simulated_gaps(
 ) -> tuple[Float, Float, int]:
     """Move an arm by recorded torques over windows that each start from the recording, without friction and with it.
 
-    Args:
-        model: The arm, j joints that turn, without friction.
-        t: Times, strictly increasing, shape (n,). [s]
-        q: Positions, shape (n, j). [rad]
-        dq: Velocities, shape (n, j). [rad/s]
-        torque: Torques on the joints, shape (n, j). [N m]
-        friction: Friction of each joint, None for one without.
-
-    Returns:
-        Root mean square of simulated less recorded position at the ends of the windows, without friction and with it,
-        shape (j,) each [rad], and the number of windows.
+    The arm has j joints that turn; times t (n,) [s], strictly increasing, positions, velocities and torques on the
+    joints (n, j). Return the root mean square of simulated less recorded position at the ends of the windows, without
+    friction and with it, (j,) each [rad], and the number of windows.
     """
     usual = float(np.median(np.diff(t)))
     step = min(STEP_S, usual)

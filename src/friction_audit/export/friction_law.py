@@ -6,7 +6,7 @@ squares (Lawson, Hanson, Solving Least Squares Problems, 1974, chapter 23): no c
 simulated joint dissipates at every speed.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,6 @@ import numpy as np
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.errors import AnalysisError, UsageError
-from friction_audit.export.xml_text import Tag, XmlText
 from friction_audit.joint_log import Float
 
 SPEEDS = 200  # at which a curve is fitted, many more than its four coefficients
@@ -131,20 +130,14 @@ class ExportedJoint:
         """Friction at the onset of motion, which a simulator wants no smaller than that in motion. [N m]"""
         return max(self.law.static_nm, self.fitted.coulomb_nm)
 
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Target:
-    """A file format of a simulator or a controller."""
-
-    name: str  # unique name
-    suffixes: tuple[str, ...]  # file name endings with the dot, the usual one first
-    summary: str  # one line for help and documentation
-    # returns the content of the file; the user's file is None where a new one is made
-    write: Callable[[Sequence[ExportedJoint], XmlText | None], bytes]
-    highest_power: int | None = 1  # of the speed, that its damping has; None where it holds the law itself
-    armature: bool = False  # whether it has a place for the inertia
-    # returns the joints of the user's file, in its order, or None where a format takes no such file
-    joints_of: Callable[[XmlText], list[Tag]] | None = None
+    @property
+    def damping(self) -> list[float]:
+        """Coefficients of dq, dq |dq| and dq^3 as MuJoCo 4 takes them; where the first is enough, as every version."""
+        fitted = self.fitted
+        found = [fitted.viscous_nms_per_rad, fitted.quadratic_nms2_per_rad2, fitted.cubic_nms3_per_rad3]
+        while len(found) > 1 and found[-1] == 0.0:
+            found.pop()
+        return found
 
 
 def number(value: float) -> str:

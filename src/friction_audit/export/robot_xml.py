@@ -1,140 +1,176 @@
-"""Friction in the file of a robot: URDF, MJCF of MuJoCo and SDF of Gazebo; all else of a user's file stays as it is."""
+"""Friction in the file of a robot (URDF, MJCF of MuJoCo, SDF of Gazebo); every other byte of the user's file stays."""
 
-from collections.abc import Iterator, Sequence
-from xml.sax.saxutils import quoteattr
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+from xml.parsers import expat
+from xml.sax.saxutils import escape, quoteattr
 
 from friction_audit.errors import InputError
-from friction_audit.export.friction_law import ExportedJoint, Target, number
-from friction_audit.export.xml_text import Edit, Tag, XmlText
+from friction_audit.export.friction_law import ExportedJoint, number
 
-TURNING, HINGE = ("revolute", "continuous"), "hinge"
+# Of a start tag: its name, its attributes with their quotes, and what closes it.
+START_TAG = re.compile(rb"<[^\s/>]+(?P<attributes>(?:\s+[^\s=]+\s*=\s*(?:\"[^\"]*\"|'[^']*'))*)\s*(?P<close>/?>)")
+WIDE_MARKS = (b"\xff\xfe", b"\xfe\xff", b"\x00")  # of UTF-16 and UTF-32, in which a byte is no character
+INDENT = "  "
 
 
-def _attributes(values: dict[str, str]) -> str:
-    return " ".join(f"{key}={quoteattr(value)}" for key, value in values.items())
+class Edit(NamedTuple):
+    """Bytes ``start`` to ``stop`` of a text, and what stands there instead."""
+
+    start: int
+    stop: int
+    text: bytes
+
+
+@dataclass(eq=False, slots=True)
+class Tag:
+    """An element and its place in the text: ``start`` to ``inside`` its start tag, ``close`` to ``stop`` its end tag.
+
+    Of an element without an end tag (``<a/>``), ``inside``, ``close`` and ``stop`` are the same.
+    """
+
+    name: str
+    attributes: Mapping[str, str]
+    parent: "Tag | None"
+    start: int
+    inside: int
+    close: int = 0
+    stop: int = 0
+
+
+class XmlText:
+    """An XML file as text with the places of its elements; ``where`` names the file in messages."""
+
+    def __init__(self, text: bytes, where: str) -> None:
+        if text.startswith(WIDE_MARKS) or b"\x00" in text[:4]:
+            raise InputError(f"{where}: XML in UTF-16 or UTF-32; expected UTF-8; save it in UTF-8")
+        self.text, self.where = text, where
+        self.tags = self._read()  # in the order of the text
+
+    def child(self, parent: Tag, name: str) -> Tag | None:
+        """Return the first child of that name."""
+        return next((tag for tag in self.tags if tag.parent is parent and tag.name == name), None)
+
+    def set_attributes(self, tag: Tag, values: Mapping[str, str]) -> Edit:
+        """Return the edit after which an element has these attributes; its other ones stay."""
+        found = START_TAG.match(self.text, tag.start)
+        assert found is not None  # expat read the tag, and _read found its end with the same expression
+        attributes = found["attributes"]
+        for name, value in values.items():
+            quoted = f"{name}={quoteattr(value)}".encode()
+            own = re.compile(rb"(?<=\s)" + re.escape(name.encode()) + rb"\s*=\s*(?:\"[^\"]*\"|'[^']*')")
+            there = own.search(attributes)
+            attributes = (
+                attributes[: there.start()] + quoted + attributes[there.end() :]
+                if there
+                else (attributes + b" " + quoted)
+            )
+        return Edit(found.start("attributes"), found.end("attributes"), attributes)
+
+    def append(self, parent: Tag, child: str) -> Edit:
+        """Return the edit that puts XML at the end of an element, on a line of its own."""
+        line = self.text.rfind(b"\n", 0, parent.start) + 1
+        before = self.text[line : parent.start].decode("utf-8", "replace")
+        margin = before if not before.strip() else ""
+        if parent.inside == parent.stop:
+            return self._filled(parent, f"\n{margin}{INDENT}{child}\n{margin}")
+        last = self.text[parent.inside : parent.close].rstrip()
+        at = parent.inside + len(last)
+        return Edit(at, parent.close, f"\n{margin}{INDENT}{child}\n{margin}".encode())
+
+    def set_text(self, tag: Tag, text: str) -> Edit:
+        """Return the edit that replaces the content of an element."""
+        if tag.inside == tag.stop:
+            return self._filled(tag, escape(text))
+        return Edit(tag.inside, tag.close, escape(text).encode())
+
+    def _filled(self, tag: Tag, content: str) -> Edit:
+        """Return the edit that gives an element without an end tag one, and content."""
+        opened = self.text[tag.start : tag.inside].decode().removesuffix("/>").rstrip()
+        return Edit(tag.start, tag.stop, f"{opened}>{content}</{tag.name}>".encode())
+
+    def edited(self, edits: Iterable[Edit]) -> bytes:
+        """Return the text with edits that do not overlap."""
+        text = self.text
+        for edit in sorted(edits, reverse=True):
+            text = text[: edit.start] + edit.text + text[edit.stop :]
+        return text
+
+    def _read(self) -> list[Tag]:
+        parser = expat.ParserCreate()
+        tags: list[Tag] = []
+        opened: list[Tag] = []
+
+        def begin(name: str, attributes: dict[str, str]) -> None:
+            start = parser.CurrentByteIndex
+            found = START_TAG.match(self.text, start)
+            if found is None:
+                raise InputError(f"{self.where}: <{name}> comes from an entity; expected a file without entities")
+            parent = opened[-1] if opened else None
+            tag = Tag(name=name, attributes=attributes, parent=parent, start=start, inside=found.end())
+            tags.append(tag)
+            opened.append(tag)
+
+        def end(name: str) -> None:  # noqa: ARG001 - the parser gives it
+            tag = opened.pop()
+            closed = self.text[tag.inside - 2 : tag.inside] == b"/>"
+            tag.close = tag.inside if closed else parser.CurrentByteIndex
+            tag.stop = tag.inside if closed else self.text.index(b">", tag.close) + 1
+
+        parser.StartElementHandler, parser.EndElementHandler = begin, end
+        try:
+            parser.Parse(self.text, True)  # noqa: FBT003 - it takes no keyword
+        except expat.ExpatError as error:
+            raise InputError(f"{self.where}: not XML ({error}); expected the file of a robot") from error
+        return tags
+
+
+def turning_joints(robot: XmlText) -> list[Tag]:
+    """Return the joints of a URDF or SDF that turn, in the order of the file."""
+    kinds = ("revolute", "continuous")
+    return [tag for tag in robot.tags if tag.name == "joint" and tag.attributes.get("type") in kinds]
+
+
+def mjcf_joints(mjcf: XmlText) -> list[Tag]:
+    """Return the named hinges of the bodies, in the order of the file; a joint without a type is one."""
+    joints = (tag for tag in mjcf.tags if tag.name == "joint" and tag.attributes.get("type", "hinge") == "hinge")
+    return [tag for tag in joints if "name" in tag.attributes and tag.parent and tag.parent.name == "body"]
+
+
+def edit_urdf(robot: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
+    """Set ``<dynamics>`` of joints."""
+    for tag, joint in joints:
+        values, there = _dynamics(joint), robot.child(tag, "dynamics")
+        attributes = " ".join(f'{key}="{value}"' for key, value in values.items())
+        yield robot.set_attributes(there, values) if there else robot.append(tag, f"<dynamics {attributes}/>")
+
+
+def edit_mjcf(mjcf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
+    """Set the attributes of joints."""
+    for tag, joint in joints:
+        damping, inertia = " ".join(map(number, joint.damping)), joint.law.inertia_kg_m2
+        values = {"frictionloss": number(joint.fitted.coulomb_nm), "damping": damping}
+        yield mjcf.set_attributes(tag, values if inertia is None else values | {"armature": number(inertia)})
+
+
+def edit_sdf(sdf: XmlText, joints: Sequence[tuple[Tag, ExportedJoint]]) -> Iterator[Edit]:
+    """Set ``<dynamics>`` of the axes of joints."""
+    for tag, joint in joints:
+        axis, values = sdf.child(tag, "axis"), _dynamics(joint)
+        if axis is None:
+            raise InputError(f"{sdf.where}: joint {joint.name} has no <axis>; expected one; repair the file")
+        dynamics = sdf.child(axis, "dynamics")
+        there = {name: own for name in values if dynamics and (own := sdf.child(dynamics, name))}
+        yield from (sdf.set_text(own, values[name]) for name, own in there.items())
+        lacking = "".join(f"<{key}>{value}</{key}>" for key, value in values.items() if key not in there)
+        if dynamics is None:
+            yield sdf.append(axis, f"<dynamics>{lacking}</dynamics>")
+        elif lacking:
+            yield sdf.append(dynamics, lacking)
 
 
 def _dynamics(joint: ExportedJoint) -> dict[str, str]:
     """Return damping and friction of a joint, as URDF and SDF name them."""
     return {"damping": number(joint.fitted.viscous_nms_per_rad), "friction": number(joint.fitted.coulomb_nm)}
-
-
-def turning_joints(robot: XmlText) -> list[Tag]:
-    """Return the joints of a URDF or SDF that turn, in the order of the file."""
-    return [tag for tag in robot.root.walk() if tag.name == "joint" and tag.attributes.get("type") in TURNING]
-
-
-def write_urdf(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
-    """Write friction into a URDF; without one, the joints with nothing else, to be copied."""
-    if into is None:
-        lines = (
-            f"  <joint name={quoteattr(joint.name)}>\n    <dynamics {_attributes(_dynamics(joint))}/>\n  </joint>"
-            for joint in joints
-        )
-        return "\n".join(('<robot name="friction">', *lines, "</robot>", "")).encode()
-    tags = {tag.attributes["name"]: tag for tag in turning_joints(into)}
-    pairs = [(tags[joint.name], _dynamics(joint)) for joint in joints]
-    return into.edited(
-        into.set_attributes(there, values)
-        if (there := tag.child("dynamics"))
-        else into.append(tag, f"<dynamics {_attributes(values)}/>")
-        for tag, values in pairs
-    )
-
-
-def mjcf_joints(mjcf: XmlText) -> list[Tag]:
-    """Return the named hinges of the bodies, in the order of the file; a joint without a type is one."""
-    return [
-        tag
-        for tag in mjcf.root.walk()
-        if tag.name == "joint"
-        and tag.parent is not None
-        and tag.parent.name == "body"
-        and "name" in tag.attributes
-        and tag.attributes.get("type", HINGE) == HINGE
-    ]
-
-
-def write_mjcf(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
-    """Write friction into a model; without one, a class of defaults per joint, for an ``<include>``."""
-    if into is None:
-        lines = (
-            f"    <default {_attributes({'class': f'{joint.name}_friction'})}>\n"
-            f"      <joint {_attributes(_mjcf_values(joint))}/>\n    </default>"
-            for joint in joints
-        )
-        return "\n".join(("<mujoco>", "  <default>", *lines, "  </default>", "</mujoco>", "")).encode()
-    tags = {tag.attributes["name"]: tag for tag in mjcf_joints(into)}
-    return into.edited(into.set_attributes(tags[joint.name], _mjcf_values(joint)) for joint in joints)
-
-
-def _mjcf_values(joint: ExportedJoint) -> dict[str, str]:
-    """Return the attributes of a joint: MuJoCo 4 takes coefficients of dq, dq |dq| and dq^3 as its damping.
-
-    Where only the first is needed only that is written, which every version reads.
-    """
-    fitted = joint.fitted
-    damping = [fitted.viscous_nms_per_rad, fitted.quadratic_nms2_per_rad2, fitted.cubic_nms3_per_rad3]
-    while len(damping) > 1 and damping[-1] == 0.0:
-        damping.pop()
-    values = {"frictionloss": number(fitted.coulomb_nm), "damping": " ".join(map(number, damping))}
-    inertia = joint.law.inertia_kg_m2
-    return values if inertia is None else values | {"armature": number(inertia)}
-
-
-def write_sdf(joints: Sequence[ExportedJoint], into: XmlText | None) -> bytes:
-    """Write friction into a model; without one, the axes with nothing else, to be copied."""
-    if into is None:
-        lines = (
-            f'    <joint name={quoteattr(joint.name)} type="revolute">\n'
-            f"      <axis><dynamics>{_elements(_dynamics(joint))}</dynamics></axis>\n    </joint>"
-            for joint in joints
-        )
-        opened = ('<sdf version="1.9">', '  <model name="friction">')
-        return "\n".join((*opened, *lines, "  </model>", "</sdf>", "")).encode()
-    return into.edited(_sdf_edits(joints, into))
-
-
-def _sdf_edits(joints: Sequence[ExportedJoint], into: XmlText) -> Iterator[Edit]:
-    tags = {tag.attributes["name"]: tag for tag in turning_joints(into)}
-    for joint in joints:
-        axis, values = tags[joint.name].child("axis"), _dynamics(joint)
-        if axis is None:
-            raise InputError(f"{into.where}: joint {joint.name} has no <axis>; expected one; repair the file")
-        dynamics = axis.child("dynamics")
-        if dynamics is None:
-            yield into.append(axis, f"<dynamics>{_elements(values)}</dynamics>")
-            continue
-        there = {name: tag for name in values if (tag := dynamics.child(name)) is not None}
-        yield from (into.set_text(tag, values[name]) for name, tag in there.items())
-        if lacking := {name: value for name, value in values.items() if name not in there}:
-            yield into.append(dynamics, _elements(lacking))
-
-
-def _elements(values: dict[str, str]) -> str:
-    return "".join(f"<{key}>{value}</{key}>" for key, value in values.items())
-
-
-URDF = Target(
-    name="urdf",
-    suffixes=(".urdf",),
-    summary="Coulomb and viscous friction in <dynamics> of the joints of a URDF",
-    write=write_urdf,
-    joints_of=turning_joints,
-)
-MJCF = Target(
-    name="mjcf",
-    suffixes=(".xml",),
-    summary="frictionloss, damping (linear to cubic) and armature of the joints of a MuJoCo model",
-    highest_power=3,
-    write=write_mjcf,
-    armature=True,
-    joints_of=mjcf_joints,
-)
-SDF = Target(
-    name="sdf",
-    suffixes=(".sdf",),
-    summary="Coulomb and viscous friction in <dynamics> of the joints of a Gazebo model",
-    write=write_sdf,
-    joints_of=turning_joints,
-)
