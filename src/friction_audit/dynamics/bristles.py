@@ -125,7 +125,7 @@ def bend(held: float, way: float, path: Float, torque: Float) -> float:
     return float(sign * (torque[low] + share * (torque[low + 1] - torque[low])))
 
 
-@compiled()
+@compiled(inline=True)
 def slope(held: float, sign: float, path: Float, torque: Float) -> float:
     """Return the stiffness of bristles of a curve that bend on in a direction. [N m/rad]"""
     if len(path) == 0:
@@ -134,13 +134,13 @@ def slope(held: float, sign: float, path: Float, torque: Float) -> float:
     return float((torque[low] - torque[high]) / (path[high] - path[low]))
 
 
-@compiled()
+@compiled(inline=True)
 def stretch(deflection: float, way: float, reach: float) -> float:
     """Return the deflection of a spring after a displacement, beyond whose reach it slips. [rad]"""
     return min(reach, max(-reach, deflection + way))
 
 
-@compiled()
+@compiled(inline=True)
 def _around(value: float, torque: Float) -> tuple[int, int]:
     """Return the points of a falling curve around a torque (bisection)."""
     low, high = 0, len(torque) - 1

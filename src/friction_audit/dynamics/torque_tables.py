@@ -190,8 +190,9 @@ def read(table: Float, place: float) -> float:
 
 
 @compiled()
-def taken(way: int, q: float, speed: float, moment: float, tables: Tables) -> float:
-    """Return what a joint takes without its bristles, forwards (0) or backwards (1), at a sample of the recording."""
+def taken(sign: float, q: float, speed: float, moment: float, tables: Tables) -> float:
+    """Return what a joint takes without its bristles, forwards (1.0) or backwards, at a sample of the recording."""
+    way = 0 if sign > 0.0 else 1
     place = (q - tables.place_start) / tables.place_step
     per_speed = read(tables.place_per_speed[way], place) + read(tables.time_per_speed[way], moment)
     torque = read(tables.speed[way], speed / tables.speed_step) + read(tables.place[way], place)

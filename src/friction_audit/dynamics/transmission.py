@@ -61,7 +61,7 @@ def bend_of(soft_nm: float) -> tuple[float, float]:
     return bend, 0.25 / bend if bend > NOTHING_NM else 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def pushed(straight: float, bend: float, curve: float) -> float:
     """Return the torque of a spring, from that of one as stiff as it gets. [N m]"""
     bent = min(max(straight, -bend), bend)
@@ -192,7 +192,7 @@ def between_samples(step: float, steps: int) -> Float:
     return np.stack([*place, *speed], axis=1)
 
 
-@compiled()
+@compiled(inline=True)
 def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[float, float]:
     """Return place and speed between two samples, on the cubic through both, by the weights of a step."""
     return q + w[0] * rise + w[1] * dq + w[2] * next_dq, w[3] * rise + w[4] * dq + w[5] * next_dq
@@ -258,7 +258,7 @@ def _follow(  # noqa: PLR0913
     return torque
 
 
-@compiled()
+@compiled(inline=True)
 def _start(table: Float, far: Float, links: Float, h: float, q: float, dq: float, load: float, lanes: Lanes) -> None:
     """Numbers of the transmissions and the state at the first sample."""
     for j in range(len(lanes)):
@@ -269,7 +269,7 @@ def _start(table: Float, far: Float, links: Float, h: float, q: float, dq: float
         table[11, j], table[12, j] = q - twisted(load, links[0, j], links[2, j], links[3, j]), dq
 
 
-@compiled()
+@compiled(inline=True)
 def _double_ends(torque: Float, last: Float, steps: int) -> None:
     """Both ends have half a sample each; one by one, for whole columns take seconds to compile."""
     for j in range(len(last)):
@@ -277,7 +277,7 @@ def _double_ends(torque: Float, last: Float, steps: int) -> None:
         torque[j, -1] = 2.0 * (last[j] / steps)
 
 
-@compiled()
+@compiled(inline=True)
 def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
     """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
     loss = 0.5 * h * (drag + far[2])
@@ -285,7 +285,7 @@ def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
     return (far[0] - loss) / (far[0] + loss), gain, gain * far[1]
 
 
-@compiled()
+@compiled(inline=True)
 def twisted(load: float, stiffness: float, half: float, bend: float) -> float:
     """Return by how much a transmission is twisted at rest under a load; nothing without one. [rad]"""
     twist: float = straightened(load, bend) / stiffness

@@ -61,7 +61,7 @@ def sliding_level(
     return float(level)
 
 
-@compiled()
+@compiled(inline=True)
 def holding_level(joint: Record, state: Record, q: float, sign: float, t: float, duration: float) -> float:
     """Return the torque that friction can hold against at rest before the joint breaks away. [N m]"""
     level = sliding_level(joint, state, q, 0.0, sign, t, duration)
@@ -69,7 +69,7 @@ def holding_level(joint: Record, state: Record, q: float, sign: float, t: float,
     return level + extra * coulomb_factor(joint, state, q, t, duration)
 
 
-@compiled()
+@compiled(inline=True)
 def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
     """Return all torques on the inner side but friction, positive towards positive velocity. [N m]"""
     hidden = joint.hidden
@@ -83,7 +83,7 @@ def other_torque(joint: Record, state: Record, events: Float, q: float, dq: floa
     return float(torque)
 
 
-@compiled()
+@compiled(inline=True)
 def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float) -> None:
     """Let the joint torque control of a joint feed back, over a step of length h, the torque of its dead time ago."""
     loop, c = joint.torque_loop, body.inner[j]
@@ -155,7 +155,7 @@ def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: flo
         body.level[c] = sliding_level(joint, state, q, max(0.0, dq * mode), mode, t, duration)
 
 
-@compiled()
+@compiled(inline=True)
 def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> None:
     """Add the spring and the damper, or the flanks, between the two sides of a joint."""
     c = body.inner[j]

@@ -19,7 +19,7 @@ HALVINGS = 60  # of an interval, until nothing is left of it
 SCALE = 10.0**BINARY_NOISE_DIGITS
 
 
-@compiled()
+@compiled(inline=True)
 def _twist(joint: Record, load_nm: float) -> float:
     """Return the twist at which a transmission carries a load (bisection). [rad]"""
     elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
@@ -61,7 +61,7 @@ def advance(joints: Record, states: Record, events: Float, body: Record, clock: 
         slide(joints, states, events, body, since + i * h, t + i * h, h, clock.duration)
 
 
-@compiled()
+@compiled(inline=True)
 def evaluate(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float) -> None:
     """Find accelerations, friction and the torques at the sensors at an instant."""
     load_drive(body, 0.0, 0.0)
@@ -81,7 +81,7 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, clock:
         body.port[j] = torque
 
 
-@compiled()
+@compiled(inline=True)
 def keep(states: Record, body: Record, out: Float) -> None:
     """Write the truth of an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
@@ -95,7 +95,7 @@ def keep(states: Record, body: Record, out: Float) -> None:
             out[i, j] = kept[i]
 
 
-@compiled()
+@compiled(inline=True)
 def control(joints: Record, states: Record, body: Record, loop: Record, clock: Record, k: int, cut: int) -> None:
     """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
     for j in range(len(joints)):
@@ -155,7 +155,7 @@ def guide(  # noqa: PLR0913
         body.push[i], body.push_rate[i], body.support[i] = push, rate, support[i]
 
 
-@compiled()
+@compiled(inline=True)
 def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, dt: float) -> int:
     """Return 1 if an energy cycle of the hand ends at this tick (paper, section V.B), else 0.
 
