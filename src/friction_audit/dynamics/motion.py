@@ -26,10 +26,8 @@ class RigidBody:
     tilt: Float  # gravity torque per unit of gravity along two directions across the vertical [m/s^2], shape (m, 2)
     # torque M ddq + c of the model; None where the link's inertia is not in the balance, shape (m,) [N m]
     inertial: Float | None
-    # in single precision too
-    tip: (
-        NDArray[np.floating[Any]] | None
-    )  # the same per unit of each inertial parameter of the last link, shape (m, 10), or None
+    # the same per unit of each inertial parameter of the last link, in single precision too, shape (m, 10), or None
+    tip: NDArray[np.floating[Any]] | None
     _kept: "list[RigidBody]" = field(default_factory=list, init=False, repr=False)
 
     def on(self, t: Float) -> "RigidBody":

@@ -254,7 +254,9 @@ def _follow(  # noqa: PLR0913
         for j in range(many):
             torque[j, k] = table[last, j] / steps
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
-    _double_ends(torque, table[last], steps)
+    for j in range(many):  # both ends have half a sample each
+        torque[j, 0] *= 2.0
+        torque[j, -1] = 2.0 * (table[last, j] / steps)
     return torque
 
 
@@ -267,14 +269,6 @@ def _start(table: Float, far: Float, links: Float, h: float, q: float, dq: float
         table[5, j], table[6, j], table[7, j] = _pace(far[:, j], links[1, j], h)
         table[8, j], table[9, j], table[10, j] = _pace(far[:, j], 0.0, h)
         table[11, j], table[12, j] = q - twisted(load, links[0, j], links[2, j], links[3, j]), dq
-
-
-@compiled(inline=True)
-def _double_ends(torque: Float, last: Float, steps: int) -> None:
-    """Both ends have half a sample each; one by one, for whole columns take seconds to compile."""
-    for j in range(len(last)):
-        torque[j, 0] *= 2.0
-        torque[j, -1] = 2.0 * (last[j] / steps)
 
 
 @compiled(inline=True)

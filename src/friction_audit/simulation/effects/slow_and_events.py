@@ -86,28 +86,16 @@ class FrictionStep(HiddenEffect):
 
 
 @compiled(inline=True)
-def friction_step_progress(group: Record, t: float, duration: float) -> float:
-    """Return the share of the change that is done at time t: 0 before the step, 1 at its end."""
-    since = t - group.at_share * duration
+def friction_step_factor(group: Record, ratio: float, t: float, duration: float) -> float:
+    """Return a coefficient over that before the step, above 0; it takes part in the change by a ratio."""
+    since, done = t - group.at_share * duration, 1.0
     if since < 0.0:
-        return 0.0
-    if group.form == RAMP:
-        return float(min(1.0, since / group.length_s))
-    if group.form == SETTLING:
-        return float(-math.expm1(-since / group.length_s))
-    return 1.0
-
-
-@compiled(inline=True)
-def friction_step_coulomb_factor(group: Record, t: float, duration: float) -> float:
-    """Return the Coulomb friction over that before the step, above 0."""
-    return float(1.0 + group.change * friction_step_progress(group, t, duration))
-
-
-@compiled(inline=True)
-def friction_step_viscous_factor(group: Record, t: float, duration: float) -> float:
-    """Return the viscous friction over that before the step, above 0."""
-    return float(1.0 + group.change * group.viscous_ratio * friction_step_progress(group, t, duration))
+        done = 0.0
+    elif group.form == RAMP:
+        done = min(1.0, since / group.length_s)
+    elif group.form == SETTLING:
+        done = -math.expm1(-since / group.length_s)
+    return float(1.0 + group.change * ratio * done)
 
 
 KNOCK, DRAG, STEP = range(3)

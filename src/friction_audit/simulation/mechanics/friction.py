@@ -15,7 +15,9 @@ def viscous_now(joint: Record, state: Record, t: float, duration: float) -> floa
     if hidden.warm_up.reduction != 0.0:
         coefficient *= slow_and_events.warm_up_viscous_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
-        coefficient *= slow_and_events.friction_step_viscous_factor(hidden.friction_step, t, duration)
+        coefficient *= slow_and_events.friction_step_factor(
+            hidden.friction_step, hidden.friction_step.viscous_ratio, t, duration
+        )
     return float(coefficient)
 
 
@@ -28,7 +30,7 @@ def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: f
     if hidden.warm_up.reduction != 0.0:
         factor *= slow_and_events.warm_up_coulomb_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
-        factor *= slow_and_events.friction_step_coulomb_factor(hidden.friction_step, t, duration)
+        factor *= slow_and_events.friction_step_factor(hidden.friction_step, 1.0, t, duration)
     return factor
 
 
@@ -51,8 +53,9 @@ def sliding_level(
         level += load_and_place.load_friction_nm(hidden.load_dependent_friction, state.port_nm, power)
     if hidden.nonlinear_viscous.torque_nm != 0.0:
         level += velocity.nonlinear_viscous_nm(hidden.nonlinear_viscous, seen)
-    level += velocity.asymmetric_coulomb_nm(hidden.asymmetric_coulomb, sign)
-    level += velocity.asymmetric_viscous_nm(hidden.asymmetric_viscous, sign, seen)
+    # Passive while the joint's own coefficients are at least the half differences.
+    level += hidden.asymmetric_coulomb.half_difference_nm * sign
+    level += hidden.asymmetric_viscous.half_difference_nms_per_rad * sign * seen
     if lagging:
         return max(0.0, float(level + viscous_now(joint, state, t, duration) * seen))
     if level < 0.0:

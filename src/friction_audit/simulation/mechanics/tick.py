@@ -13,10 +13,9 @@ from friction_audit.simulation.effects import slow_and_events, structure
 from friction_audit.simulation.mechanics import records as row
 from friction_audit.simulation.mechanics.friction import load_drive, load_joint
 from friction_audit.simulation.mechanics.step import accelerate, slide
-from friction_audit.simulation.sensors import BINARY_NOISE_DIGITS
+from friction_audit.simulation.sensors import rounded
 
 HALVINGS = 60  # of an interval, until nothing is left of it
-SCALE = 10.0**BINARY_NOISE_DIGITS
 
 
 @compiled(inline=True)
@@ -43,14 +42,6 @@ def settle(joints: Record, body: Record, load_nm: Float) -> None:
         c = body.inner[j]
         if c != j and load_nm[j] != 0.0:
             body.y[c] = body.y[j] + _twist(joints[j], load_nm[j])
-
-
-@compiled()
-def quantised(value: float, step: float) -> float:
-    """Round to a multiple of a step, to the bit as ``sensors.quantise`` does it; a step of 0 changes nothing."""
-    if step == 0.0:
-        return value
-    return float(np.rint(np.rint(value / step) * step * SCALE) / SCALE)
 
 
 @compiled()
@@ -103,9 +94,9 @@ def control(joints: Record, states: Record, body: Record, loop: Record, clock: R
         power = body.friction[j] * body.v[body.inner[j]]
         state.port_nm = body.port[j]
         state.warmth = slow_and_events.warm_up_advance(hidden.warm_up, state.warmth, power, clock.dt)
-        velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+        velocity = rounded(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
         state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
-        read = quantised(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
+        read = rounded(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
         interaction = body.support[j] - read
         state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
         state.passivity_nm = loop.memory[j].passivity_nm
@@ -165,7 +156,7 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
     for a in range(3):
         along = 0.0
         for j in range(body.joints):
-            velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+            velocity = rounded(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
             along += jacobian[a, j] * velocity
         square += along * along
     if not hand_rests(cycle, math.sqrt(square), dt, INITIATION_M_S, TERMINATION_M_S):
