@@ -88,14 +88,19 @@ RECORDING = make_recording()
 BRISTLES = FittedTerm("presliding", (0.3, 0.005, 1.0, 0.005))
 
 
-OF_NEIGHBOURS = Invented(lambda m: 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t)
+def of_load_and_neighbours(m: Motion) -> Float:
+    assert m.load is not None
+    assert m.others is not None
+    return 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t
+
+
 OF_PLACE = Invented(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
 
 
 @pytest.mark.parametrize(
     "term",
     [
-        OF_NEIGHBOURS,
+        Invented(of_load_and_neighbours),
         OF_PLACE,
         Invented(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq)), effect=Law(speed_only=True)),
         FittedTerm("coulomb", (0.3,)),

@@ -104,7 +104,7 @@ def test_what_cannot_be_is_said(entry: str, message: str) -> None:
 
 
 def test_a_name_of_two_settings_is_refused() -> None:
-    helped = replace(BENCH, compensator=FixedCompensation(coulomb_nm=0.2))
+    helped = replace(BENCH, compensator=FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.0))
     with pytest.raises(
         UsageError, match=r"stands for 2 settings; expected one of joints\.coulomb_nm, compensator\.coul"
     ):

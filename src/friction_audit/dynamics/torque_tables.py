@@ -49,15 +49,9 @@ class Tables(NamedTuple):
 
 
 def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
-    """Tabulate the terms of a joint.
+    """Tabulate the terms of a joint that act by a torque, instantly or by bristles, along an even recording.
 
-    Args:
-        inertia_kg_m2: Its inertia.
-        terms: Terms that act by a torque, instantly or by bristles.
-        motion: The recording, on an even grid.
-
-    Returns:
-        The tables, and the terms that no table holds; second bristles are among them.
+    Returns the tables, and the terms that no table holds; second bristles are among them.
     """
     empty = _empty(motion)
     tables, past = empty._replace(inertia_kg_m2=inertia_kg_m2), []

@@ -81,9 +81,6 @@ def far_side(motion: Motion) -> FarSide:
     """Read inertia and friction off the torque of the simple model, which is linear in them.
 
     Numbers below zero, which a fit may give, count as zero: friction that pushes would run away.
-
-    Raises:
-        AnalysisError: If the motion says nothing of the simple model's torque.
     """
     every = max(len(motion.t) // MANY_SAMPLES, 1)
     columns = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
@@ -98,11 +95,7 @@ def part_of(far: FarSide, share: float) -> FarSide:
 
 
 def simple_torque(motion: Motion) -> Float:
-    """Return the torque of inertia, Coulomb and viscous friction.
-
-    Raises:
-        AnalysisError: If the motion does not have it.
-    """
+    """Return the torque of inertia, Coulomb and viscous friction, which the motion has to have."""
     if motion.rest is None:
         raise AnalysisError(
             "motion: no torque of inertia and friction (rest); a term that changes how it gets to the sensor needs it"
@@ -147,12 +140,8 @@ def all_transmitted(
 ) -> Iterator[tuple[int, Float]]:
     """Yield the torques that the measured side feels, averaged from half a sample before to half a sample after.
 
-    The load is not in them. A far side starts at the velocity of the measured side, twisted by the load alone.
-
-    Args:
-        motion: Evenly sampled.
-        far: With inertias above zero; places are in any order.
-        links: With stiffnesses above zero.
+    The load is not in them. A far side starts at the velocity of the measured side, twisted by the load alone. The
+    motion is evenly sampled, inertias and stiffnesses are above zero; places come in any order.
     """
     step = float(motion.t[1] - motion.t[0])
     q, dq, load = map(read_only, (motion.q, motion.dq, np.zeros(len(motion.t)) if motion.load is None else motion.load))

@@ -13,7 +13,7 @@ from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import Progress, make_motion, make_traces
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
-from friction_audit.simulation.mechanics.tick import guide, load_masses, settle, tick
+from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
 from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
@@ -175,7 +175,8 @@ class RigidBody:
         )
         self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
         self._flange = self._model.body(known.flange).id
-        self._cycle = np.zeros(CYCLE_STATE)
+        by_hand = settings.compensator is not None and settings.hand_cycles
+        self._cycle, self._nothing = np.zeros(CYCLE_STATE if by_hand else 0), np.zeros(0)
         self._ticks, self._dt = len(mechanism.out) - 1, mechanism.clock.dt
         self._joints = n = len(settings.joints)
         self._mass, self._bias, self._held, self._jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
@@ -217,6 +218,10 @@ class RigidBody:
         mj.mj_rne(model, data, 0, self._bias)
         return self._mass, self._bias
 
+    def run(self, k: int) -> None:
+        """Move on from half a tick before tick k to half a tick after it, driven by what is in the body."""
+        run(self.mechanism, self._nothing, self._nothing, self._jacobian, self._cycle, k, k + 1)
+
 
 class GuidedArm(RigidBody):
     """An arm whose hand is guided."""
@@ -250,8 +255,7 @@ class GuidedArm(RigidBody):
         gravity[:] = self.support(q)
         body = self.mechanism.body
         guide(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity)
-        by_hand = self.settings.compensator is not None and self.settings.hand_cycles
-        tick(self.mechanism, jacobian, self._cycle, by_hand, k)
+        self.run(k)
 
 
 class ServoedArm(RigidBody):
@@ -275,4 +279,4 @@ class ServoedArm(RigidBody):
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
         load_masses(body, self.rotor, mass)
-        tick(self.mechanism, self._jacobian, self._cycle, False, k)  # noqa: FBT003 - compiled code has no keywords
+        self.run(k)

@@ -55,11 +55,7 @@ FASTEST_RAD_S, STRONGEST_NM = 1e3, 1e6  # far beyond all joints of arms
 
 
 def require_sane(motion: TrueMotion, path: str) -> TrueMotion:
-    """Return a motion that did not diverge.
-
-    Raises:
-        AnalysisError: If a velocity or a torque is not finite or beyond all joints; at the first such instant.
-    """
+    """Return a motion that did not diverge; refuse one with a speed or torque not finite or beyond all joints."""
     speeds = (motion.dq, motion.inner_dq)
     torques = (motion.port_nm, motion.support_nm, motion.friction_nm, motion.compensation_nm, motion.passivity_nm)
     for signals, limit, what, unit in (

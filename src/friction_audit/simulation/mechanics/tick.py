@@ -168,19 +168,16 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
     return 1
 
 
-@compiled()
-def tick(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int) -> None:
-    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise.
-
-    ``by_hand``: the hand ends the cycles of all joints; only then its Jacobian and its cycle matter.
-    """
+@compiled(inline=True)
+def tick(mechanism: Record, jacobian: Float, cycle: Float, k: int) -> None:
+    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise."""
     joints, states, events, body, loop, clock, out, traced = mechanism
     t, half = k * clock.dt, 0.5 * clock.dt
     if k > 0:
         advance(joints, states, events, body, clock, t - half, -half)
     evaluate(joints, states, events, body, clock, t)
     keep(states, body, out[k])
-    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if by_hand else FIND
+    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if len(cycle) > 0 else FIND
     control(joints, states, body, loop, clock, k, cut)
     for j in range(len(joints)):
         for field in range(traced.shape[2]):
@@ -189,22 +186,29 @@ def tick(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int
         advance(joints, states, events, body, clock, t, 0.0)
 
 
-@compiled()
-def run_bench(mechanism: Record, push: Float, gravity: Float, driven: bool, first: int, last: int) -> None:
-    """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
-
-    ``push`` is the torque of the drive with the joint at zero, ``gravity`` amplitude and phase of the load's gravity
-    torque.
-    """
-    body, dt, nothing = mechanism.body, mechanism.clock.dt, np.zeros((1, 1))
-    by_hand = last < first  # no hand; a constant would make numba compile ``tick`` a second time
+@compiled(inline=True)
+def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
+    """Set what drives the one joint of a bench at tick k, and the weight of its load."""
+    body, dt, driven = mechanism.body, mechanism.clock.dt, mechanism.states[0].driven
     link = body.inner[0] if driven else 0
+    place = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
+    weight = gravity[0] * np.sin(place + gravity[1])
+    body.support[0] = -weight if driven else weight
+    body.push[0] = push[k] - body.support[0]
+    before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
+    body.push_rate[0] = 0.5 * (before + after) / dt
+    body.push_bend[0] = (after - before) / dt**2
+
+
+@compiled()
+def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: Float, first: int, last: int) -> None:
+    """Run joints from tick ``first`` to before ``last``; one entry for bench and arm, for it takes long to compile.
+
+    ``push`` is the torque of the drive of a bench with the joint at zero, ``gravity`` amplitude and phase of its load's
+    gravity torque; without a push, the drive is in the body. Where the hand ends the cycles of all joints, ``cycle`` is
+    its state and ``jacobian`` that of the hand; else the cycle is empty.
+    """
     for k in range(first, last):
-        place = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
-        weight = gravity[0] * np.sin(place + gravity[1])
-        body.support[0] = -weight if driven else weight
-        body.push[0] = push[k] - body.support[0]
-        before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
-        body.push_rate[0] = 0.5 * (before + after) / dt
-        body.push_bend[0] = (after - before) / dt**2
-        tick(mechanism, nothing, nothing[0], by_hand, k)
+        if len(push) > 0:
+            push_bench(mechanism, push, gravity, k)
+        tick(mechanism, jacobian, cycle, k)
