@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.forward import simulate_along
-from friction_audit.dynamics.motion import Motion
+from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
 from tests.dynamics.joints import Invented, Law, bare_joint, joint_with, make_recording, recording_of, simulate
@@ -81,36 +81,30 @@ def test_a_delay_shifts_the_drive() -> None:
     assert free(joint_with(), t, late) != pytest.approx(exact, abs=1e-2)
 
 
-def test_a_spring_puts_the_measured_side_ahead() -> None:
-    term = invent(lambda motion: 0.0 * motion.q, 2e-3, forward="spring", coefficient="soft_rad_per_nm")
+def stiffening(torque: Float) -> Float:
+    """Compliance 2 mrad per N m above 0.6 N m: at 0.25 N m 0.8 mrad, at 0.9 N m 2.2 mrad."""
+    twist = np.linspace(0.0, 2.4e-3, 1001)
+    taken = np.where(twist < 1.6e-3, 250.0 * twist * (1.0 + twist / 3.2e-3), 500.0 * twist - 0.2)
+    return np.asarray(np.sign(torque) * np.interp(np.abs(torque), taken, twist))
+
+
+LINEAR = invent(lambda motion: 0.0 * motion.q, 2e-3, forward="spring", coefficient="soft_rad_per_nm")
+STIFFENING = FittedTerm("joint_elasticity", (2e-3, 500.0, 0.6, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(("term", "twist"), [(LINEAR, lambda torque: 2e-3 * torque), (STIFFENING, stiffening)])
+def test_a_spring_puts_the_measured_side_ahead(term: Term, twist: Callable[[Float], Float]) -> None:
     t = clock(3.0)
     drive = 0.9 * np.sin(4.0 * t)
     rigid = simulate(joint_with(), t, drive)
-    ahead = 2e-3 * drive
+    ahead = twist(drive)
     seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
-    found = simulate_along(joint_with(term), seen, drive, whole(t))
+    found, plain = (simulate_along(model, seen, drive, whole(t)) for model in (joint_with(term), joint_with()))
     assert found is not None
+    assert plain is not None
     # At the ends the torque is averaged to one side.
     assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
-    plain = simulate_along(joint_with(), seen, drive, whole(t))
-    assert plain is not None
     assert np.abs(plain - seen.dq).max() > 5e-3
-
-
-def test_a_spring_that_stiffens_twists_farther_at_first() -> None:
-    """Compliance 2 mrad per N m above 0.6 N m: at 0.25 N m 0.8 mrad, at 0.9 N m 2.2 mrad."""
-    t = clock(3.0)
-    drive = 0.9 * np.sin(4.0 * t)
-    rigid = simulate(joint_with(), t, drive)
-    twist = np.linspace(0.0, 2.4e-3, 1001)
-    torque = np.where(twist < 1.6e-3, 250.0 * twist * (1.0 + twist / 3.2e-3), 500.0 * twist - 0.2)
-    ahead = np.sign(drive) * np.interp(np.abs(drive), torque, twist)
-    seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
-    found = simulate_along(
-        joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.6, 0.0, 1.0))), seen, drive, whole(t)
-    )
-    assert found is not None
-    assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
 
 
 def test_within_a_play_the_measured_side_is_where_it_was_measured() -> None:

@@ -5,10 +5,9 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 from friction_audit.dynamics.bristles import bristles_of
-from friction_audit.dynamics.motion import Motion
+from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import certain, read_along, tabulate
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.joint_log import Float
@@ -89,63 +88,39 @@ RECORDING = make_recording()
 BRISTLES = FittedTerm("presliding", (0.3, 0.005, 1.0, 0.005))
 
 
+def of_load_and_neighbours(m: Motion) -> Float:
+    assert m.load is not None
+    assert m.others is not None
+    return 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t
+
+
+OF_PLACE = Invented(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
+
+
 @pytest.mark.parametrize(
-    ("name", "values"),
+    "term",
     [
-        ("coulomb", (0.3,)),
-        ("viscous", (0.1,)),
-        ("offset", (0.1,)),
-        ("stribeck", (0.3, 0.1, 1.0)),
-        ("nonlinear_viscous", (0.3, 0.5, 0.1, 0.0)),
-        ("torque_ripple", (0.3, 0.1, 20.0)),
-        ("cable_spring", (0.5, 0.1, 0.0, 0.1, 0.0)),
-        ("torque_drift", (0.1, 0.1, 0.0, 0.0, 2)),
-        ("inertia_error", (0.05,)),
-        ("presliding", BRISTLES.values),
+        Invented(of_load_and_neighbours),
+        OF_PLACE,
+        Invented(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq)), effect=Law(speed_only=True)),
+        FittedTerm("coulomb", (0.3,)),
+        FittedTerm("viscous", (0.1,)),
+        FittedTerm("offset", (0.1,)),
+        FittedTerm("stribeck", (0.3, 0.1, 1.0)),
+        FittedTerm("nonlinear_viscous", (0.3, 0.5, 0.1, 0.0)),
+        FittedTerm("torque_ripple", (0.3, 0.1, 20.0)),
+        FittedTerm("cable_spring", (0.5, 0.1, 0.0, 0.1, 0.0)),
+        FittedTerm("torque_drift", (0.1, 0.1, 0.0, 0.0, 2)),
+        FittedTerm("inertia_error", (0.05,)),
+        FittedTerm("presliding", BRISTLES.values),
     ],
 )
-def test_terms_without_a_past_are_tabulated(name: str, values: tuple[float, ...]) -> None:
-    term = FittedTerm(name, values)
+def test_terms_without_a_past_are_tabulated(term: Term) -> None:
     tables, past = tabulate(0.3, (term,), RECORDING)
     assert past == ()
     sure = certain(RECORDING) != 0.0
     error = (read_along(tables, RECORDING) - 0.3 * RECORDING.ddq - term.torque(RECORDING))[sure]
     assert np.sqrt(np.mean(error**2)) <= 0.1 * np.sqrt(np.mean(term.torque(RECORDING) ** 2))
-
-
-def test_a_torque_over_speed_by_hand() -> None:
-    term = Invented(lambda motion: np.sign(motion.dq) * np.sqrt(np.abs(motion.dq)), effect=Law(speed_only=True))
-    tables, past = tabulate(0.3, (term,), RECORDING)
-    assert past == ()
-    fast = len(RECORDING.t) // 2
-    assert tables.speed[:, fast] == pytest.approx(np.array([1, -1]) * np.sqrt(fast * tables.speed_step), rel=1e-12)
-    assert tables.speed[:, 0] == pytest.approx([0.0, 0.0], abs=1e-4)
-    assert not tables.place.any()
-    assert not tables.time.any()
-
-
-def test_a_torque_over_place_by_hand() -> None:
-    term = Invented(lambda motion: motion.q**3 + np.sign(motion.dq) * motion.q**2 + 2 * motion.dq * motion.q)
-    tables, past = tabulate(0.3, (term,), RECORDING)
-    assert past == ()
-    place = tables.place_start + tables.place_step * np.arange(len(RECORDING.t))
-    assert place[0] < RECORDING.q.min() < RECORDING.q.max() < place[-1]
-    assert_allclose(tables.place, [place**3 + place**2, place**3 - place**2], rtol=0.0, atol=1e-8)
-    assert_allclose(tables.place_per_speed, [2 * place, -2 * place], rtol=0.0, atol=1e-6)
-
-
-def test_a_torque_over_time_load_and_neighbours_is_taken_as_recorded() -> None:
-    def torque(motion: Motion) -> Float:
-        assert motion.load is not None
-        assert motion.others is not None
-        return 0.1 * motion.load * np.sign(motion.dq) + 0.2 * motion.others.ddq[:, 0] + 0.01 * motion.t
-
-    tables, past = tabulate(0.3, (Invented(torque),), RECORDING)
-    assert past == ()
-    assert RECORDING.load is not None
-    assert RECORDING.others is not None
-    both, friction = 0.2 * RECORDING.others.ddq[:, 0] + 0.01 * RECORDING.t, 0.1 * RECORDING.load
-    assert_allclose(tables.time, [both + friction, both - friction], rtol=1e-6, atol=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.presets import PRESETS
 from friction_audit.robot import load_arm
 from friction_audit.simulation import (
     EFFECTS,
@@ -28,7 +29,7 @@ from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.motion import intend_joints
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
-from friction_audit.simulation.settings import JointByJoint, make_streams, of_each_joint
+from friction_audit.simulation.settings import JointByJoint, make_streams
 from tests.simulation.hand_at_flange import flange_poses, intended, pull
 
 # A hand that guides the arm: where it goes, which joints follow, where it rests, what it carries.
@@ -36,9 +37,7 @@ from tests.simulation.hand_at_flange import flange_poses, intended, pull
 IDEAL = (IDEAL_SENSORS,) * 7
 GUIDED = ArmSettings(sensors=IDEAL, duration_s=12.0)
 SHORT = replace(GUIDED, duration_s=3.0)
-LOWEST_RAD = np.array([-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973])
-HIGHEST_RAD = np.array([2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973])
-FASTEST_RAD_S = np.array([2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61])
+PANDA = PRESETS["panda"]
 SEED = 2
 
 
@@ -69,9 +68,9 @@ def test_hand_follows_its_path(guided: Simulation) -> None:
 )
 def test_motion_keeps_the_limits_of_a_panda(seed: int) -> None:
     motion = simulate(replace(GUIDED, duration_s=3.0), seed).truth.motion
-    assert (motion.q > LOWEST_RAD + 0.1).all()
-    assert (motion.q < HIGHEST_RAD - 0.1).all()
-    assert (np.abs(motion.dq) < 0.95 * FASTEST_RAD_S).all()
+    assert (motion.q > np.array(PANDA.low_rad) + 0.1).all()
+    assert (motion.q < np.array(PANDA.high_rad) - 0.1).all()
+    assert (np.abs(motion.dq) < 0.95 * np.array(PANDA.speed_rad_s)).all()
 
 
 def test_hand_comes_to_rest_in_every_pause(guided: Simulation) -> None:
@@ -185,12 +184,8 @@ def test_every_joint_has_its_own() -> None:
     largest = np.abs(motion.compensation_nm).max(axis=0)
     assert largest[0] == 0.0
     assert (largest[1:] > 0.0).all()
-
-
-def test_as_many_as_joints() -> None:
     with pytest.raises(UsageError, match="2 compensators: expected 7"):
-        of_each_joint(JointByJoint(compensators=(ONE, ONE)), 7)
-    assert of_each_joint(None, 2) == (None, None)
+        simulate(replace(EACH_SHORT, compensator=JointByJoint(compensators=(ONE, ONE))), 0)
 
 
 # What the audit makes of an arm's log.
@@ -237,9 +232,6 @@ def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
 
 EFFECTS_SHORT = ArmSettings(duration_s=2.0)
 EFFECTS_IDEAL = replace(EFFECTS_SHORT, sensors=(IDEAL_SENSORS,) * 7)
-ROTORS = np.array([joint.inertia_kg_m2 for joint in PANDA_JOINTS])
-WITHIN_REACH = {"joint_limit_stop": {"at_rad": "0.05"}}
-"""An arm guided for two seconds does not get far: the stops stand closer."""
 NOTHING_YET = Hidden().holding(*(replace(effect.make({}), **{effect.strength_name(): 0.0}) for effect in EFFECTS))
 EFFECTS_SEED = 1
 
@@ -257,9 +249,10 @@ def test_all_effects_at_zero_strength_change_nothing_to_the_bit(driven: bool) ->
         assert_array_equal(hidden.channels()[name], channel)
 
 
-@pytest.mark.parametrize("effect", EFFECTS, ids=[effect.name for effect in EFFECTS])
-def test_effect_changes_the_log_and_keeps_it_finite(effect: Any) -> None:
-    hidden = Hidden().holding(effect.make(WITHIN_REACH.get(effect.name, {})))
+# What the other effects do to one joint, ``test_bench_contract.py`` shows.
+@pytest.mark.parametrize("effect", [effect for effect in EFFECTS if effect.needs_neighbours], ids=str)
+def test_effect_between_joints_changes_the_log_and_keeps_it_finite(effect: Any) -> None:
+    hidden = Hidden().holding(effect.make({}))
     plain, changed = (log_of(inside, False).log.channels() for inside in (Hidden(), hidden))
     for channel in changed.values():
         assert np.isfinite(channel).all()

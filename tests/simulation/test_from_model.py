@@ -1,6 +1,5 @@
 """A model of joints simulated: what the model says of the simulated motion is the torque that was simulated."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -104,11 +103,6 @@ def test_inertia_and_friction_are_taken_over() -> None:
     assert replace(settings, joints=IDEAL.joints) == IDEAL
 
 
-def test_a_joint_without_inertia_is_refused() -> None:
-    with pytest.raises(UsageError, match=r"the model's joint 1: inertia_kg_m2 = -0.1: expected more than zero"):
-        with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=-0.1)))
-
-
 def test_joints_without_a_model_stay_as_they_are() -> None:
     arm = ArmSettings()
     model = model_of({"stribeck": EXAMPLES["stribeck"]})
@@ -117,11 +111,6 @@ def test_joints_without_a_model_stay_as_they_are() -> None:
     assert settings.joints[1] == JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
     assert settings.hidden[1].stribeck == Stribeck(excess_nm=0.15, speed_rad_s=0.1, exponent=2.0)
     assert [(effect.joint, effect.name) for effect in hidden_effects(settings)] == [(2, "stribeck")]
-
-
-def test_the_numbers_of_joints_must_agree() -> None:
-    with pytest.raises(UsageError, match="the model has 2 joints, the scenario 1; expected as many"):
-        with_model(IDEAL, arm_of(None, None))
 
 
 @pytest.mark.parametrize(
@@ -144,6 +133,20 @@ def test_a_term_without_an_equal_is_refused_by_name(name: str, values: dict[str,
         with_model(IDEAL, arm_of(model_of({name: values})))
 
 
+@pytest.mark.parametrize(
+    ("joints", "message"),
+    [
+        ((None, None), "the model has 2 joints, the scenario 1; expected as many"),
+        ((JointModel(inertia_kg_m2=-0.1),), r"joint 1: inertia_kg_m2 = -0.1: expected more than zero"),
+        ((model_of({"time_delay": {"delay_s": 0.5}}),), r"joint 1: time_delay: delay_s=0\.5: expected a number"),
+        ((model_of({"offset": {}, "torque_bias": {}}),), "torque_bias: another term is a torque_bias already"),
+    ],
+)
+def test_a_model_that_cannot_be_simulated_is_refused(joints: tuple[JointModel | None, ...], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        with_model(IDEAL, arm_of(*joints))
+
+
 def test_damping_is_the_same_whichever_side_is_held() -> None:
     """D = 2 r sqrt(K B) of the model, 2 r' sqrt(K B B_o / (B + B_o)) of the simulator."""
     spring = {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "damping_ratio": 0.06}
@@ -152,18 +155,6 @@ def test_damping_is_the_same_whichever_side_is_held() -> None:
     more = np.sqrt(1.0 + 0.25 / IDEAL.operator.inertia_kg_m2)
     assert hidden.joint_elasticity.damping_ratio == pytest.approx(0.06 * more)
     assert hidden.backlash.contact_damping_ratio == pytest.approx(0.3 * more)
-
-
-def test_what_is_beyond_the_simulator_is_refused() -> None:
-    model = model_of({"time_delay": {"delay_s": 0.5, "delay_step_s": 0.5}})
-    with pytest.raises(UsageError, match=re.escape("the model's joint 1: time_delay: delay_s=0.5: expected a number")):
-        with_model(IDEAL, arm_of(model))
-
-
-def test_two_terms_that_are_one_effect_are_refused() -> None:
-    model = model_of({"offset": {"offset_nm": 0.1}, "torque_bias": {"torque_bias_nm": 0.1}})
-    with pytest.raises(UsageError, match="torque_bias: another term is a torque_bias already"):
-        with_model(IDEAL, arm_of(model))
 
 
 def test_every_term_is_told_or_refused() -> None:

@@ -12,7 +12,6 @@ from scipy.spatial.transform import Rotation
 from friction_audit.errors import UsageError
 from friction_audit.simulation.motion import HandPath, MotionSettings, Sinusoid, SlowSweep, StopAndGo, plan_hand
 from friction_audit.simulation.motion.periodic import Commanded, frequencies_hz
-from friction_audit.simulation.motion.strokes import plan_strokes
 
 DT = 1e-3
 TICKS = 20_000
@@ -52,18 +51,6 @@ def test_recording_too_short_for_any_motion_is_allowed(motion: type[MotionSettin
     intention = motion().intend(2, DT, _rng(4))
     assert np.abs(intention.position).max() <= 0.8
     assert_allclose(intention.velocity[[0, -1]], 0.0, atol=0)
-
-
-USUAL_STROKES = StopAndGo()
-
-
-def test_strokes_of_a_seed_stay_the_same() -> None:
-    """The committed sample logs and benchmark tables depend on them."""
-    strokes = plan_strokes(USUAL_STROKES, 10.0, _rng(5))
-    table = strokes[:, [0, 1, 3]].T
-    assert table.shape == (3, 5)
-    assert table[:, 0] == pytest.approx([0.5, 1.3437207168585683, -0.8773761539252232], rel=1e-9)
-    assert table[:, -1] == pytest.approx([7.447505816635416, 0.9166654959031897, 0.38676348599823623], rel=1e-9)
 
 
 @given(
@@ -106,9 +93,6 @@ def test_spread_keeps_the_half_periods(seed: int, spread: float, ease_s: float) 
     assert -0.5 * spread - 1e-12 <= position.min()
     assert position.max() <= 1.0 + 0.5 * spread + 1e-12
     assert_allclose(np.gradient(position, DT)[1:-1], velocity[1:-1], atol=1e-3)
-
-
-USUAL_SWEEP = SlowSweep()
 
 
 def test_one_speed_by_hand() -> None:

@@ -68,8 +68,7 @@ def test_faults_of_the_sensors_are_those_of_every_joint() -> None:
 
 
 def test_places_inside_the_joint_are_counted_from_its_zero_and_stops_from_the_start() -> None:
-    rough = Hidden(position_dependent_friction=PositionDependentFriction(share=0.5))
-    motion = simulate(replace(IDEAL, hidden=hide(4, rough)), 9).truth.motion
+    motion = simulate(replace(IDEAL, hidden=hide(4, ROUGH)), 9).truth.motion
     dq, moving = motion.dq[:, 3], motion.dq[:, 3] != 0
     level = (motion.friction_nm[:, 3] - JOINT.viscous_nms_per_rad * dq)[moving] * np.sign(dq[moving])
     assert_allclose(level, 0.3 * (1 + 0.5 * np.sin(3 * motion.q[moving, 3] + 0.5)), atol=1e-9)
@@ -78,23 +77,19 @@ def test_places_inside_the_joint_are_counted_from_its_zero_and_stops_from_the_st
     assert np.abs(stopped.q[:, 3] - IDEAL.pose_rad[3]).max() < 0.3
 
 
-@pytest.mark.parametrize("change", [{"joint": 8}, {"joint": 0}, {"sensors": (Sensors(),)}, {"pose_rad": (0.0,) * 6}])
-def test_joint_that_a_panda_does_not_have_is_refused(change: dict[str, object]) -> None:
-    with pytest.raises(UsageError, match="expected a joint from 1 to 7 and 7 of each"):
-        replace(SHORT, **change)  # type: ignore[arg-type]
+ROUGH = Hidden(position_dependent_friction=PositionDependentFriction(share=0.5))
+COUPLED = Hidden(inertial_coupling=InertialCoupling(ratio=0.3))
 
 
 @pytest.mark.parametrize(
-    ("joint", "hidden", "words"),
+    ("change", "words"),
     [
-        (
-            5,
-            {"position_dependent_friction": PositionDependentFriction(share=0.5)},
-            "in joint 5: does nothing where only",
-        ),
-        (4, {"inertial_coupling": InertialCoupling(ratio=0.3)}, "inertial_coupling in joint 4: does nothing"),
+        ({"joint": 8}, "expected a joint from 1 to 7 and 7 of each"),
+        ({"sensors": (Sensors(),)}, "expected a joint from 1 to 7 and 7 of each"),
+        ({"hidden": hide(5, ROUGH)}, "in joint 5: does nothing where only"),
+        ({"hidden": hide(4, COUPLED)}, "inertial_coupling in joint 4: does nothing"),
     ],
 )
-def test_effect_that_cannot_show_itself_is_refused(joint: int, hidden: dict[str, Any], words: str) -> None:
+def test_what_a_panda_does_not_have_or_cannot_show_is_refused(change: dict[str, Any], words: str) -> None:
     with pytest.raises(UsageError, match=words):
-        replace(SHORT, hidden=hide(joint, Hidden(**hidden)))
+        replace(SHORT, **change)

@@ -71,7 +71,7 @@ def fresh_tally() -> np.ndarray[tuple[int], np.dtype[np.void]]:
     return tally
 
 
-@compiled()
+@compiled(inline=True)
 def count_energy(tally: Record, settings: Record, friction_j: float, net_j: float, moved: float, dt: float) -> None:
     """Add an interval between two ticks, in which friction and person gave energy, the joint moved, time passed.
 
@@ -86,7 +86,7 @@ def count_energy(tally: Record, settings: Record, friction_j: float, net_j: floa
         tally.active_friction_j += friction_j
 
 
-@compiled()
+@compiled(inline=True)
 def count_tick(tally: Record, settings: Record, memory: Record, u_before: float, i: int) -> None:
     """Look at ledger, controller and limits after the compensator's tick i."""
     ledger = memory.observed_energy_j
@@ -113,7 +113,7 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
         tally.limited += 1
 
 
-@compiled()
+@compiled(inline=True)
 def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, acted: int, i: int, rows: Record) -> None:
     """Write the row of the cycle that ended at sample i, during which these coefficients were applied."""
     row = rows[tally.cycles]
@@ -203,7 +203,7 @@ def tick(  # noqa: PLR0913 - a tuple of arrays handed on at every tick costs thr
     return True
 
 
-@compiled()
+@compiled(inline=True)
 def write_torques(torques: Float, memory: Record, i: int, interaction: float) -> None:
     """Write down the torques in force at sample i; memory for zeros that is never written to is never taken."""
     torques[0, i], torques[1, i] = interaction, memory.compensation_nm
@@ -269,7 +269,9 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
             return i
         if again:
             q, v, starts = drive.q[i], drive.dq[i], starts + 1
-            sign, bent[:] = np.sign(v), joint.bent[starts]
+            sign = np.sign(v)
+            for k in range(len(bent)):  # for a slice, numba compiles a message for seconds
+                bent[k] = joint.bent[starts, k]
             memory.q_rad, memory.dq = q, v
         if i + 1 < len(t):
             before, u = q, memory.u_nm
@@ -280,18 +282,18 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
     return len(t)
 
 
-@compiled()
+@compiled(inline=True)
 def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, joint: Joint) -> float:
     """Return what the sensor of a joint with tables feels of the push: that, less what the operator takes. [N m]"""
     spring, acceleration = joint.stiffness_nm_per_rad * q, 0.0
     if sign != 0.0:
-        torque = taken(0 if sign > 0.0 else 1, q, abs(v), float(i), joint.tables)
+        torque = taken(sign, q, abs(v), float(i), joint.tables)
         torque += bristle_nm(bent, 0.0, joint.tables) + bristle_damping(bent, sign, joint.tables) * v
         acceleration = (push + u - spring - torque) / joint.tables.inertia_kg_m2
     return float(push - joint.inertia_kg_m2 * acceleration - joint.damping_nms_per_rad * v - spring)
 
 
-@compiled()
+@compiled(inline=True)
 def move(
     q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, joint: Joint
 ) -> tuple[float, float, float, float]:
@@ -311,7 +313,7 @@ def move(
         moved = q - before
         if moved != 0.0:
             place, speed, moment, mean = 0.5 * (before + q), abs(moved) / h, 0.5 * (begin + end), 0.5 * (held + bent)
-            both = taken(0, place, speed, moment, tables) - taken(1, place, speed, moment, tables)
+            both = taken(1.0, place, speed, moment, tables) - taken(-1.0, place, speed, moment, tables)
             level = 0.5 * both - joint.damping_nms_per_rad * speed
             damping = bristle_damping(mean, math.copysign(1.0, moved), tables)
             lost += level * abs(moved) + (bristle_nm(mean, 0.0, tables) + damping * moved / h) * moved

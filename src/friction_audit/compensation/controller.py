@@ -75,7 +75,7 @@ def give_up(memory: Record) -> float:
     return 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Advance what the law remembers over the interval since the previous tick."""
     if settings.kind == law.LUGRE and memory.ticks > 0:
@@ -86,7 +86,7 @@ def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, 
         feedback.filter_torque(settings.torque_regulation, memory, interaction_nm, dt)
 
 
-@compiled()
+@compiled(inline=True)
 def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Add the interval since the previous tick to the sums of the cycle and to the ledgers (2), (24).
 
@@ -106,7 +106,7 @@ def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, d
     memory.dissipated_j -= memory.passivity_nm * moved
 
 
-@compiled()
+@compiled(inline=True)
 def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
     """Return True if an energy cycle ends at this tick.
 
@@ -128,7 +128,7 @@ def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
     return bool(ended)
 
 
-@compiled()
+@compiled(inline=True)
 def close_cycle(settings: Record, memory: Record) -> None:
     """End the cycle at this tick, estimate, and begin the next one here."""
     memory.cycle += 1
@@ -149,7 +149,7 @@ def close_cycle(settings: Record, memory: Record) -> None:
     memory.net_j = memory.path_rad = memory.square_rad2_s = memory.longest_gap_s = 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def estimate(settings: Record, memory: Record) -> int:
     """Estimate from the last k cycles: viscous (8), (11), (25), Coulomb (14), combined (20); return the status.
 
@@ -196,7 +196,7 @@ def estimate(settings: Record, memory: Record) -> int:
     return ESTIMATED
 
 
-@compiled()
+@compiled(inline=True)
 def choose(settings: Record, memory: Record) -> None:
     """Choose the coefficients to apply: given, forced or estimated."""
     coulomb, viscous = settings.coulomb_nm, settings.viscous_nms_per_rad
@@ -212,7 +212,7 @@ def choose(settings: Record, memory: Record) -> None:
         memory.active = 1
 
 
-@compiled()
+@compiled(inline=True)
 def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
     """Return the torque that the law of the compensator asks for. [N m]"""
     if settings.kind == law.FIXED:
@@ -232,7 +232,7 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
     return 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def command(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
     # The damping alpha of (22), which there pays the deficit within a tick and here over a horizon; capped.

@@ -85,7 +85,7 @@ def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> Non
         bend_on(feed.bent, q - memory.q_rad, feed.tables)
     memory.q_rad = q
     sign = 1.0 if v >= 0.0 else -1.0
-    memory.modelled_nm = sign * taken(0 if v >= 0.0 else 1, q, abs(v), float(i), feed.tables)
+    memory.modelled_nm = sign * taken(sign, q, abs(v), float(i), feed.tables)
     memory.bristle_nm = bristle_nm(feed.bent, 0.0, feed.tables) + bristle_damping(feed.bent, sign, feed.tables) * v
 
 

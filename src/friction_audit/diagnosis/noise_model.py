@@ -105,17 +105,18 @@ def _at_lag(residual: Float, age: Index, lag: int) -> float:
 @compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")
 def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Float:
     order, n = len(predictors) - 1, columns.shape[1]
-    out, young = np.empty_like(columns), np.flatnonzero(age < order)
+    out = columns.copy()
     for k in range(columns.shape[0]):
         own, row = columns[k], out[k]
         # All as if they were old enough, lag by lag, which a processor does for several samples at once.
-        row[:] = own
         for j in range(order):
             share, late, early = predictors[order, j], row[j + 1 :], own[: n - 1 - j]
             for m in range(len(late)):
                 late[m] -= share * early[m]
-        row *= scales[order]
-        for i in young:
+        for i in range(n):
+            row[i] *= scales[order]
+            if age[i] >= order:
+                continue
             total = own[i]
             for j in range(age[i]):
                 total -= predictors[age[i], j] * own[i - 1 - j]

@@ -56,11 +56,9 @@ NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), stiffness=np.zeros(
 
 
 def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
-    """Ask a term for its curve after a reversal.
+    """Ask a term for its curve after a reversal; return the bristles as one curve, and the same as springs.
 
-    Returns:
-        Dry friction that the term adds to that of the joint, below zero where bristles take its place [N m]; the
-        bristles as one curve; the same as springs.
+    Before them, the dry friction that the term adds to that of the joint, below zero where bristles take its place.
     """
     before, slow = _reversal(term, SLOW_RAD_S)
     # At the reversal the direction jumps at once, the bristles do not; the first sample after it is a step further.
@@ -125,7 +123,7 @@ def bend(held: float, way: float, path: Float, torque: Float) -> float:
     return float(sign * (torque[low] + share * (torque[low + 1] - torque[low])))
 
 
-@compiled()
+@compiled(inline=True)
 def slope(held: float, sign: float, path: Float, torque: Float) -> float:
     """Return the stiffness of bristles of a curve that bend on in a direction. [N m/rad]"""
     if len(path) == 0:
@@ -134,13 +132,13 @@ def slope(held: float, sign: float, path: Float, torque: Float) -> float:
     return float((torque[low] - torque[high]) / (path[high] - path[low]))
 
 
-@compiled()
+@compiled(inline=True)
 def stretch(deflection: float, way: float, reach: float) -> float:
     """Return the deflection of a spring after a displacement, beyond whose reach it slips. [rad]"""
     return min(reach, max(-reach, deflection + way))
 
 
-@compiled()
+@compiled(inline=True)
 def _around(value: float, torque: Float) -> tuple[int, int]:
     """Return the points of a falling curve around a torque (bisection)."""
     low, high = 0, len(torque) - 1

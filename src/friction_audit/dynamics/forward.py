@@ -25,7 +25,6 @@ from friction_audit.dynamics.stick_slip import run_pieces
 from friction_audit.dynamics.torque_tables import Tables, certain, rms, steps_per_sample, tabulate
 from friction_audit.dynamics.transmission import HIGHEST_HZ, Transmission, flank_stiffness, straightened
 from friction_audit.dynamics.two_mass import Link, can_follow, follow, link_of, move_two_sides
-from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
 
@@ -171,11 +170,10 @@ def _transmission(model: Model, motion: Motion, between: Mapping[Forward, Term])
     """The spring, the gap, or both in a row, the spring in the place of the flanks; None without either."""
     spring, backlash = between.get("spring"), between.get("gap")
     share = min(_parameter(term, "far_share", 1.0) for term in (spring, backlash))
-    gap_rad = 0.0 if backlash is None else _parameter(backlash, "_rad")
-    compliance = 0.0 if spring is None else _parameter(spring, "_rad_per_nm")
+    gap_rad, compliance = _parameter(backlash, "_rad"), _parameter(spring, "_rad_per_nm")
     if compliance > 0.0:
-        stiffness, damping_ratio = 1.0 / compliance, _parameter(spring, "damping_ratio", 0.0)
-        soft_nm = _parameter(spring, "soft_nm", 0.0)
+        stiffness, damping_ratio = 1.0 / compliance, _parameter(spring, "damping_ratio")
+        soft_nm = _parameter(spring, "soft_nm")
     elif backlash is not None:
         contact_hz = _parameter(backlash, "_hz", HIGHEST_HZ)
         stiffness = flank_stiffness(share * model.inertia_kg_m2, contact_hz, gap_rad, rms(model.rest(motion)))
@@ -216,24 +214,10 @@ def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
 def _undelayed(term: Term, motion: Motion, drive: Float) -> Float:
     """The torque at its time; of a load that is late too, what was taken away too early is given back."""
     load = np.zeros(len(drive)) if motion.load is None else motion.load * round(_parameter(term, "delayed_load"))
-    # The delay is what becomes of a torque that rises by 1 N m/s.
-    still = np.zeros(len(motion.t))
-    rising = replace(motion, dq=still, ddq=still, rest=motion.t - motion.t[0], load=None)
-    delay_s = -float(np.median(term.torque(rising)))
-    return np.asarray(np.interp(motion.t + delay_s, motion.t, drive + load) - load)
+    return np.asarray(np.interp(motion.t + _parameter(term, "delay_s"), motion.t, drive + load) - load)
 
 
-def _parameter(term: Term | None, ending: str, default: float | None = None) -> float:
-    """Return the one parameter of a term whose name has an ending, or the default where there is none.
-
-    Raises:
-        AnalysisError: If there is none and no default, or more than one.
-    """
+def _parameter(term: Term | None, ending: str, default: float = 0.0) -> float:
+    """Return the parameter of a term whose name has an ending, or the default where there is none."""
     pairs = () if term is None else zip(term.effect.parameters, term.values, strict=True)
-    values = [value for parameter, value in pairs if parameter.name.endswith(ending)]
-    if not values and default is not None:
-        return default
-    if len(values) != 1 or term is None:
-        name, forward = ("", "") if term is None else (term.name, term.effect.forward)
-        raise AnalysisError(f"term {name}: {len(values)} parameters end on {ending}; expected one for a {forward}")
-    return values[0]
+    return next((value for parameter, value in pairs if parameter.name.endswith(ending)), default)

@@ -26,10 +26,8 @@ class RigidBody:
     tilt: Float  # gravity torque per unit of gravity along two directions across the vertical [m/s^2], shape (m, 2)
     # torque M ddq + c of the model; None where the link's inertia is not in the balance, shape (m,) [N m]
     inertial: Float | None
-    # in single precision too
-    tip: (
-        NDArray[np.floating[Any]] | None
-    )  # the same per unit of each inertial parameter of the last link, shape (m, 10), or None
+    # the same per unit of each inertial parameter of the last link, in single precision too, shape (m, 10), or None
+    tip: NDArray[np.floating[Any]] | None
     _kept: "list[RigidBody]" = field(default_factory=list, init=False, repr=False)
 
     def on(self, t: Float) -> "RigidBody":
@@ -90,26 +88,6 @@ class Motion:
 Forward = Literal["instant", "bristle", "delay", "spring", "gap"]
 
 
-class Named(Protocol):
-    """A parameter, as far as the dynamics need it."""
-
-    @property
-    def name(self) -> str:
-        """Name with the unit as suffix."""
-
-
-class Law(Protocol):
-    """The law of a term, as far as the dynamics need it."""
-
-    @property
-    def forward(self) -> Forward:
-        """How it takes part in a forward simulation."""
-
-    @property
-    def parameters(self) -> Sequence[Named]:
-        """All parameters, in the order of a term's values."""
-
-
 class Term(Protocol):
     """A term of a joint model, with its values: a torque curve."""
 
@@ -122,8 +100,8 @@ class Term(Protocol):
         """Values of its parameters."""
 
     @property
-    def effect(self) -> Law:
-        """Its law."""
+    def effect(self) -> Any:  # noqa: ANN401 - an ``effects.effect.Effect``, of which the dynamics know nothing else
+        """Its law, with ``forward`` and with ``parameters`` in the order of the values, each with a name."""
 
     def torque(self, motion: Motion) -> Float:
         """Return the torque. [N m], shape (n,)."""

@@ -27,7 +27,7 @@ class Step(NamedTuple):
     end: float  # its end, likewise
 
 
-@compiled()
+@compiled(inline=True)
 def rest_of(step: Step, share: float) -> Step:
     """Return what is left of a step after a share of it."""
     return Step(
@@ -42,13 +42,12 @@ def rest_of(step: Step, share: float) -> Step:
 @compiled()
 def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> float:
     """Return the velocity of a joint with tables after sliding through a step in one direction."""
-    way = 0 if sign > 0.0 else 1
     damping = bristle_damping(bent, sign, tables)
-    torque = taken(way, q, abs(v), step.begin, tables) + bristle_nm(bent, 0.0, tables) + damping * v
+    torque = taken(sign, q, abs(v), step.begin, tables) + bristle_nm(bent, 0.0, tables) + damping * v
     middle = v + 0.5 * step.h * (step.drive0 - torque) / tables.inertia_kg_m2
     speed, ahead = max(0.0, middle * sign), 0.5 * step.h * v
     moment, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
-    torque = taken(way, q + ahead, speed, moment, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
+    torque = taken(sign, q + ahead, speed, moment, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
     return v + step.h * (drive - torque) / tables.inertia_kg_m2
 
 
@@ -61,7 +60,7 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
     for _ in range(EVENTS):
         if sign == 0.0:
             held = bristle_nm(bent, 0.0, tables)
-            forwards, backwards = taken(0, q, 0.0, step.begin, tables), taken(1, q, 0.0, step.begin, tables)
+            forwards, backwards = taken(1.0, q, 0.0, step.begin, tables), taken(-1.0, q, 0.0, step.begin, tables)
             if forwards < backwards:
                 # Bristles bear all the friction: nothing dry is left that could hold the joint.
                 forwards = backwards = 0.5 * (forwards + backwards)

@@ -49,15 +49,9 @@ class Tables(NamedTuple):
 
 
 def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
-    """Tabulate the terms of a joint.
+    """Tabulate the terms of a joint that act by a torque, instantly or by bristles, along an even recording.
 
-    Args:
-        inertia_kg_m2: Its inertia.
-        terms: Terms that act by a torque, instantly or by bristles.
-        motion: The recording, on an even grid.
-
-    Returns:
-        The tables, and the terms that no table holds; second bristles are among them.
+    Returns the tables, and the terms that no table holds; second bristles are among them.
     """
     empty = _empty(motion)
     tables, past = empty._replace(inertia_kg_m2=inertia_kg_m2), []
@@ -190,8 +184,9 @@ def read(table: Float, place: float) -> float:
 
 
 @compiled()
-def taken(way: int, q: float, speed: float, moment: float, tables: Tables) -> float:
-    """Return what a joint takes without its bristles, forwards (0) or backwards (1), at a sample of the recording."""
+def taken(sign: float, q: float, speed: float, moment: float, tables: Tables) -> float:
+    """Return what a joint takes without its bristles, forwards (1.0) or backwards, at a sample of the recording."""
+    way = 0 if sign > 0.0 else 1
     place = (q - tables.place_start) / tables.place_step
     per_speed = read(tables.place_per_speed[way], place) + read(tables.time_per_speed[way], moment)
     torque = read(tables.speed[way], speed / tables.speed_step) + read(tables.place[way], place)

@@ -61,7 +61,7 @@ def bend_of(soft_nm: float) -> tuple[float, float]:
     return bend, 0.25 / bend if bend > NOTHING_NM else 0.0
 
 
-@compiled()
+@compiled(inline=True)
 def pushed(straight: float, bend: float, curve: float) -> float:
     """Return the torque of a spring, from that of one as stiff as it gets. [N m]"""
     bent = min(max(straight, -bend), bend)
@@ -81,9 +81,6 @@ def far_side(motion: Motion) -> FarSide:
     """Read inertia and friction off the torque of the simple model, which is linear in them.
 
     Numbers below zero, which a fit may give, count as zero: friction that pushes would run away.
-
-    Raises:
-        AnalysisError: If the motion says nothing of the simple model's torque.
     """
     every = max(len(motion.t) // MANY_SAMPLES, 1)
     columns = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
@@ -98,11 +95,7 @@ def part_of(far: FarSide, share: float) -> FarSide:
 
 
 def simple_torque(motion: Motion) -> Float:
-    """Return the torque of inertia, Coulomb and viscous friction.
-
-    Raises:
-        AnalysisError: If the motion does not have it.
-    """
+    """Return the torque of inertia, Coulomb and viscous friction, which the motion has to have."""
     if motion.rest is None:
         raise AnalysisError(
             "motion: no torque of inertia and friction (rest); a term that changes how it gets to the sensor needs it"
@@ -147,12 +140,8 @@ def all_transmitted(
 ) -> Iterator[tuple[int, Float]]:
     """Yield the torques that the measured side feels, averaged from half a sample before to half a sample after.
 
-    The load is not in them. A far side starts at the velocity of the measured side, twisted by the load alone.
-
-    Args:
-        motion: Evenly sampled.
-        far: With inertias above zero; places are in any order.
-        links: With stiffnesses above zero.
+    The load is not in them. A far side starts at the velocity of the measured side, twisted by the load alone. The
+    motion is evenly sampled, inertias and stiffnesses are above zero; places come in any order.
     """
     step = float(motion.t[1] - motion.t[0])
     q, dq, load = map(read_only, (motion.q, motion.dq, np.zeros(len(motion.t)) if motion.load is None else motion.load))
@@ -192,7 +181,7 @@ def between_samples(step: float, steps: int) -> Float:
     return np.stack([*place, *speed], axis=1)
 
 
-@compiled()
+@compiled(inline=True)
 def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[float, float]:
     """Return place and speed between two samples, on the cubic through both, by the weights of a step."""
     return q + w[0] * rise + w[1] * dq + w[2] * next_dq, w[3] * rise + w[4] * dq + w[5] * next_dq
@@ -254,11 +243,13 @@ def _follow(  # noqa: PLR0913
         for j in range(many):
             torque[j, k] = table[last, j] / steps
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
-    _double_ends(torque, table[last], steps)
+    for j in range(many):  # both ends have half a sample each
+        torque[j, 0] *= 2.0
+        torque[j, -1] = 2.0 * (table[last, j] / steps)
     return torque
 
 
-@compiled()
+@compiled(inline=True)
 def _start(table: Float, far: Float, links: Float, h: float, q: float, dq: float, load: float, lanes: Lanes) -> None:
     """Numbers of the transmissions and the state at the first sample."""
     for j in range(len(lanes)):
@@ -269,15 +260,7 @@ def _start(table: Float, far: Float, links: Float, h: float, q: float, dq: float
         table[11, j], table[12, j] = q - twisted(load, links[0, j], links[2, j], links[3, j]), dq
 
 
-@compiled()
-def _double_ends(torque: Float, last: Float, steps: int) -> None:
-    """Both ends have half a sample each; one by one, for whole columns take seconds to compile."""
-    for j in range(len(last)):
-        torque[j, 0] *= 2.0
-        torque[j, -1] = 2.0 * (last[j] / steps)
-
-
-@compiled()
+@compiled(inline=True)
 def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
     """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
     loss = 0.5 * h * (drag + far[2])
@@ -285,7 +268,7 @@ def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
     return (far[0] - loss) / (far[0] + loss), gain, gain * far[1]
 
 
-@compiled()
+@compiled(inline=True)
 def twisted(load: float, stiffness: float, half: float, bend: float) -> float:
     """Return by how much a transmission is twisted at rest under a load; nothing without one. [rad]"""
     twist: float = straightened(load, bend) / stiffness

@@ -93,7 +93,7 @@ def move_two_sides(
     return out
 
 
-@compiled()
+@compiled(inline=True)
 def _transmit(twist: float, closing: float, loss: float, link: Link) -> float:
     """Return the torque for a twist that grows at a speed, of which damping takes a share in a step. [N m]"""
     engaged = twist - min(max(twist, -link.half_rad), link.half_rad)
@@ -114,7 +114,9 @@ def _follow(q: Float, dq: Float, load: Float, step_s: float, between: Float, lin
     sign = np.sign(omega)
     loss = 0.5 * h * link.damping_nms_per_rad / far.inertia_kg_m2
     for i in range(len(q)):
-        out[i, 0], out[i, 1], out[i, 2:] = theta, omega, bent
+        out[i, 0], out[i, 1] = theta, omega
+        for k in range(len(bent)):  # one by one: for a slice, numba compiles a message for seconds
+            out[i, 2 + k] = bent[k]
         if i + 1 == len(q):
             break
         for k in range(steps):

@@ -58,14 +58,11 @@ def windowed_sinc(share: float, window: Float) -> Float:
     return np.asarray(weights / weights.sum())
 
 
-@compiled()
 def first_order(signal: NDArray[Any], pole: complex, before: complex) -> NDArray[Any]:
     """Return y_k = pole y_(k-1) + (1 - pole) x_k of a signal x, as real as the pole, from a value before it on."""
-    out = np.empty_like(signal)
-    for k in range(len(signal)):
-        before = pole * before + (1.0 - pole) * signal[k]
-        out[k] = before
-    return out
+    from scipy.signal import lfilter
+
+    return np.asarray(lfilter([1.0 - pole], [1.0, -pole], signal, zi=[pole * before])[0])
 
 
 @compiled(any_order=True)

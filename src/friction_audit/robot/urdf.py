@@ -38,27 +38,14 @@ class Inertial:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Urdf:
-    """What counts of a URDF.
+    """What counts of a URDF."""
 
-    Attributes:
-        xml: Links with placeholder inertias, joints that count as unlimited hinges, all others fixed at zero.
-        inertials: Inertial parameters of the links, by name.
-    """
-
-    xml: str
-    inertials: dict[str, tuple[Inertial, ...]]
+    xml: str  # links with placeholder inertias, joints that count as unlimited hinges, all others fixed at zero
+    inertials: dict[str, tuple[Inertial, ...]]  # inertial parameters of the links, by name
 
 
 def parse_urdf(text: bytes, where: str) -> Urdf:
-    """Read a URDF. A joint counts if it turns, has a motor of its own (no mimic) and is no finger.
-
-    Args:
-        text: Content of the file.
-        where: The file, for the messages.
-
-    Raises:
-        UsageError: If it is no URDF, no joint counts or there is no mass.
-    """
+    """Read a URDF. A joint counts if it turns, has a motor of its own (no mimic) and is no finger."""
     root = _root(text, where)
     faults = _faults(root)
     if faults:
@@ -84,16 +71,7 @@ def parse_urdf(text: bytes, where: str) -> Urdf:
 
 
 def limits_in(text: bytes, where: str, name: str) -> tuple[float, float, float]:
-    """Return lowest and highest position and highest speed of a joint, infinite where it has none. [rad], [rad/s]
-
-    Args:
-        text: Content of the file.
-        where: The file, for the messages.
-        name: Name of the joint.
-
-    Raises:
-        UsageError: If it is no URDF, has no such joint, or the limits are no numbers.
-    """
+    """Return lowest and highest position and highest speed of a joint, infinite where it has none. [rad], [rad/s]"""
     joints = {one.get("name", ""): one for one in _root(text, where).findall("joint")}
     if name not in joints:
         raise UsageError(f"{where}: no joint {name}; its joints are {', '.join(joints)}; give the URDF of this arm")

@@ -13,9 +13,9 @@ from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import Progress, make_motion, make_traces
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
-from friction_audit.simulation.mechanics.tick import guide, load_masses, settle, tick
+from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
 from friction_audit.simulation.mechanism import assemble, rotor_mass
-from friction_audit.simulation.motion import Commanded, HandMotion, HandPath, intend_joints, plan_hand
+from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
 from friction_audit.simulation.settings import (
     PANDA_SENSORS,
@@ -138,7 +138,7 @@ def move(settings: ArmSettings, streams: Streams, progress: Progress | None = No
     ticks, pose = count_ticks(settings.duration_s, settings.rate_hz), np.array(settings.pose_rad)
     mechanism = assemble(_with_brakes(settings), ticks, pose, streams, driven=settings.driven)
     gravity = np.zeros((ticks + 1, len(settings.joints)))
-    drive: RigidBody = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
+    drive = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
     settle(mechanism.joints, mechanism.body, drive.load(pose))
     for k in range(ticks + 1):
         drive.tick(k, gravity[k])
@@ -175,7 +175,8 @@ class RigidBody:
         )
         self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
         self._flange = self._model.body(known.flange).id
-        self._cycle = np.zeros(CYCLE_STATE)
+        by_hand = settings.compensator is not None and settings.hand_cycles
+        self._cycle, self._nothing = np.zeros(CYCLE_STATE if by_hand else 0), np.zeros(0)
         self._ticks, self._dt = len(mechanism.out) - 1, mechanism.clock.dt
         self._joints = n = len(settings.joints)
         self._mass, self._bias, self._held, self._jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
@@ -217,15 +218,17 @@ class RigidBody:
         mj.mj_rne(model, data, 0, self._bias)
         return self._mass, self._bias
 
-    def tick(self, k: int, gravity: Float) -> None:
-        """Move on from half a tick before tick k to half a tick after it; write the gravity compensation down."""
-        raise NotImplementedError
+    def run(self, k: int) -> None:
+        """Move on from half a tick before tick k to half a tick after it, driven by what is in the body."""
+        run(self.mechanism, self._nothing, self._nothing, self._jacobian, self._cycle, k, k + 1)
 
 
 class GuidedArm(RigidBody):
     """An arm whose hand is guided."""
 
     def __init__(self, settings: ArmSettings, mechanism: Mechanism, person: np.random.Generator) -> None:
+        from scipy.spatial.transform import Rotation
+
         hand = settings.hand
         super().__init__(settings, mechanism, hand.mass_kg)
         intended = plan_hand(hand.path, self._ticks, self._dt, person)
@@ -233,19 +236,14 @@ class GuidedArm(RigidBody):
         self._dampers = np.repeat([hand.damping_ns_per_m, hand.turning_damping_nms_per_rad], 3)
         self._lift = -hand.mass_kg * np.array([*STANDARD_GRAVITY, 0.0, 0.0, 0.0])
         self._target = np.hstack([intended.velocity, intended.angular])
-        self._place, self._orientation = self._intend(intended)
+        self.compute(np.array(settings.pose_rad), np.zeros(self._joints))
+        self._place = self._data.xpos[self._flange] + intended.position
+        upright = self._data.xmat[self._flange].reshape(3, 3)
+        self._orientation = Rotation.from_rotvec(intended.rotation).as_matrix() @ upright
         self._quaternion, self._turn = np.zeros(4), np.zeros(3)
 
-    def _intend(self, intended: HandMotion) -> tuple[Float, Float]:
-        """Return intended places, shape (ticks + 1, 3), and orientations, shape (ticks + 1, 3, 3)."""
-        from scipy.spatial.transform import Rotation
-
-        self.compute(np.array(self.settings.pose_rad), np.zeros(self._joints))
-        start, upright = self._data.xpos[self._flange], self._data.xmat[self._flange].reshape(3, 3)
-        return start + intended.position, Rotation.from_rotvec(intended.rotation).as_matrix() @ upright
-
     def tick(self, k: int, gravity: Float) -> None:
-        """Move on from half a tick before tick k to half a tick after it."""
+        """Move on from half a tick before tick k to half a tick after it; write the gravity compensation down."""
         q, dq = self.predict(k)
         mass, bias = self.compute(q, dq)
         mj, data, jacobian, springs, dampers = self._mj, self._data, self._jacobian, self._springs, self._dampers
@@ -257,8 +255,7 @@ class GuidedArm(RigidBody):
         gravity[:] = self.support(q)
         body = self.mechanism.body
         guide(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity)
-        by_hand = self.settings.compensator is not None and self.settings.hand_cycles
-        tick(self.mechanism, jacobian, self._cycle, by_hand, k)
+        self.run(k)
 
 
 class ServoedArm(RigidBody):
@@ -282,5 +279,4 @@ class ServoedArm(RigidBody):
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
         load_masses(body, self.rotor, mass)
-        by_hand = False
-        tick(self.mechanism, self._jacobian, self._cycle, by_hand, k)
+        self.run(k)

@@ -19,7 +19,6 @@ from friction_audit.joint_numbers import require_joints, split_joints, write_joi
 
 Settings = TypeVar("Settings")
 Value = float | int | bool | str | tuple["Value", ...] | None
-Change = Callable[[Any], Any]  # what is there -> what shall be there
 
 APART = ("hidden",)  # parts of the settings that have an option of their own
 NOTHING = "none"
@@ -44,11 +43,11 @@ Setting = Value | PerJoint | Kind
 
 
 class _Leaf(NamedTuple):
-    """A setting: where it is, what it is, what text makes of it (ValueError: what was expected)."""
+    """A setting: where it is, what it is, what text makes of what is there (ValueError: what was expected)."""
 
     path: tuple[str, ...]
     value: Setting
-    read: Callable[[str], Change]
+    read: Callable[[str, Any], Any]
 
 
 def paths(settings: object) -> dict[str, Setting]:
@@ -101,11 +100,7 @@ def _write_plain(value: Value) -> str:
 
 
 def assign_texts(settings: Settings, entries: Iterable[str]) -> Settings:
-    """Return the settings with several entries assigned, those last that the settings allow only after others.
-
-    Raises:
-        UsageError: As ``assign_text`` does, for the first entry that never fits, or if two entries contradict.
-    """
+    """Return the settings with several entries assigned, those last that the settings allow only after others."""
     given = tuple(entries)
     waiting = list(given)
     while waiting:
@@ -128,9 +123,6 @@ def assign_text(settings: Settings, entry: str) -> Settings:
     """Return the settings with ``"name=value"`` or ``"name=value@2,5"`` assigned.
 
     The name is the dotted path of a setting, or as much of its end as no other one shares; without joints, all have it.
-
-    Raises:
-        UsageError: If there is no such setting or more than one, or value or joints do not fit.
     """
     assignment, joints = split_joints(entry, f"--set {entry}")
     name, equals, text = (part.strip() for part in assignment.partition("="))
@@ -145,11 +137,9 @@ def assign_text(settings: Settings, entry: str) -> Settings:
             raise UsageError(f"{where}: is not set joint by joint; leave out {at}")
         require_joints(joints, len(leaf.value.values), where)
     try:
-        change = leaf.read(text)
+        changed: Settings = _put(settings, leaf.path, partial(leaf.read, text), joints)
     except ValueError as error:
         raise UsageError(f"{where}: expected {error}") from error
-    try:
-        changed: Settings = _put(settings, leaf.path, change, joints)
     except UsageError as error:
         raise UsageError(f"{where}: {error}") from error
     return changed
@@ -174,7 +164,7 @@ def _likeness(name: str, path: str) -> float:
     return ends + TIE * SequenceMatcher(None, place, its_place).ratio() if ends >= LIKE else 0.0
 
 
-def _put(node: Any, path: tuple[str, ...], change: Change, joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401
+def _put(node: Any, path: tuple[str, ...], change: Callable[[Any], Any], joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401
     """Return a node with the value at a path below it changed, for some joints or for all."""
     if not path:
         return change(node)
@@ -213,12 +203,7 @@ def _below(value: Any, hint: Any, *, endless: bool) -> Iterator[_Leaf]:  # noqa:
                 values: Any = tuple(one[path].value for one in own)
                 yield leaf._replace(value=PerJoint(values))
     elif not kinds and _is_plain(hint):
-
-        def read(text: str) -> Change:
-            found = _read(text, hint, endless=endless)
-            return lambda _: found
-
-        yield _Leaf((), value, read)
+        yield _Leaf((), value, lambda text, _: _read(text, hint, endless=endless))
 
 
 def _name_of(kind: type) -> str:
@@ -237,17 +222,15 @@ def _can_be_made(kind: type) -> bool:
     return all(item.default is not MISSING or item.default_factory is not MISSING for item in fields(kind))
 
 
-def _turn_into(kinds: dict[str, type], name: str) -> Change:
-    """Return what turns settings into another kind with its usual values, and leaves them if they are of that kind."""
+def _turn_into(kinds: dict[str, type], name: str, old: object) -> object:
+    """Return another kind of settings with its usual values, or the old ones if they are of that kind."""
     if name not in kinds:
         raise ValueError(f"one of {', '.join(kinds)}")
-
-    def change(old: object) -> object:
-        if not isinstance(old, kinds[name]) and not _can_be_made(kinds[name]):
-            raise UsageError(f"{name} has no usual values; a scenario must have it")
-        return old if isinstance(old, kinds[name]) else kinds[name]()
-
-    return change
+    if isinstance(old, kinds[name]):
+        return old
+    if not _can_be_made(kinds[name]):
+        raise UsageError(f"{name} has no usual values; a scenario must have it")
+    return kinds[name]()
 
 
 def _is_plain(hint: Any) -> bool:  # noqa: ANN401 - any annotation

@@ -112,7 +112,7 @@ def move(
     settings: BenchSettings, streams: Streams, progress: Progress | None = None, *, start_rad: float = 0.0
 ) -> Mechanism:
     """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
-    from friction_audit.simulation.mechanics.tick import run_bench, settle
+    from friction_audit.simulation.mechanics.tick import run, settle
 
     ticks, hand = count_ticks(settings.duration_s, settings.rate_hz), settings.operator
     intended = hand.motion.intend(ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
@@ -127,9 +127,10 @@ def move(
     gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
     weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)
     settle(mechanism.joints, body, np.array([-weight if settings.driven else weight]))
+    no_hand = np.zeros((6, 1)), np.zeros(0)
     for first in range(0, ticks + 1, CHUNK_TICKS):
         last = min(first + CHUNK_TICKS, ticks + 1)
-        run_bench(mechanism, push, gravity, settings.driven, first, last)
+        run(mechanism, push, gravity, *no_hand, first, last)
         if progress is not None:
             progress(last / (ticks + 1))
     return mechanism

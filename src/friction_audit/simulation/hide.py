@@ -37,15 +37,9 @@ class HiddenInJoint:
 
 
 def hide(settings: Settings, entries: Iterable[str]) -> Settings:
-    """Return the settings with effects hidden in their joints.
+    """Return the settings of a scenario with effects hidden in their joints; without @ in all that move.
 
-    Args:
-        settings: Of a scenario; ``hidden`` holds one record per joint, with one group per effect.
-        entries: ``"stribeck"``, ``"stribeck:excess_nm=0.2,form=lorentzian"``, ``"stribeck@2,5"``; without @ all
-            joints that move.
-
-    Raises:
-        UsageError: If an effect, a parameter or a joint is not there, or an effect comes twice in one joint.
+    Entries are ``"stribeck"``, ``"stribeck:excess_nm=0.2,form=lorentzian"``, ``"stribeck@2,5"``.
     """
     hidden, taken = list(settings.hidden), set[tuple[str, int]]()
     for entry in entries:
@@ -112,11 +106,7 @@ EQUALS: dict[str, type[HiddenEffect]] = {
 
 
 def with_model(settings: Settings, model: "ArmModel") -> Settings:
-    """Return the settings with the joints of a model.
-
-    Raises:
-        UsageError: If the numbers of joints differ, a joint has no inertia, or the simulator has no equal of a term.
-    """
+    """Return the settings with the joints of a model, where the simulator has an equal of each term."""
     if len(model.joints) != len(settings.joints):
         raise UsageError(
             f"the model has {len(model.joints)} joints, the scenario {len(settings.joints)}; expected as many; choose "
@@ -172,12 +162,7 @@ def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, Hidd
 
 
 def equal_of(term: "FittedTerm", setting: Setting) -> HiddenEffect:
-    """Return the hidden effect that equals a term.
-
-    Raises:
-        NoEqualError: If the simulator has none.
-        UsageError: If it does not take the numbers.
-    """
+    """Return the hidden effect that equals a term; raise NoEqualError where the simulator has none."""
     effect = EQUALS[term.name]
     return _made(effect, effect.from_parameters(_values_of(term), setting))
 

@@ -58,9 +58,6 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
     """Build the mechanism at rest; its masses and its drive are the caller's to set.
 
     Where ``driven``, the motors are on the outer side, friction and links on the inner one.
-
-    Raises:
-        UsageError: If a joint that is rigid, or that its motor moves, has torque control.
     """
     n, hidden = len(settings.joints), settings.hidden
     for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):

@@ -1,25 +1,29 @@
 """What the sensors and the recorder make of the truth: noise, resolution, the channels of a log, losses and jitter."""
 
+import hashlib
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
 from friction_audit.simulation.effects.slow_and_events import temperature_c
-from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, any_guards, sampled_ticks
-from friction_audit.simulation.simulation import TrueMotion, make_log
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, any_guards
+from friction_audit.simulation.simulation import TrueMotion
 
 if TYPE_CHECKING:
     from friction_audit.simulation.mechanics.records import Loop
     from friction_audit.simulation.mechanism import Settings
 
+Number = TypeVar("Number", float, Float)
+
 STAMP_ROOM = 0.45  # a stamp errs by less than this share of the sampling interval, so that stamps keep their order
 NANOSECONDS = 1e9  # clocks count whole nanoseconds
-BINARY_NOISE_DIGITS = 9  # decimal places of a quantised value: finer than any resolution, coarser than rounding errors
+SCALE = 1e9  # inverse of the last place of a quantised value: finer than any resolution, coarser than rounding errors
 
 EXTERNAL_CUTOFF_HZ = 100.0  # of the filter on ``tau_ext_hat_filtered``; an assumption, the vendor's is not published
 EXTERNAL_STEP_NM = 1e-3  # resolutions as logged
@@ -58,11 +62,13 @@ def _smooth(signal: Float, keep: float, start: float) -> Float:
     return np.asarray(smoothed)
 
 
-def quantise(signal: Float, step: float) -> Float:
-    """Round to multiples of a step; a step of 0 changes nothing. ``mechanics.tick`` has the same for one value."""
-    if step == 0:
-        return signal
-    return np.round(np.rint(signal / step) * step, BINARY_NOISE_DIGITS)
+@compiled()
+def rounded(value: Number, step: float) -> Number:
+    """Round to multiples of a step; a step of 0 changes nothing."""
+    return value if step == 0.0 else np.rint(np.rint(value / step) * step * SCALE) / SCALE
+
+
+quantise: Callable[[Float, float], Float] = rounded.py_func  # type: ignore[attr-defined]  # the same of an array
 
 
 def bench_channels(settings: "Settings", motion: TrueMotion, loop: "Loop") -> dict[str, Float]:
@@ -127,7 +133,6 @@ def _late(settings: "Settings", signal: Float, form: int) -> Float:
 
 
 def _gravity_errors(settings: "Settings", q: Float) -> Float:
-    """Return what is wrong with the gravity torque that is subtracted from the sensor's."""
     return _per_joint(settings, lambda j: gravity_error_nm(settings.hidden[j].gravity_error, q[:, j]))
 
 
@@ -140,12 +145,8 @@ def _compensator_channels(settings: "Settings", motion: TrueMotion) -> dict[str,
 
 def temperatures(settings: "Settings", motion: TrueMotion) -> Float:
     """Return the temperature of every joint as a thermometer logs it, shape (n + 1, j). [degC]"""
-
-    def column(j: int) -> Float:
-        truth = temperature_c(settings.hidden[j].warm_up, motion.warmth[:, j])
-        return quantise(truth, TEMPERATURE_STEP_C)
-
-    return _per_joint(settings, column)
+    truth = _per_joint(settings, lambda j: temperature_c(settings.hidden[j].warm_up, motion.warmth[:, j]))
+    return quantise(truth, TEMPERATURE_STEP_C)
 
 
 def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, NDArray[np.int64]]:
@@ -180,8 +181,14 @@ def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[n
 def write_down(
     settings: "Settings", channels: dict[str, Float], names: tuple[str, ...], path: str, streams: Streams, *, robot: str
 ) -> JointLog:
-    """Return the log: the states that were kept, with the stamps of the recorder."""
-    ticks = sampled_ticks(len(channels["q"]) - 1, settings.rate_hz)
+    """Return the log: the states that were kept, with the stamps of the recorder. Its source does not say how."""
+    samples = int((len(channels["q"]) - 1) * settings.rate_hz / CONTROL_RATE_HZ + 1e-9)
+    ticks = np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / settings.rate_hz)).astype(np.int64)
     t, kept = record(ticks / CONTROL_RATE_HZ, settings.rate_hz, settings.sensors[0], streams.recorder)
-    columns = {name: channel[ticks[kept]] for name, channel in channels.items()}
-    return make_log(t, columns, names, path, robot=robot)
+    # Sensors know one zero: adding 0 turns the negative one, which text would show, into it.
+    columns = {name: np.asfortranarray(channel[ticks[kept]] + 0.0) for name, channel in channels.items()}
+    digest = hashlib.sha256(t.tobytes())
+    for column in columns.values():
+        digest.update(column.tobytes(order="F"))
+    source = Source(path=path, sha256=digest.hexdigest(), format="simulation", robot=robot, clock="robot_time")
+    return JointLog(t=t, **columns, joint_names=names, source=source)

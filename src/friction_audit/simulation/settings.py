@@ -6,7 +6,6 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compensation.compensators import Compensator, guard_of
 from friction_audit.errors import UsageError
@@ -21,7 +20,7 @@ LONGEST_S = 7200.0  # every tick is kept in memory: two hours of one joint take 
 HIGHEST_SHARE = 0.5
 LONGEST_DEAD_TIME_S = 0.005  # five ticks; a state of a joint remembers so much of its torque control
 LARGEST = 1e3  # no error of a sensor comes near it, in any unit
-FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.BINARY_NOISE_DIGITS``)
+FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.SCALE``)
 
 
 def require_positive(where: str, **numbers: float) -> None:
@@ -72,13 +71,6 @@ def count_ticks(duration_s: float, rate_hz: float) -> int:
             f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least {FEWEST_TICKS} sampling intervals"
         )
     return round(duration_s * CONTROL_RATE_HZ)
-
-
-def sampled_ticks(ticks: int, rate_hz: float) -> NDArray[np.int64]:
-    """Return the ticks whose states are logged at a lower rate, the first one always."""
-    samples = int(ticks * rate_hz / CONTROL_RATE_HZ + 1e-9)
-    ticks_of_samples: NDArray[np.int64] = np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / rate_hz)).astype(np.int64)
-    return ticks_of_samples
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

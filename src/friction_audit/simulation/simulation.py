@@ -1,6 +1,5 @@
 """What a simulation gives: the log as it was recorded, and everything that the log does not say."""
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -8,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.errors import AnalysisError
-from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.joint_log import Float, JointLog
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -52,26 +51,11 @@ class Simulation:
     truth: Truth
 
 
-def make_log(t: Float, channels: Mapping[str, Float], names: tuple[str, ...], path: str, *, robot: str) -> JointLog:
-    """Return a log whose source does not say how it was made."""
-    # Sensors know one zero: adding 0 turns the negative one, which text would show, into it.
-    columns = {name: np.asfortranarray(channel + 0.0) for name, channel in channels.items()}
-    digest = hashlib.sha256(t.tobytes())
-    for column in columns.values():
-        digest.update(column.tobytes(order="F"))
-    source = Source(path=path, sha256=digest.hexdigest(), format="simulation", robot=robot, clock="robot_time")
-    return JointLog(t=t, **columns, joint_names=names, source=source)
-
-
 FASTEST_RAD_S, STRONGEST_NM = 1e3, 1e6  # far beyond all joints of arms
 
 
 def require_sane(motion: TrueMotion, path: str) -> TrueMotion:
-    """Return a motion that did not diverge.
-
-    Raises:
-        AnalysisError: If a velocity or a torque is not finite or beyond all joints; at the first such instant.
-    """
+    """Return a motion that did not diverge; refuse one with a speed or torque not finite or beyond all joints."""
     speeds = (motion.dq, motion.inner_dq)
     torques = (motion.port_nm, motion.support_nm, motion.friction_nm, motion.compensation_nm, motion.passivity_nm)
     for signals, limit, what, unit in (

@@ -8,7 +8,7 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.bench import BenchSettings, Operator, make_motion
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Clock, Mechanism
-from friction_audit.simulation.mechanics.tick import run_bench
+from friction_audit.simulation.mechanics.tick import run
 from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, make_streams
 from friction_audit.simulation.simulation import TrueMotion
@@ -47,7 +47,7 @@ def release(
     _place(mechanism, q, dq)
     clock = Clock(dt=tick_s, substeps=round(0.5 * tick_s / step_s), duration=duration_s)
     push = np.zeros(ticks + 1) if push is None else push
-    run_bench(mechanism._replace(clock=clock), push, np.zeros(2), False, 0, ticks + 1)
+    run(mechanism._replace(clock=clock), push, np.zeros(2), np.zeros((6, 1)), np.zeros(0), 0, ticks + 1)
     return replace(make_motion(mechanism, "any step", driven=False), t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
 
 

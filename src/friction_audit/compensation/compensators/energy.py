@@ -91,7 +91,7 @@ class EnergyCompensator(Guard):
         return self.unknowns if self.window is None else self.window
 
 
-@compiled()
+@compiled(inline=True)
 def energy_nm(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque that aids the motion, (9) with the sign that Figs 6 and 10 need. [N m]"""
     sign = soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)

@@ -52,7 +52,7 @@ class DisturbanceObserver:
         return replace(self, observer_gain_per_s=factor * self.observer_gain_per_s)
 
 
-@compiled()
+@compiled(inline=True)
 def observe(group: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Observe the past interval, exactly for friction that is steady over it.
 
@@ -67,7 +67,7 @@ def observe(group: Record, memory: Record, dq: float, interaction_nm: float, dt:
     )
 
 
-@compiled()
+@compiled(inline=True)
 def observed_nm(group: Record, memory: Record, dq: float) -> float:
     """Return the torque that cancels the observed friction. [N m]"""
     share = 1.0
@@ -103,14 +103,14 @@ class TorqueRegulation:
         return replace(self, desired_inertia_kg_m2=self.inertia_kg_m2 / (1.0 + factor * self.torque_gain))
 
 
-@compiled()
+@compiled(inline=True)
 def filter_torque(group: Record, memory: Record, interaction_nm: float, dt: float) -> None:
     """Filter the torque just read; the first one is taken as it is."""
     share = 1.0 if memory.ticks == 0 else -math.expm1(-2.0 * math.pi * group.cutoff_hz * dt)
     memory.filtered_interaction_nm += share * (interaction_nm - memory.filtered_interaction_nm)
 
 
-@compiled()
+@compiled(inline=True)
 def regulated_nm(group: Record, memory: Record) -> float:
     """Return the torque that shapes the inertia. [N m]"""
     return float((group.inertia_kg_m2 / group.desired_inertia_kg_m2 - 1.0) * memory.filtered_interaction_nm)

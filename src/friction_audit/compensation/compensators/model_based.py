@@ -44,7 +44,7 @@ class FixedCompensation:
         return replace(self, coulomb_nm=factor * self.coulomb_nm, viscous_nms_per_rad=factor * self.viscous_nms_per_rad)
 
 
-@compiled()
+@compiled(inline=True)
 def fixed_nm(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque that aids the motion. [N m]"""
     share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
@@ -125,7 +125,7 @@ def fit_sigmoid(
     return SigmoidCompensation(height_nm=2 * half, steepness_s_per_rad=steepness_s_per_rad, shift_rad_s=shift)
 
 
-@compiled()
+@compiled(inline=True)
 def sigmoid_nm(group: Record, dq: float) -> float:
     """Return the torque that aids the motion. [N m]"""
     at_rest = 1.0 / (1.0 + math.exp(-group.steepness_s_per_rad * group.shift_rad_s))
@@ -165,14 +165,14 @@ class LugreCompensation:
         return replace(self, **{name: factor * getattr(self, name) for name in torques})
 
 
-@compiled()
+@compiled(inline=True)
 def level_nm(group: Record, dq: float) -> float:
     """Return g(dq), the friction of steady sliding without its viscous part. [N m]"""
     ratio = dq / group.stribeck_rad_s
     return float(group.coulomb_nm + (group.breakaway_nm - group.coulomb_nm) * math.exp(-ratio * ratio))
 
 
-@compiled()
+@compiled(inline=True)
 def lugre_advance(group: Record, memory: Record, dq: float, dt: float) -> None:
     """Bend the bristles over the past interval; exact for the mean of the two velocities.
 
@@ -185,7 +185,7 @@ def lugre_advance(group: Record, memory: Record, dq: float, dt: float) -> None:
     memory.bristle_rad += share * (steady - memory.bristle_rad)
 
 
-@compiled()
+@compiled(inline=True)
 def lugre_nm(group: Record, memory: Record, dq: float) -> float:
     """Return the torque that aids the motion. [N m]"""
     rate = dq - group.stiffness_nm_per_rad * abs(dq) * memory.bristle_rad / level_nm(group, dq)
@@ -214,7 +214,7 @@ class JointModelCompensation:
         require_not_negative("compensation by a joint's model", self)
 
 
-@compiled()
+@compiled(inline=True)
 def joint_model_nm(group: Record, memory: Record, dq: float) -> float:
     """Return the torque that aids the motion. [N m]"""
     return float(soft_sign(dq, group.dead_band_rad_s, group.ramp_rad_s) * memory.modelled_nm + memory.bristle_nm)

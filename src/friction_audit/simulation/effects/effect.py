@@ -112,14 +112,7 @@ class HiddenEffect:
 
     @classmethod
     def make(cls, given: Mapping[str, str]) -> Self:
-        """Return the effect with the given parameters, the others as usual.
-
-        Args:
-            given: Values by parameter name, ``form`` among them, as text.
-
-        Raises:
-            UsageError: If a name, a number or a form is wrong.
-        """
+        """Return the effect with the given parameters as text by name, ``form`` among them, the others as usual."""
         known = {parameter.name: parameter for parameter in cls.parameters()}
         names = [*known, *([FORM] if cls.forms else [])]
         for name in given:
@@ -151,15 +144,7 @@ class HiddenEffect:
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
-        """Return the parameters, form among them, that equal a term of a joint model.
-
-        Args:
-            values: Parameters of the term by name.
-            setting: The joint and the recording.
-
-        Raises:
-            NoEqualError: If the simulator has no equal of the term.
-        """
+        """Return the parameters, form among them, that equal a term of a joint model, or raise NoEqualError."""
         if cls.same_law is None:
             raise NoEqualError("its own formulas differ")
         own = {item.name: item.metadata["like"] for item in fields(cls) if item.name != FORM}

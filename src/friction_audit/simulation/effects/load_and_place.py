@@ -47,7 +47,7 @@ class LoadDependentFriction(HiddenEffect):
         return {"share": share * REFERENCE_NM, "form": "quadratic"}
 
 
-@compiled()
+@compiled(inline=True)
 def load_friction_nm(group: Record, load_nm: float, power_w: float) -> float:
     """Return the friction that the load adds to the Coulomb level (not negative, so passive). [N m]
 
@@ -97,7 +97,7 @@ class PositionDependentFriction(HiddenEffect):
         return {"share": share, "cycles_per_rev": order, "phase_rad": phase, "form": "sinusoid"}
 
 
-@compiled()
+@compiled(inline=True)
 def place_factor(group: Record, q: float) -> float:
     """Return the factor of the Coulomb level at a position: 1 on average, never below 0, so passive.
 
@@ -220,7 +220,7 @@ class CableSpring(HiddenEffect):
         return {"stiffness_nm_per_rad": stiffness, "centre_rad": middle, "form": "linear"}
 
 
-@compiled()
+@compiled(inline=True)
 def cable_spring_nm(group: Record, q: float) -> float:
     """Return the torque towards the centre, on the motor's side of the sensor. [N m]
 
@@ -270,7 +270,7 @@ def _wall_push(group: Record, depth: float, inward: float) -> float:
     return float(group.stiffness_nm_per_rad * max(0.0, depth + group.damping_s * inward))
 
 
-@compiled()
+@compiled(inline=True)
 def limit_stop_nm(group: Record, q: float, velocity: float) -> float:
     """Return the torque of both walls, on the motor's side of the sensor. [N m]
 

@@ -28,7 +28,7 @@ class WarmUp(HiddenEffect):
     form: int = AMBIENT
 
 
-@compiled()
+@compiled(inline=True)
 def warm_up_advance(group: Record, warmth: float, friction_power_w: float, h: float) -> float:
     """Return the warmth after h: one heat capacity, one way out for the heat, solved exactly at constant power.
 
@@ -39,14 +39,14 @@ def warm_up_advance(group: Record, warmth: float, friction_power_w: float, h: fl
     return float(warmth - (target - warmth) * math.expm1(-h / group.time_s))
 
 
-@compiled()
+@compiled(inline=True)
 def warm_up_coulomb_factor(group: Record, warmth: float) -> float:
     """Return the Coulomb friction over that of the cold joint: falls about linearly, stays above 0."""
     lost = group.reduction * group.coulomb_ratio
     return float(1.0 / (1.0 + warmth * lost / (1.0 - lost)))
 
 
-@compiled()
+@compiled(inline=True)
 def warm_up_viscous_factor(group: Record, warmth: float) -> float:
     """Return the viscous friction over that of the cold joint: exponential in temperature (Reynolds 1886)."""
     return float((1.0 - group.reduction) ** warmth)
@@ -85,29 +85,17 @@ class FrictionStep(HiddenEffect):
         return {**given, "at_share": begin, "length_s": length, "form": "ramp"}
 
 
-@compiled()
-def friction_step_progress(group: Record, t: float, duration: float) -> float:
-    """Return the share of the change that is done at time t: 0 before the step, 1 at its end."""
-    since = t - group.at_share * duration
+@compiled(inline=True)
+def friction_step_factor(group: Record, ratio: float, t: float, duration: float) -> float:
+    """Return a coefficient over that before the step, above 0; it takes part in the change by a ratio."""
+    since, done = t - group.at_share * duration, 1.0
     if since < 0.0:
-        return 0.0
-    if group.form == RAMP:
-        return float(min(1.0, since / group.length_s))
-    if group.form == SETTLING:
-        return float(-math.expm1(-since / group.length_s))
-    return 1.0
-
-
-@compiled()
-def friction_step_coulomb_factor(group: Record, t: float, duration: float) -> float:
-    """Return the Coulomb friction over that before the step, above 0."""
-    return float(1.0 + group.change * friction_step_progress(group, t, duration))
-
-
-@compiled()
-def friction_step_viscous_factor(group: Record, t: float, duration: float) -> float:
-    """Return the viscous friction over that before the step, above 0."""
-    return float(1.0 + group.change * group.viscous_ratio * friction_step_progress(group, t, duration))
+        done = 0.0
+    elif group.form == RAMP:
+        done = min(1.0, since / group.length_s)
+    elif group.form == SETTLING:
+        done = -math.expm1(-since / group.length_s)
+    return float(1.0 + group.change * ratio * done)
 
 
 KNOCK, DRAG, STEP = range(3)
@@ -151,7 +139,7 @@ def draw_events(group: ContactEvent, duration_s: float, rng: np.random.Generator
     return events[np.argsort(start)]
 
 
-@compiled()
+@compiled(inline=True)
 def count_begun(events: Float, t: float) -> int:
     """Return how many events began before or at t, by bisection."""
     low, high = 0, len(events)
@@ -164,7 +152,7 @@ def count_begun(events: Float, t: float) -> int:
     return low
 
 
-@compiled()
+@compiled(inline=True)
 def contact_event_nm(group: Record, events: Float, t: float, velocity: float) -> float:
     """Return the torque that the events exert in the positive direction of the joint. [N m]
 
@@ -210,7 +198,7 @@ class UnloggedCompensation(HiddenEffect):
         return {**friction, "form": "dead_band" if round(form) else "smooth"}
 
 
-@compiled()
+@compiled(inline=True)
 def unlogged_nm(group: Record, velocity: float) -> float:
     """Return the torque that helps the motion, of the sign of the velocity. [N m]
 

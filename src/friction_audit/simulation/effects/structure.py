@@ -66,7 +66,7 @@ def elastic_torque_nm(group: Record, stretch: float) -> float:
     return float(stretch / compliance)
 
 
-@compiled()
+@compiled(inline=True)
 def damping_nms_per_rad(ratio: float, compliance: float, inertia: float) -> float:
     """Return the damping between motor and link, or of touching flanks, that gives a damping ratio. [N m s/rad]
 

@@ -22,7 +22,7 @@ class Stribeck(HiddenEffect):
     form: int = EXPONENTIAL
 
 
-@compiled()
+@compiled(inline=True)
 def stribeck_nm(group: Record, speed: float) -> float:
     """Return the friction above the Coulomb level at a speed (not negative). [N m]"""
     ratio = speed / group.speed_rad_s
@@ -49,7 +49,7 @@ class Stiction(HiddenEffect):
     form: int = SATURATING
 
 
-@compiled()
+@compiled(inline=True)
 def stiction_nm(group: Record, rest_s: float) -> float:
     """Return the break-away level above the sliding level after a rest (not negative). [N m]
 
@@ -87,7 +87,7 @@ class NonlinearViscous(HiddenEffect):
         return {"torque_nm": torque, "exponent": exponent, "speed_rad_s": 1.0, "form": "power"}
 
 
-@compiled()
+@compiled(inline=True)
 def nonlinear_viscous_nm(group: Record, speed: float) -> float:
     """Return the friction on top of the viscous line at a speed (not negative, never falling). [N m]
 
@@ -114,15 +114,6 @@ class AsymmetricCoulomb(HiddenEffect):
     )
 
 
-@compiled()
-def asymmetric_coulomb_nm(group: Record, sign: float) -> float:
-    """Return what the Coulomb level gains in a direction of motion, +1 or -1; negative where it loses. [N m]
-
-    Passive while the joint's Coulomb level is at least the half difference.
-    """
-    return float(group.half_difference_nm * sign)
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class AsymmetricViscous(HiddenEffect):
     summary = "viscous friction differs between the directions"
@@ -131,15 +122,6 @@ class AsymmetricViscous(HiddenEffect):
     half_difference_nms_per_rad: float = strength(
         0.03, "half of the viscous coefficient forward less backward", like="viscous_half_difference_nms_per_rad"
     )
-
-
-@compiled()
-def asymmetric_viscous_nm(group: Record, sign: float, speed: float) -> float:
-    """Return what friction gains at a speed in a direction of motion, +1 or -1; negative where it loses. [N m]
-
-    Passive while the joint's viscous coefficient is at least the half difference.
-    """
-    return float(group.half_difference_nms_per_rad * sign * speed)
 
 
 LUGRE, DAHL, MAXWELL_SLIP = range(3)
@@ -170,7 +152,7 @@ class Presliding(HiddenEffect):
         return {"displacement_rad": reach, "exponent": exponent, "form": "dahl"}
 
 
-@compiled()
+@compiled(inline=True)
 def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: float, exponent: float) -> float:
     """Move the deflection on by h at constant velocity: the exact solution of Dahl (1976) for any exponent.
 
@@ -190,7 +172,7 @@ def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: floa
     return sign * level * (1.0 - missing) / sigma0
 
 
-@compiled()
+@compiled(inline=True)
 def yield_rad(group: Record, k: int) -> float:
     """Return where element k of Maxwell-slip yields at the Coulomb level, uniformly spread (Iwan 1966). [rad]
 
@@ -200,7 +182,7 @@ def yield_rad(group: Record, k: int) -> float:
     return float(group.displacement_rad * FIRST_YIELD * (k + 1))
 
 
-@compiled()
+@compiled(inline=True)
 def presliding_advance(
     group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float, h: float
 ) -> None:
@@ -228,7 +210,7 @@ def presliding_advance(
             bristles[k] = min(limit, max(-limit, held + velocity * h))
 
 
-@compiled()
+@compiled(inline=True)
 def presliding_force_nm(group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float) -> float:
     """Return the friction torque without the viscous part, positive in steady motion forward (there: level). [N m]
 
@@ -271,7 +253,7 @@ class FrictionalLag(HiddenEffect):
     form: int = RELAXING
 
 
-@compiled()
+@compiled(inline=True)
 def frictional_lag_speed(group: Record, memory: Float, speed: float, h: float) -> float:
     """Move on by h to the present speed and return the speed that friction sees, in between those that were. [rad/s]
 
@@ -288,7 +270,7 @@ def frictional_lag_speed(group: Record, memory: Float, speed: float, h: float) -
     return float(memory[PREVIOUS])
 
 
-@compiled()
+@compiled(inline=True)
 def remember(memory: Float, speed: float, h: float) -> None:
     """Keep a sample of the speed every 0.5 ms, for any steps; between two calls the speed is linear in time."""
     memory[AGE] += h
@@ -300,7 +282,7 @@ def remember(memory: Float, speed: float, h: float) -> None:
     memory[PREVIOUS] = speed
 
 
-@compiled()
+@compiled(inline=True)
 def recall(memory: Float, lag_s: float) -> float:
     """Return the speed of a time ago, linear between the samples. [rad/s]"""
     newest = int(memory[NEWEST])

@@ -15,7 +15,9 @@ def viscous_now(joint: Record, state: Record, t: float, duration: float) -> floa
     if hidden.warm_up.reduction != 0.0:
         coefficient *= slow_and_events.warm_up_viscous_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
-        coefficient *= slow_and_events.friction_step_viscous_factor(hidden.friction_step, t, duration)
+        coefficient *= slow_and_events.friction_step_factor(
+            hidden.friction_step, hidden.friction_step.viscous_ratio, t, duration
+        )
     return float(coefficient)
 
 
@@ -28,7 +30,7 @@ def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: f
     if hidden.warm_up.reduction != 0.0:
         factor *= slow_and_events.warm_up_coulomb_factor(hidden.warm_up, state.warmth)
     if hidden.friction_step.change != 0.0:
-        factor *= slow_and_events.friction_step_coulomb_factor(hidden.friction_step, t, duration)
+        factor *= slow_and_events.friction_step_factor(hidden.friction_step, 1.0, t, duration)
     return factor
 
 
@@ -51,8 +53,9 @@ def sliding_level(
         level += load_and_place.load_friction_nm(hidden.load_dependent_friction, state.port_nm, power)
     if hidden.nonlinear_viscous.torque_nm != 0.0:
         level += velocity.nonlinear_viscous_nm(hidden.nonlinear_viscous, seen)
-    level += velocity.asymmetric_coulomb_nm(hidden.asymmetric_coulomb, sign)
-    level += velocity.asymmetric_viscous_nm(hidden.asymmetric_viscous, sign, seen)
+    # Passive while the joint's own coefficients are at least the half differences.
+    level += hidden.asymmetric_coulomb.half_difference_nm * sign
+    level += hidden.asymmetric_viscous.half_difference_nms_per_rad * sign * seen
     if lagging:
         return max(0.0, float(level + viscous_now(joint, state, t, duration) * seen))
     if level < 0.0:
@@ -61,7 +64,7 @@ def sliding_level(
     return float(level)
 
 
-@compiled()
+@compiled(inline=True)
 def holding_level(joint: Record, state: Record, q: float, sign: float, t: float, duration: float) -> float:
     """Return the torque that friction can hold against at rest before the joint breaks away. [N m]"""
     level = sliding_level(joint, state, q, 0.0, sign, t, duration)
@@ -69,7 +72,7 @@ def holding_level(joint: Record, state: Record, q: float, sign: float, t: float,
     return level + extra * coulomb_factor(joint, state, q, t, duration)
 
 
-@compiled()
+@compiled(inline=True)
 def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
     """Return all torques on the inner side but friction, positive towards positive velocity. [N m]"""
     hidden = joint.hidden
@@ -83,7 +86,7 @@ def other_torque(joint: Record, state: Record, events: Float, q: float, dq: floa
     return float(torque)
 
 
-@compiled()
+@compiled(inline=True)
 def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float) -> None:
     """Let the joint torque control of a joint feed back, over a step of length h, the torque of its dead time ago."""
     loop, c = joint.torque_loop, body.inner[j]
@@ -155,7 +158,7 @@ def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: flo
         body.level[c] = sliding_level(joint, state, q, max(0.0, dq * mode), mode, t, duration)
 
 
-@compiled()
+@compiled(inline=True)
 def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> None:
     """Add the spring and the damper, or the flanks, between the two sides of a joint."""
     c = body.inner[j]

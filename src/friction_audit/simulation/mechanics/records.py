@@ -55,11 +55,7 @@ BODY = np.dtype(
         ("v", "f8", (MOST,)),  # velocities, (c,) [rad/s]
         ("a", "f8", (MOST,)),  # accelerations of the latest step, (c,) [rad/s^2]
         ("mode", "f8", (MOST,)),  # sliding direction, 0: stuck, or FREE, (c,)
-        (
-            "level",
-            "f8",
-            (MOST,),
-        ),  # friction against sliding without viscous part; if FREE the signed torque, (c,) [N m]
+        ("level", "f8", (MOST,)),  # friction against sliding without viscous part; if FREE signed, (c,) [N m]
         ("hold", "f8", (MOST, 2)),  # friction that a stuck coordinate can bear, downwards and upwards, (c, 2) [N m]
         ("slip", "f8", (MOST, 2)),  # its friction just after it broke away, (c, 2) [N m]
         ("reaction", "f8", (MOST,)),  # what holds a stuck coordinate at present, (c,) [N m]

@@ -16,7 +16,7 @@ from friction_audit.simulation.mechanics.friction import (
 from friction_audit.simulation.mechanics.records import FREE
 
 
-@compiled()
+@compiled(inline=True)
 def solve(body: Record) -> None:
     """Solve the equations of the coordinates that are not stuck, in place; they are positive definite (Cholesky)."""
     system, right, count = body.system, body.right, body.free
@@ -80,7 +80,7 @@ def _release(body: Record, h: float) -> bool:
     return True
 
 
-@compiled()
+@compiled(inline=True)
 def _hold_again(body: Record) -> bool:
     """Hold a coordinate that broke away and that others, free since then, pull back; return whether there is one."""
     for c in range(body.count):
@@ -107,7 +107,7 @@ ROOT_ITERATIONS = 3
 EVENTS = 32  # stops within a step; what comes after is taken without stopping again
 
 
-@compiled()
+@compiled(inline=True)
 def _first_stop(body: Record, h: float) -> tuple[int, float]:
     """Return the sliding coordinate that stops first within a step, or -1, and the share of the step."""
     first, share = -1, 1.0
@@ -122,7 +122,7 @@ def _first_stop(body: Record, h: float) -> tuple[int, float]:
     return first, share
 
 
-@compiled()
+@compiled(inline=True)
 def _stop_time(body: Record, c: int, h: float, share: float) -> float:
     """Return the time within the step at which a coordinate stops; damping makes its acceleration depend on it."""
     time = share * h

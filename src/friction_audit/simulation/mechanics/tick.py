@@ -13,13 +13,12 @@ from friction_audit.simulation.effects import slow_and_events, structure
 from friction_audit.simulation.mechanics import records as row
 from friction_audit.simulation.mechanics.friction import load_drive, load_joint
 from friction_audit.simulation.mechanics.step import accelerate, slide
-from friction_audit.simulation.sensors import BINARY_NOISE_DIGITS
+from friction_audit.simulation.sensors import rounded
 
 HALVINGS = 60  # of an interval, until nothing is left of it
-SCALE = 10.0**BINARY_NOISE_DIGITS
 
 
-@compiled()
+@compiled(inline=True)
 def _twist(joint: Record, load_nm: float) -> float:
     """Return the twist at which a transmission carries a load (bisection). [rad]"""
     elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
@@ -46,14 +45,6 @@ def settle(joints: Record, body: Record, load_nm: Float) -> None:
 
 
 @compiled()
-def quantised(value: float, step: float) -> float:
-    """Round to a multiple of a step, to the bit as ``sensors.quantise`` does it; a step of 0 changes nothing."""
-    if step == 0.0:
-        return value
-    return float(np.rint(np.rint(value / step) * step * SCALE) / SCALE)
-
-
-@compiled()
 def advance(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float, since: float) -> None:
     """Move on by half a tick."""
     h = 0.5 * clock.dt / clock.substeps
@@ -61,7 +52,7 @@ def advance(joints: Record, states: Record, events: Float, body: Record, clock: 
         slide(joints, states, events, body, since + i * h, t + i * h, h, clock.duration)
 
 
-@compiled()
+@compiled(inline=True)
 def evaluate(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float) -> None:
     """Find accelerations, friction and the torques at the sensors at an instant."""
     load_drive(body, 0.0, 0.0)
@@ -81,7 +72,7 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, clock:
         body.port[j] = torque
 
 
-@compiled()
+@compiled(inline=True)
 def keep(states: Record, body: Record, out: Float) -> None:
     """Write the truth of an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
@@ -95,7 +86,7 @@ def keep(states: Record, body: Record, out: Float) -> None:
             out[i, j] = kept[i]
 
 
-@compiled()
+@compiled(inline=True)
 def control(joints: Record, states: Record, body: Record, loop: Record, clock: Record, k: int, cut: int) -> None:
     """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
     for j in range(len(joints)):
@@ -103,9 +94,9 @@ def control(joints: Record, states: Record, body: Record, loop: Record, clock: R
         power = body.friction[j] * body.v[body.inner[j]]
         state.port_nm = body.port[j]
         state.warmth = slow_and_events.warm_up_advance(hidden.warm_up, state.warmth, power, clock.dt)
-        velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+        velocity = rounded(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
         state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
-        read = quantised(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
+        read = rounded(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
         interaction = body.support[j] - read
         state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
         state.passivity_nm = loop.memory[j].passivity_nm
@@ -155,7 +146,7 @@ def guide(  # noqa: PLR0913
         body.push[i], body.push_rate[i], body.support[i] = push, rate, support[i]
 
 
-@compiled()
+@compiled(inline=True)
 def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, dt: float) -> int:
     """Return 1 if an energy cycle of the hand ends at this tick (paper, section V.B), else 0.
 
@@ -165,7 +156,7 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
     for a in range(3):
         along = 0.0
         for j in range(body.joints):
-            velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+            velocity = rounded(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
             along += jacobian[a, j] * velocity
         square += along * along
     if not hand_rests(cycle, math.sqrt(square), dt, INITIATION_M_S, TERMINATION_M_S):
@@ -177,19 +168,16 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
     return 1
 
 
-@compiled()
-def tick(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int) -> None:
-    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise.
-
-    ``by_hand``: the hand ends the cycles of all joints; only then its Jacobian and its cycle matter.
-    """
+@compiled(inline=True)
+def tick(mechanism: Record, jacobian: Float, cycle: Float, k: int) -> None:
+    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise."""
     joints, states, events, body, loop, clock, out, traced = mechanism
     t, half = k * clock.dt, 0.5 * clock.dt
     if k > 0:
         advance(joints, states, events, body, clock, t - half, -half)
     evaluate(joints, states, events, body, clock, t)
     keep(states, body, out[k])
-    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if by_hand else FIND
+    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if len(cycle) > 0 else FIND
     control(joints, states, body, loop, clock, k, cut)
     for j in range(len(joints)):
         for field in range(traced.shape[2]):
@@ -198,22 +186,29 @@ def tick(mechanism: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int
         advance(joints, states, events, body, clock, t, 0.0)
 
 
-@compiled()
-def run_bench(mechanism: Record, push: Float, gravity: Float, driven: bool, first: int, last: int) -> None:
-    """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
-
-    ``push`` is the torque of the drive with the joint at zero, ``gravity`` amplitude and phase of the load's gravity
-    torque.
-    """
-    body, dt, nothing = mechanism.body, mechanism.clock.dt, np.zeros((1, 1))
-    by_hand = last < first  # no hand; a constant would make numba compile ``tick`` a second time
+@compiled(inline=True)
+def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
+    """Set what drives the one joint of a bench at tick k, and the weight of its load."""
+    body, dt, driven = mechanism.body, mechanism.clock.dt, mechanism.states[0].driven
     link = body.inner[0] if driven else 0
+    place = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
+    weight = gravity[0] * np.sin(place + gravity[1])
+    body.support[0] = -weight if driven else weight
+    body.push[0] = push[k] - body.support[0]
+    before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
+    body.push_rate[0] = 0.5 * (before + after) / dt
+    body.push_bend[0] = (after - before) / dt**2
+
+
+@compiled()
+def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: Float, first: int, last: int) -> None:
+    """Run joints from tick ``first`` to before ``last``; one entry for bench and arm, for it takes long to compile.
+
+    ``push`` is the torque of the drive of a bench with the joint at zero, ``gravity`` amplitude and phase of its load's
+    gravity torque; without a push, the drive is in the body. Where the hand ends the cycles of all joints, ``cycle`` is
+    its state and ``jacobian`` that of the hand; else the cycle is empty.
+    """
     for k in range(first, last):
-        place = body.y[link] + (0.5 * dt * body.v[link] if k > 0 else 0.0)
-        weight = gravity[0] * np.sin(place + gravity[1])
-        body.support[0] = -weight if driven else weight
-        body.push[0] = push[k] - body.support[0]
-        before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
-        body.push_rate[0] = 0.5 * (before + after) / dt
-        body.push_bend[0] = (after - before) / dt**2
-        tick(mechanism, nothing, nothing[0], by_hand, k)
+        if len(push) > 0:
+            push_bench(mechanism, push, gravity, k)
+        tick(mechanism, jacobian, cycle, k)

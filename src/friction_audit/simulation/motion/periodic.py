@@ -108,14 +108,22 @@ def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: 
     t = tick_times(ticks, dt)
     pulsation = 2 * np.pi * frequencies_hz(settings, joints)
     phase = rng.uniform(0.0, 2 * np.pi, pulsation.shape)
-    envelope, steepness = _envelope(t, min(settings.ease_s, t[-1] / 2))
+    # A factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s].
+    ease_s = min(settings.ease_s, t[-1] / 2)
+    rise, fall = t / ease_s, (t[-1] - t) / ease_s
+    envelope = np.minimum(rising(rise), rising(fall))
+    steepness = (slope(np.clip(rise, 0.0, 1.0)) - slope(np.clip(fall, 0.0, 1.0))) / ease_s
     position, velocity = np.empty((2, ticks + 1, joints))
     for joint in range(joints):
         # One joint at a time keeps the arrays inside the cache.
         angle = np.outer(t, pulsation[joint]) + phase[joint]
         swing, speed = np.sin(angle) @ (1 / pulsation[joint]), np.cos(angle).sum(axis=1)
         position[:, joint], velocity[:, joint] = envelope * swing, steepness * swing + envelope * speed
-    excess = _excess(settings, position, velocity)
+    # By how much each joint exceeds the tighter of its bounds; 1 where nothing moves.
+    low, high = settings.range_rad
+    speed = np.abs(velocity).max(axis=0) / settings.peak_speed_rad_s
+    excess = np.maximum.reduce([position.max(axis=0) / high, position.min(axis=0) / low, speed])
+    excess = np.where(excess > 0, excess, 1.0)
     return Intention(position=position / excess, velocity=velocity / excess)
 
 
@@ -134,18 +142,3 @@ def _primes(count: int) -> Float:
     for number in range(2, int(limit**0.5) + 1):
         prime[number * number :: number] &= not prime[number]
     return np.flatnonzero(prime)[:count].astype(np.float64)
-
-
-def _envelope(t: Float, ease_s: float) -> tuple[Float, Float]:
-    """Return a factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s], shape of t."""
-    rise, fall = t / ease_s, (t[-1] - t) / ease_s
-    steepness = slope(np.clip(rise, 0.0, 1.0)) - slope(np.clip(fall, 0.0, 1.0))
-    return np.minimum(rising(rise), rising(fall)), steepness / ease_s
-
-
-def _excess(settings: Commanded, position: Float, velocity: Float) -> Float:
-    """Return by how much each joint exceeds the tighter of its bounds, shape (joints,); 1 where nothing moves."""
-    low, high = settings.range_rad
-    peaks = (position.max(axis=0) / high, position.min(axis=0) / low, np.abs(velocity).max(axis=0))
-    excess: Float = np.maximum.reduce([*peaks[:2], peaks[2] / settings.peak_speed_rad_s])
-    return np.where(excess > 0, excess, 1.0)
