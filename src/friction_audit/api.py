@@ -302,7 +302,7 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     Raises:
         UsageError: If the ending is none of these, or something is there.
     """
-    from friction_audit.reporting.report_files import REPORT_FORMATS
+    from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
     if path is None:
         return _reported(log)

@@ -14,10 +14,19 @@ from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures
-from friction_audit.reporting.html.log_page import log_page
-from friction_audit.reporting.html.page import Command, Page, Part, Section, Text, draw_inline, render_page
+from friction_audit.reporting.html.log_page import REPORT_FORMATS, log_page
+from friction_audit.reporting.html.page import (
+    Command,
+    Page,
+    Part,
+    Section,
+    Text,
+    draw_inline,
+    render_page,
+    write_markdown,
+    write_pdf,
+)
 from friction_audit.reporting.report import Unanswered, lead_sentence, verdict_word
-from friction_audit.reporting.report_files import REPORT_FORMATS, write_markdown, write_pdf
 from friction_audit.reporting.table import Column, Table
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand
 from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_log, outline, page, report

@@ -19,7 +19,7 @@ from friction_audit.preprocessing.interaction import Caution
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
-from friction_audit.reporting.drift import batch_lines
+from friction_audit.reporting.drift_text import batch_lines
 from friction_audit.reporting.drift_words import change_text, slope_text, total_text
 from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.info import InfoEntry, info_lines, summarize_log

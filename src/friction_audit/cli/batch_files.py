@@ -103,7 +103,7 @@ def write_results(
 ) -> BatchAnswer:
     """Write the document, the tables, the page and the figures, each whole or not at all; return the answer."""
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.drift import batch_lines
+    from friction_audit.reporting.drift_text import batch_lines
     from friction_audit.reporting.html.batch_page import write_page
 
     ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced

@@ -66,7 +66,7 @@ def command(
     notices = (*left_out, *diff_notices(sides))
     code = _report(sides, limits, notices, out, shared, friction)
     if junit is not None:
-        from friction_audit.reporting.junit import junit_text
+        from friction_audit.reporting.drift_text import junit_text
 
         write_junit(junit, junit_text("diff", sides.report, limits, sides.unit), overwrite=shared.overwrite)
     own = ("the comparison", [one.code for one in notices])
@@ -134,7 +134,7 @@ def _report(
 ) -> int:
     from friction_audit.reporting.diff import changes_table, diff_document, diff_lines
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.drift_words import limit_sentences
+    from friction_audit.reporting.drift_text import limit_sentences
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.words import in_unit
 

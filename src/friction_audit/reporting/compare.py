@@ -163,11 +163,11 @@ def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
 Claim = Mapping[str, Any]
 CLAIM = Record(
     Column("figure", str, "figure of the paper", title="fig", on="jt"),
-    Column("claim", str, "the claim", title="claim", words=True, on="jt"),
-    Column("paper", str, "what the paper states or shows", title="paper", words=True, on="jt"),
-    Column("ours", str, "our result, in words", title="ours", words=True, on="jt"),
+    Column("claim", str, "the claim", words=True, on="jt"),
+    Column("paper", str, "what the paper states or shows", words=True, on="jt"),
+    Column("ours", str, "our result, in words", words=True, on="jt"),
     Column("value", float, "the number that decides", on="j"),
-    Column("holds", bool, "whether it holds", form=lambda holds: "yes" if holds else "NO", title="holds", on="jt"),
+    Column("holds", bool, "whether it holds", form=lambda holds: "yes" if holds else "NO", on="jt"),
     Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
     Column("note", str, "what to know about it, or empty", on="j"),
 )  # fmt: skip

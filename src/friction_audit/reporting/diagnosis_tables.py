@@ -47,8 +47,7 @@ PROFILE = Record(
 EVIDENCE = Record(
     Column("name", str, "the effect, or another one in its place"),
     Column(
-        "two_ln_bayes_factor", float,
-        "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
+        "two_ln_bayes_factor", float, "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
     ),
     Column("correlation", float, "of the two torques"),
 )  # fmt: skip
@@ -104,10 +103,7 @@ EFFECT = Record(
     Column("effect", str, get="effect.name", on="f"),
     Column("name", str, "name in the catalogue", "effect.name", on="j"),
     Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
-    Column(
-        "effect", str, get=lambda row: plain_names(f"{row.names}: {row.effect.label}"),
-        title="effect", words=True, on="p",
-    ),
+    Column("effect", str, get=lambda row: plain_names(f"{row.names}: {row.effect.label}"), words=True, on="p"),
     Column("label", str, "in words", "effect.label"),
     Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
     Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
@@ -118,7 +114,7 @@ EFFECT = Record(
     ),
     _share("friction_share", "size over the RMS of the joint's friction", "of the friction", "of the\nfriction"),
     _share("residual_share", "of the residual's mean square, 0 to 1", "of the residual", "of the\nresidual"),
-    Column("grade", GRADES, "size against the joint's friction", "effect.grade", title="grade", on="jftp"),
+    Column("grade", GRADES, "size against the joint's friction", "effect.grade", on="jftp"),
     Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
     Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
     Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
@@ -136,7 +132,7 @@ EFFECT = Record(
     Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
     Column(
         "where", str, "where it shows, in words", lambda row: where_effect(row.effect, row.joint),
-        null=True, title="where", words=True, on="jfp",
+        null=True, words=True, on="jfp",
     ),
     Column("numbers", str, get=lambda row: effect_numbers(row.effect), title="parameters", words=True, on="p"),
     Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
@@ -161,15 +157,15 @@ PARAMETER = Record(
 )
 COMPETITOR = Record(
     joint_column("0.joint"),
-    Column("effect", str, get=lambda row: plain_names(row[0].effect.name), title="effect", on="p"),
+    Column("effect", str, get=lambda row: plain_names(row[0].effect.name), on="p"),
     Column("competitor", str, get=lambda row: plain_names(row[1].name), title="competing effect", on="p"),
     Column("two_ln_bayes_factor", float, get="1.two_ln_bayes_factor", form="+.0f", title="2 ln Bayes factor", on="p"),
-    Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
+    Column("correlation", float, get="1.correlation", form=".2f", on="p"),
 )
 UNTESTABLE = Record(
     joint_column("0"),
-    Column("effects", str, get=lambda row: plain_names(", ".join(row[1])), title="effects", on="p"),
-    Column("why", str, get="2", title="why", on="p"),
+    Column("effects", str, get=lambda row: plain_names(", ".join(row[1])), on="p"),
+    Column("why", str, get="2", on="p"),
 )
 STEP = Record(
     Column("step", int, get="0", on="f"),
@@ -205,12 +201,11 @@ FINDING = Record(
     joint_column("0"),
     Column("code", str, "stable short name", "1.code", title="check", code=True, on="jp"),
     Column(
-        "verdict", ("fine", "limit", "fault"), "whether it limits the answer", "1.verdict",
-        title="verdict", tone=FINDING_TONES.__getitem__, on="jp",
+        "verdict", ("fine", "limit", "fault"), "whether it limits the answer", "1.verdict", tone=FINDING_TONES, on="jp",
     ),
     Column("value", float, "what was found", "1.value", title="found", on="jp"),
-    Column("bound", float, "what it was held against", "1.bound", title="bound", on="jp"),
-    Column("unit", str, "its unit", "1.unit", title="unit", on="jp"),
+    Column("bound", float, "what it was held against", "1.bound", on="jp"),
+    Column("unit", str, "its unit", "1.unit", on="jp"),
     Column("message", str, "what it means", "1.message", title="what it means", on="jp"),
 )  # fmt: skip
 
@@ -243,13 +238,10 @@ JOINT_DIAGNOSIS = Record(
     JOINT,
     NAME,
     joint_column(),
-    Column(
-        "verdict", VERDICTS, "the answer", form=WORDS.__getitem__, title="verdict", tone=TONES.__getitem__, on=ALL
-    ),
+    Column("verdict", VERDICTS, "the answer", form=WORDS, tone=TONES, on=ALL),
     Column("message", str, "the answer: cause, size, what to do", joint_message),
     Column(
-        "missing", str, get=lambda joint: " and ".join(names_of(one, joint.effects) for one in joint.effects),
-        title="missing", on="p",
+        "missing", str, get=lambda joint: " and ".join(names_of(one, joint.effects) for one in joint.effects), on="p",
     ),
     Column("effects", [EFFECT], "the largest first", lambda joint: effect_rows([joint]), on="j"),
     Column("negligible", [EFFECT], "too small to count", lambda joint: effect_rows([joint], "negligible"), on="j"),

@@ -1,19 +1,27 @@
 """Drift over the sessions of a batch: its document and its text on the terminal."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from friction_audit import __version__
-from friction_audit.drift.report import SHAPES, ArmDrift, CoefficientDrift, DriftReport, JointDrift
+from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
-from friction_audit.friction.history import Coefficient
+from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting import drift_words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
-from friction_audit.reporting.terminal_table import table_lines
-from friction_audit.reporting.words import count_of, enumerate_words, format_slope, joint_label
+from friction_audit.reporting.words import (
+    format_p,
+    format_percent,
+    format_share,
+    format_start,
+    joint_label,
+    with_unit,
+)
 
 MOST_NAMED = 8  # sessions that a line names; more are counted
 
@@ -75,6 +83,11 @@ def _session(row: Any) -> int:  # noqa: ANN401 - any row with a session
     return int(row.session) + 1
 
 
+def _shown(title: str, text: Callable[[Any], str], sort: Get, on: str = "p") -> Column:
+    """Return a column of the page whose text is made of the whole row."""
+    return Column(title, get=lambda row: row, form=text, sort=sort, title=title, on=on)
+
+
 CHANGE_POINT = Record(
     Column("session", int, "first session after the step", _session),
     Column("ci95", INTERVAL, "sessions that may be it", lambda change: (change.low + 1, change.high + 1)),
@@ -99,43 +112,67 @@ VALUE = Record(
 
 
 def _of_found(*columns: Column) -> tuple[Column, ...]:
-    """Return columns of a document, each read from what was found of a coefficient."""
-    return tuple(replace(one, get=f"found.{one.get or one.name}", on="j") for one in columns)
+    """Return columns that are read from what was found of a coefficient."""
+    return tuple(replace(one, get=f"found.{one.get or one.name}") for one in columns)
 
 
+def _trend_column(title: str, name: str) -> Column:
+    """Return the column of a trend, sorted by its share of the level."""
+
+    def share(row: CoefficientRow) -> float:
+        level = row.found.level.value
+        return float(getattr(row.found, name).value / level) if level else math.nan
+
+    return _shown(title, lambda row: drift_words.slope_text(row.found, getattr(row.found, name)), share, "n")
+
+
+def _outside(row: CoefficientRow) -> int:
+    return sum(point.outside for point in row.found.control)
+
+
+def _within(row: CoefficientRow) -> tuple[int, int]:
+    """Return in how many sessions a change within the session is significant, and of how many it is known."""
+    every = (
+        one.within.get(row.found.coefficient, UNDETERMINED)
+        for session in row.arm.sessions
+        for one in session.joints
+        if one.joint == row.joint.joint
+    )
+    known = [one for one in every if not math.isnan(one.low + one.high)]
+    return sum(one.low > 0.0 or one.high < 0.0 for one in known), len(known)
+
+
+# The page has three tables of it: the answer, levels and trends in numbers (n), and what is within a session (w).
+HEAD = (
+    joint_column("joint", on="pnw"),
+    Column("friction", str, get="found.coefficient", form=drift_words.NAMES, on="tpnw"),
+)
 COEFFICIENT = Record(
     Column(
-        "joint", str, get=lambda row: " " if row.place else joint_label(row.joint.joint, row.joint.name),
-        title="joint", on="t",
+        "joint", str, get=lambda row: " " if row.place else joint_label(row.joint.joint, row.joint.name), on="t",
     ),
-    joint_column("joint", on="p"),
-    Column("friction", str, get="found.coefficient", form=drift_words.NAMES.__getitem__, title="friction", on="tp"),
+    *HEAD,
     Column("drift", bool, "whether it drifts", "found.drift", on="j"),
     Column(
         "verdict", drift_words.VERDICTS, "in a word", lambda row: drift_words.drift_verdict(row.found),
-        title="verdict", tone=drift_words.TONES.__getitem__, on="jtp",
+        tone=drift_words.TONES, on="jtp",
     ),
-    Column(
-        "change", float, get="found", form=drift_words.total_text, sort="found.total.value", title="change", on="tp"
-    ),
+    Column("change", float, get="found", form=drift_words.total_text, sort="found.total.value", on="tp"),
     Column(
         "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
-        title="step", words=True, on="t",
+        words=True, on="t",
     ),
     Column(
-        "trend", get="found", form=lambda found: drift_words.slope_text(found, found.trend_per_session), title="trend",
+        "trend", get="found", form=lambda found: drift_words.slope_text(found, found.trend_per_session),
         short="trend\n/session", on="t",
     ),
     Column(
         "smallest", get="found", form=drift_words.smallest_text, sort="found.smallest_drift",
         title="minimum detectable", short="minimum\ndetect.", on="tp",
     ),
-    Column(
-        "message", str, "one sentence", lambda row: drift_words.describe(row.found, row.arm.sessions),
-        title="message", on="jp",
-    ),
+    Column("message", str, "one sentence", lambda row: drift_words.describe(row.found, row.arm.sessions), on="jp"),
     *_of_found(
-        Column("shape", SHAPES, "what describes it"),
+        Column("shape", SHAPES, "what describes it", form=drift_words.SHAPES, title="described by", on="jw"),
         Column("p_value", float, "that nothing changes, family-wise"),
         Column("level", Coefficient, "level in the reference"),
         Column("change", Coefficient, "from the reference to the last sessions"),
@@ -146,22 +183,99 @@ COEFFICIENT = Record(
         Column("change_points", [CHANGE_POINT], "steps"),
         Column("smallest_change", float, "minimum detectable change (90 % power)"),
         Column("smallest_relative_change", float, "the same over the level", "smallest_drift"),
-        Column("relative_scatter", float, "standard deviation between sessions over the level", "scatter"),
-        Column("relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within"),
-        Column("relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope"),
-        Column("compared_at_temperature_c", float, "temperature of the comparison", "temperature_c"),
+        Column(
+            "relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within",
+            form=format_percent, title="in a session", on="jw",
+        ),
+    ),
+    Column(
+        "seen", get=_within, form=lambda seen: f"{seen[0]} of {seen[1]}" if seen[1] else "",
+        sort=lambda row: _within(row)[0], title="seen in", on="w",
+    ),
+    *_of_found(
+        Column(
+            "relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope",
+            form=format_percent, title="per K", on="jw",
+        ),
+        Column(
+            "compared_at_temperature", float, "temperature of the comparison", "temperature_c", unit="°C", form=".1f",
+            title="at", on="jw",
+        ),
+        Column(
+            "relative_scatter", float, "standard deviation between sessions over the level", "scatter",
+            form=format_share, title="scatter", on="jw",
+        ),
         Column("control", [CONTROL], "every session against the reference"),
     ),
+    _shown(
+        "level in the reference", lambda row: with_unit(row.found.level, drift_words.UNITS[row.found.coefficient]),
+        "found.level.value", "n",
+    ),
+    _trend_column("trend per session", "trend_per_session"),
+    _trend_column("per day", "trend_per_day"),
+    _shown(
+        "outside", lambda row: f"{_outside(row)} of {len(row.found.control)}" * bool(row.found.control), _outside, "n",
+    ),
+    Column("p", get=lambda row: row.found.p_value if row.found.values else None, form=format_p, on="n"),
     _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
     Column(
         "values", [VALUE], "each session as compared",
         lambda row: zip(row.found.sessions, row.found.values, strict=True), on="j",
     ),
 )  # fmt: skip
+
+
+def _counts(names: Sequence[str]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in Counter(names).most_common())
+
+
+class DiagnosisRow(NamedTuple):
+    """Verdicts and effects that the diagnosis gave for a joint, session by session."""
+
+    joint: JointDrift
+    verdicts: Sequence[str]
+    effects: Sequence[str]
+
+
+DIAGNOSED = Record(
+    joint_column("joint"),
+    Column("verdicts", str, get="verdicts", form=_counts, on="p"),
+    Column("effects", str, get="effects", form=_counts, on="p"),
+)
+
+
+class StepRow(NamedTuple):
+    """A step of a coefficient."""
+
+    joint: JointDrift
+    found: CoefficientDrift
+    change: ChangePoint
+    start_s: float | None
+
+
+def _side(side: str) -> Column:
+    def text(row: StepRow) -> str:
+        return with_unit(getattr(row.change, side), drift_words.UNITS[row.found.coefficient])
+
+    return _shown(side, text, f"change.{side}.value")
+
+
+STEPS = Record(
+    *HEAD,
+    _shown("session", lambda row: drift_words.first_after(row.change), "change.session"),
+    Column("start", get="start_s", form=format_start, title="started (UTC)", on="p"),
+    _shown("change", lambda row: drift_words.format_change(row.change), "change.relative.value"),
+    _side("before"),
+    _side("after"),
+)
 ARM = Record(
-    Column("robot", str, "which arm"),
+    Column("robot", str, "which arm", title="arm", code=True, on="jp"),
     Column("drift", bool, "whether a joint drifts"),
-    Column("verdict", drift_words.VERDICTS, "the strongest of its joints", drift_words.arm_verdict),
+    Column(
+        "verdict", drift_words.VERDICTS, "the strongest of its joints", drift_words.arm_verdict,
+        tone=drift_words.TONES, on="jp",
+    ),
+    Column("sentence", str, get=drift_words.arm_sentence, title="answer", words=True, on="p"),
     Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {drift_words.arm_sentence(arm)}"),
     Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
     _numbers("compared", "sessions compared", "compared"),
@@ -259,61 +373,3 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
         yield from (f",\n    {line}" for line in lines)
         yield "" if first is None else "\n  ]"
     yield "\n}\n"
-
-
-def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
-    """Return how many sessions there were, per arm a table and its verdict in words, and the files that failed.
-
-    With ``verbose`` also joints without drift, steps and slopes in numbers, and why each session was left out.
-    """
-    sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
-    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
-    lines = [f"{sessions} of {arms}: {done}"]
-    for arm in summary.arms:
-        lines += ["", *_arm_lines(arm, verbose=verbose)]
-    lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
-    lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
-    lines += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
-    return lines + [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
-
-
-def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
-    yield f"{arm.robot}: {sessions_text(arm)}; {drift_words.arm_sentence(arm)}"
-    yield "changes are from the reference to the last sessions; intervals are 95 %"
-    yield from table_lines(COEFFICIENT.people(coefficient_rows(arm), "t"))
-    stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
-    for joint in arm.joints:
-        if verbose or (joint.drift and joint is not stated):
-            yield f"joint {joint.joint}: {drift_words.joint_sentence(arm, joint)}"
-        details = (line for found in joint.coefficients for line in _details(arm, found)) if verbose else ()
-        yield from (f"joint {joint.joint}, {line}" for line in details)
-    yield from _left_out(arm, verbose=verbose)
-    yield from (f"note: {warning}" for warning in arm.warnings)
-
-
-def sessions_text(arm: ArmDrift) -> str:
-    """Return how many sessions an arm has, when they were recorded, and how many were compared."""
-    span = drift_words.span_of(arm.sessions)
-    return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
-
-
-def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
-    """Yield the steps of a coefficient, or its slope if it drifts without one."""
-    name, unit = drift_words.NAMES[found.coefficient], drift_words.UNITS[found.coefficient]
-    yield from (f"{name}: step at {drift_words.change_text(arm, change)}" for change in found.change_points)
-    if found.drift and not found.change_points:
-        slopes = f"{format_slope(found.trend_per_session)} {unit} per session, {format_slope(found.trend_per_day)}"
-        yield f"{name}: {slopes} {unit} per day"
-
-
-def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
-    """Yield which sessions were not compared, and why: those alike in one line, or each with its file."""
-    if verbose:
-        yield from (f"not compared: {arm.sessions[k].path}: {reason}" for k, reason in arm.left_out)
-        return
-    alike: dict[str, list[int]] = {}
-    for session, reason in arm.left_out:
-        alike.setdefault(reason, []).append(session + 1)
-    for reason, numbers in alike.items():
-        which = f"session{'s' if len(numbers) > 1 else ''} {enumerate_words(numbers)}"
-        yield f"not compared: {which if len(numbers) <= MOST_NAMED else count_of(len(numbers), 'session')}: {reason}"

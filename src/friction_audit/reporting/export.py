@@ -19,9 +19,7 @@ JOINT = Record(
     Column("file_name", str, "name in the file", "name", title="name in the file", on="jt"),
     Column("static", float, "friction at the onset of motion", unit="N m", on="j"),
     Column("coulomb", float, "Coulomb friction", "fitted.coulomb_nm", unit="N m", title="Coulomb", on="jt"),
-    Column(
-        "viscous", float, "viscous friction", "fitted.viscous_nms_per_rad", unit="N m s/rad", title="viscous", on="jt"
-    ),
+    Column("viscous", float, "viscous friction", "fitted.viscous_nms_per_rad", unit="N m s/rad", on="jt"),
     Column("quadratic_nms2_per_rad2", float, "damping of dq |dq|", "fitted.quadratic_nms2_per_rad2", on="j"),
     Column("cubic_nms3_per_rad3", float, "damping of dq^3", "fitted.cubic_nms3_per_rad3", on="j"),
     Column("inertia", float, "armature", "law.inertia_kg_m2", unit="kg m²", title="armature", on="jt", null=True),
@@ -32,7 +30,7 @@ JOINT = Record(
     Column("left_out", [str], "terms that the file cannot hold", "law.left_out", on="j"),
 )  # fmt: skip
 GAP = Record(
-    Column("joint", int, "number", title="joint", on="jt"),
+    Column("joint", int, "number", on="jt"),
     Column(
         "without", float, "rms position error without friction", unit="rad", title="error without friction", on="jt"
     ),

@@ -117,9 +117,9 @@ MOTION = Record(
     NAME,
     joint_column(),
     Column("peak_speed", float, "largest speed", unit="rad/s", title="peak speed", on=ALL),
-    Column("range", float, "largest less smallest position", unit="rad", title="range", on=ALL),
-    Column("moving", float, "time above the initiation threshold", unit="s", title="moving", on=ALL),
-    Column("cycles", int, "energy cycles", title="cycles", on=ALL, null=True),
+    Column("range", float, "largest less smallest position", unit="rad", on=ALL),
+    Column("moving", float, "time above the initiation threshold", unit="s", on=ALL),
+    Column("cycles", int, "energy cycles", on=ALL, null=True),
     Column("open_cycles", int, "those that do not return to their start", title="not returned", on=ALL, null=True),
     Column("rejected_cycles", int, "those that an estimate rejects", title="rejected", on=ALL, null=True),
 )

@@ -70,7 +70,7 @@ ANSWER = Record(
     Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
     Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
     Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
-    Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
+    Column("decided", bool, "whether it is named, and no wrong name with it", on="jt"),
 )
 JOINT_PLAN = Record(
     Column("joint", int, "number, from 1", "task.joint.number"),

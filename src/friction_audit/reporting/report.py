@@ -187,19 +187,6 @@ def friction_words(friction: JointFriction) -> str:
     return ", ".join(f"{name} {with_unit(value, unit)}" for name, value, unit in found if not math.isnan(value.value))
 
 
-def removal_words(joint: JointReplay) -> str:
-    """Return how much of the dissipation a compensator would have removed; nothing where that is not known."""
-    numbers = joint.numbers
-    if joint.reason or numbers is None or math.isnan(numbers.dissipation_removed):
-        return ""
-    if not math.isnan(numbers.diverged_s):
-        return f"the compensator would have diverged after {numbers.diverged_s:.3g} s"
-    removed = 100 * numbers.dissipation_removed
-    if removed < 0.0:
-        return f"with a compensator the energy put in would have been {100 - removed:.0f} % of that without"
-    return f"a compensator would have removed {removed:.0f} % of the energy put in"
-
-
 def lead_sentence(report: LogReport) -> str:
     """Return the answer for the whole log, in two sentences."""
     joints = report.joints
@@ -213,7 +200,7 @@ def lead_sentence(report: LogReport) -> str:
     groups: dict[str, list[JointReport]] = {}
     for one in known:
         if one.discrepancy is not None:
-            groups.setdefault(_missing(one.discrepancy), []).append(one)
+            groups.setdefault(missing_words(one.discrepancy), []).append(one)
     parts = "; ".join(words if alone else f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
         words = [verdict_word(one) for one in known]
@@ -222,7 +209,8 @@ def lead_sentence(report: LogReport) -> str:
     return plain_names(f"{estimated} {parts[:1].upper()}{parts[1:]}.") if parts else estimated
 
 
-def _missing(found: JointDiagnosis) -> str:
+def missing_words(found: JointDiagnosis) -> str:
+    """Return what the nominal model misses."""
     names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
     misses = f"the model misses {names}"
     return {
@@ -259,11 +247,8 @@ VERDICT = Record(
     NAME,
     joint_column(),
     Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
-    Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
-    Column(
-        "verdict", str, "the verdict of the page", verdict_word,
-        title="verdict", tone=VERDICT_TONES.__getitem__, on="jfp",
-    ),
+    Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", on="p"),
+    Column("verdict", str, "the verdict of the page", verdict_word, tone=VERDICT_TONES, on="jfp"),
     Column(
         "message", str, "cause, size, what to do; or why there is no answer",
         lambda one: one.answer or friction_words(one.friction),

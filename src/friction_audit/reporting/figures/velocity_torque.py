@@ -1,20 +1,17 @@
 """Estimate -> interaction torque over velocity, raw and filtered, with the fitted friction on it."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
+from friction_audit.pipeline import Estimate
 from friction_audit.reporting.figures import panels as parts
-from friction_audit.reporting.figures.over_time import JointSeries, moved, series_of
+from friction_audit.reporting.figures.over_time import SIGNALS, JointSeries, series_of
 from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from friction_audit.pipeline import Estimate
 
 NEAR_REST = 0.2  # share of the peak speed below which the torque of a reversal hides an offset
 POINTS_PER_PERIOD = 10  # of the filtered curve, per period of its highest frequency: enough for a smooth line
@@ -23,7 +20,7 @@ MOST_LOOPS = 60  # cycles of the filtered curve above which it would be a blot
 SMALLEST_SPEED_RAD_S = 0.1  # half width of the panel of a joint that stands still
 
 
-def _draw(panels: "Sequence[Axes]", estimate: "Estimate", friction: JointFriction) -> None:
+def _draw(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
     (axes,), series = panels, series_of(estimate, friction)
     alone = len(axes.figure.axes) == 1
     thinned = parts.every_nth(len(series.t))
@@ -96,16 +93,11 @@ def fitted_label(friction: JointFriction, centre: float) -> str:
     return f"fitted: ${''.join(terms).removeprefix('+')}$"
 
 
-VELOCITY_TORQUE = parts.Layout(
-    joints=lambda estimate: estimate.friction.joints,
-    has=moved,
-    lacks="did not move",
-    draw=_draw,
-    across=4,
-    height_in=(1.75, 2.4),
-    head_in=0.5,
-    x="Velocity [rad/s]",
-    y=lambda estimate: (
-        f"Interaction{' and compensator' if estimate.interaction.compensation is not None else ''} torque [N m]"
-    ),
-)
+def _label(estimate: Estimate) -> str:
+    return f"Interaction{'' if estimate.interaction.compensation is None else ' and compensator'} torque [N m]"
+
+
+VELOCITY_TORQUE = replace(
+    SIGNALS, draw=_draw, panels=1, across=4, height_in=(1.75, 2.4), head_in=0.5, x="Velocity [rad/s]", y=_label,
+    shared=False,
+)  # fmt: skip

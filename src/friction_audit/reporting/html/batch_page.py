@@ -6,15 +6,19 @@ from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift_words
 from friction_audit.reporting.batch_drawings import draw, page_drawings
 from friction_audit.reporting.drift import (
+    ARM,
     COEFFICIENT,
+    DIAGNOSED,
     FAILED,
+    STEPS,
     BatchSummary,
     CoefficientRow,
+    DiagnosisRow,
+    StepRow,
     coefficient_rows,
-    sessions_text,
 )
+from friction_audit.reporting.drift_sessions import LEFT_OUT, SESSION_NUMBER, SHOWN, SessionRow, coefficient_column
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
 from friction_audit.reporting.words import count_of, enumerate_words, joints_label
@@ -91,7 +95,7 @@ def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
 
 
 def _verdict_section(summary: BatchSummary) -> html.Section:
-    verdicts = batch_tables.ARM.people(summary.arms, caption="Drift of each arm")
+    verdicts = ARM.people(summary.arms, caption="Drift of each arm")
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
     limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
     parts = (html.Text(lines=limits, listed=True, tone="alert"),) if limits else ()
@@ -128,8 +132,9 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
         lines=(f"This page has no room for more figures; those of {arm.robot} are in files next to it.",)
     )
     rows = coefficient_rows(arm)
-    within = batch_tables.WITHIN.people(
+    within = COEFFICIENT.people(
         rows,
+        "w",
         caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
         "sessions it is significant; the change with temperature that was taken out, and the temperature of the "
         "comparison; the scatter between sessions",
@@ -137,7 +142,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
     return html.Section(
         anchor=anchor,
         title=arm.robot,
-        parts=(html.Text(lines=(f"{sessions_text(arm)}.",)), *notes),
+        parts=(html.Text(lines=(f"{drift_words.sessions_text(arm)}.",)), *notes),
         sections=(
             html.Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(arm, rows))),
             html.Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (no_room,)),
@@ -154,17 +159,14 @@ def _joint_tables(arm: ArmDrift, rows: list[CoefficientRow]) -> Iterator[Table]:
         rows, caption="Change of each coefficient from the reference to the last sessions; intervals are 95 %"
     )
     steps = [
-        batch_tables.StepRow(row.joint, row.found, change, arm.sessions[change.session].start_s)
+        StepRow(row.joint, row.found, change, arm.sessions[change.session].start_s)
         for row in rows
         for change in row.found.change_points
     ]
     if steps:
-        yield batch_tables.STEPS.people(
-            steps,
-            caption="Steps: the first session after each (with the range that holds it with 95 % confidence), and the "
-            "levels",
-        )
-    yield batch_tables.NUMBERS.people(rows, caption="Levels, trends and control charts in numbers", folded=True)
+        after = "the first session after each (with the range that holds it with 95 % confidence)"
+        yield STEPS.people(steps, caption=f"Steps: {after}, and the levels")
+    yield COEFFICIENT.people(rows, "n", caption="Levels, trends and control charts in numbers", folded=True)
 
 
 def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
@@ -174,30 +176,29 @@ def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
         own = [one for session in arm.sessions for one in session.joints if one.joint == joint.joint and one.verdict]
         verdicts = [(one.verdict or "").replace("_", " ") for one in own]
         if own:
-            rows.append(batch_tables.DiagnosisRow(joint, verdicts, [effect for one in own for effect in one.effects]))
+            rows.append(DiagnosisRow(joint, verdicts, [effect for one in own for effect in one.effects]))
     if rows:
         caption = "Verdicts and effects of the diagnosis, with the number of sessions"
-        table = batch_tables.DIAGNOSED.people(rows, caption=caption)
+        table = DIAGNOSED.people(rows, caption=caption)
         yield html.Section(anchor=f"{anchor}-diagnosis", title="What the model misses", parts=(table,))
 
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
-    left_out = [batch_tables.SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    left_out = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
     if left_out:
-        yield batch_tables.LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
+        yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
     count = len(arm.sessions)
-    rows = [batch_tables.SessionRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
+    rows = [SessionRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
     cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
     caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
-    yield batch_tables.SESSIONS.people(rows, caption=caption, folded=count > ACROSS)
+    yield SHOWN.people(rows, caption=caption, folded=count > ACROSS)
     for name, unit in drift_words.UNITS.items():
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
-            kind = f"{drift_words.NAMES[name]} coefficient"
-            which = f"{kind[:1].upper()}{kind[1:]} of each session, {joints_label(one.joint for one in joints)}"
-            columns = (batch_tables.SESSION_NUMBER, *(batch_tables.coefficient_column(joint, name) for joint in joints))
-            caption = f"{which}, with its 95 % interval [{unit}]{cut}"
+            which = f"of each session, {joints_label(one.joint for one in joints)}, with its 95 % interval [{unit}]"
+            columns = (SESSION_NUMBER, *(coefficient_column(joint, name) for joint in joints))
+            caption = f"{drift_words.NAMES[name].capitalize()} coefficient {which}{cut}"
             yield Record(columns).people(rows, caption=caption, folded=True)
 
 

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from friction_audit.parallel import in_processes, workers_for
-from friction_audit.reporting.diagnosis_words import plain_names, verdict_words
+from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures.panels import label_in_unit, thin_extremes
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html.page import Figure, draw_inline
-from friction_audit.reporting.report import JointReport, LogReport, friction_words, removal_words
-from friction_audit.reporting.words import count_of, in_unit, joint_label
+from friction_audit.reporting.replay import JOINT_REPLAY
+from friction_audit.reporting.report import JointReport, LogReport, friction_words, missing_words
+from friction_audit.reporting.words import in_unit, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -24,6 +25,7 @@ SECTIONS = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagn
 LOG_FIGURES = tuple(kind for kind in figures_of(*SECTIONS) if kind.caption)
 MOST_BYTES = 2_500_000  # figures of one page together
 ON_A_SHEET = 8  # joints of one figure
+REMOVED = next(column for column in JOINT_REPLAY.on("p") if column.name == "removed")
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 MOST_POINTS = 1500  # points of a curve over time: more than a panel has dots of a screen, also enlarged
@@ -61,20 +63,16 @@ def _section(kind: FigureKind) -> str:
 
 def _describe(kind: FigureKind, joint: JointReport) -> str:
     """Return what a figure shows of a joint in words, for those who do not see it."""
-    if kind.name == "energy":
-        history = joint.friction.history
-        taken = f", {history.dissipated_j.sum():.3g} J dissipated" if len(history.cycle) else ""
-        return f"{count_of(joint.friction.cycles, 'cycle')}{taken}"
+    found = joint.discrepancy
     if kind.result == "estimate":
         return friction_words(joint.friction)
     if kind.result == "replay":
-        return "" if joint.replay is None else removal_words(joint.replay)
-    found = joint.discrepancy
+        return f"{REMOVED.text(joint.replay)} % of the dissipation removed"
     if found is None or found.gap is None:
         return ""
     after = f" to {found.gap.after:.3g}" if found.effects else ""
     residual = f"residual RMS {found.gap.before:.3g}{after} N m, noise floor {found.gap.floor:.3g} N m"
-    return plain_names(f"{verdict_words(found)}, {residual}")
+    return plain_names(f"{missing_words(found)}, {residual}")
 
 
 def _sheets(report: LogReport) -> Iterator[tuple[FigureKind, tuple[JointReport, ...], str]]:

@@ -1,11 +1,11 @@
-"""What a page is made of, its HTML and its drawings; every word in it is text, escaped when the page is written."""
+"""What a page is made of, as HTML, PDF and Markdown, and its drawings; every word in it is text, and escaped."""
 
 import base64
 import hashlib
 import io
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -15,7 +15,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from friction_audit import __version__
-from friction_audit.errors import printable
+from friction_audit.errors import UsageError, printable
 from friction_audit.reporting.figures.style import figure_style
 from friction_audit.reporting.table import Column, Record, Row, Table, Tone
 
@@ -102,10 +102,8 @@ def citation_section() -> Section:
 
 UNSET = "not set"
 SETTING = Record(
-    (
-        Column("setting", str, get="0", title="setting", code=True, on="p"),
-        Column("value", str, get="1", title="value", code=True, on="p"),
-    )
+    Column("setting", str, get="0", code=True, on="p"),
+    Column("value", str, get="1", code=True, on="p"),
 )
 
 
@@ -183,6 +181,78 @@ def _environment() -> "Environment":
 
 def _resource(name: str) -> str:
     return files("friction_audit.reporting.html").joinpath("templates", name).read_text(encoding="utf-8")
+
+
+# Characters that Markdown, its tables, its formulas or the HTML in it may take for something: an underscore, a hash or
+# a plus only where no letter is before it.
+SPECIAL = re.compile(r"([\\`*{}\[\]<>|~&$]|(?<!\w)[_#+]|_(?!\w))")
+FENCE = "```"
+
+
+def write_pdf(page: Page) -> bytes:
+    """Return a page as PDF: the page, printed.
+
+    Raises:
+        UsageError: If what prints it is not installed.
+    """
+    try:
+        from weasyprint import HTML
+    except (ImportError, OSError) as error:  # OSError: without the library pango
+        raise UsageError(
+            f"--format pdf: WeasyPrint cannot be loaded ({error}); install it with: pip install 'friction-audit[pdf]' "
+            "(on Debian and Ubuntu also: apt install libpango-1.0-0 libpangoft2-1.0-0); or print the HTML page"
+        ) from error
+    found: bytes = HTML(string=render_page(page, paper=True)).write_pdf(pdf_identifier=b"friction-audit")
+    return found
+
+
+def write_markdown(page: Page) -> str:
+    """Return a page as Markdown, the same words and tables without drawings; names from the log stay text."""
+    lines = [f"# {_plain(page.title)}", "", _plain(page.lead), ""]
+    lines += [f"- {_plain(name)}: {_plain(value)}" for name, value in page.facts] + [""]
+    for section in page.sections:
+        lines += _section_lines(section, 2)
+    lines.append(f"Made by friction-audit {__version__}.")
+    return printable("\n".join(lines) + "\n")
+
+
+def _section_lines(section: Section, level: int) -> Iterator[str]:
+    yield from (f"{'#' * level} {_plain(section.title)}", "")
+    for part in section.parts:
+        yield from _part_lines(part)
+        yield ""
+    for inner in section.sections:
+        yield from _section_lines(inner, level + 1)
+
+
+def _part_lines(part: Part) -> Iterator[str]:
+    match part:
+        case Table():
+            yield from (f"{_plain(part.caption)}:", "")
+            yield _cells_line(_plain(column.head(part.unit)) for column in part.columns)
+            yield _cells_line("---:" if column.number else "---" for column in part.columns)
+            yield from (_cells_line(_plain(part.text(column, row)) for column in part.columns) for row in part.rows)
+        case Figure():
+            yield f"Figure: {_plain(part.description)}"
+        case Text(listed=True):
+            yield from (f"- {_plain(line)}" for line in part.lines)
+        case Text():
+            yield "\n\n".join(map(_plain, part.lines))
+        case Command():
+            # The fence is longer than any run of backticks in the command.
+            fence = "`" * max(len(FENCE), *(len(run) + 1 for run in re.findall("`+", part.line)), 0)
+            yield from (f"{fence}sh", part.line, fence)
+        case Terms():
+            yield from (f"- **{_plain(name)}**: {_plain(meaning)}" for name, meaning in part.pairs)
+
+
+def _cells_line(cells: Iterable[str]) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _plain(text: str) -> str:
+    """Return text in one line that Markdown takes for nothing else."""
+    return SPECIAL.sub(r"\\\1", " ".join(text.split()))
 
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
