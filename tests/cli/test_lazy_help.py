@@ -66,7 +66,7 @@ def test_an_estimate_with_figures_loads_no_other_analysis(tmp_path: Path) -> Non
     done = subprocess.run([sys.executable, "-c", LOADED, *words], capture_output=True, text=True, check=True)
     loaded = done.stderr.splitlines()[-1].split()
     assert (tmp_path / "out" / "coefficients.png").exists()
-    assert "friction_audit.reporting.figures.over_time" in loaded
+    assert "friction_audit.reporting.figures.estimate" in loaded
     others = ("diagnosis", "compensation", "simulation", "drift", "dynamics", "batch", "reproduce")
     assert [name for name in loaded if name.split(".")[1] in others] == []
     assert len(loaded) <= MOST_LOADED

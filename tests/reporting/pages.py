@@ -50,17 +50,12 @@ def outline(html: str) -> Outline:
     return parser
 
 
-@cache
-def report() -> LogReport:
-    return log_report_by_hand.report()
-
-
 def of_log(found: LogReport) -> str:
     return render_page(log_page(found))
 
 
 CASES = {
-    "plain": lambda: of_log(log_report_by_hand.cut(report(), 1, 3, 6)),
+    "plain": lambda: of_log(log_report_by_hand.cut(log_report_by_hand.report(), 1, 3, 6)),
     "hostile": lambda: of_log(log_report_by_hand.hostile()),
     "twenty joints": lambda: of_log(log_report_by_hand.many(20)),
     "no cycles": lambda: of_log(log_report_by_hand.still()),

@@ -29,7 +29,8 @@ from friction_audit.reporting.html.page import (
 from friction_audit.reporting.report import Unanswered, lead_sentence, verdict_word
 from friction_audit.reporting.table import Column, Table
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand
-from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_log, outline, page, report
+from tests.reporting.log_report_by_hand import report
+from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_log, outline, page
 
 WHY = "omnibus test: response or base holds values that are not finite"
 
@@ -50,19 +51,17 @@ def test_a_page_is_whole_small_and_loads_nothing(case: str, figures: int) -> Non
 
 def test_everything_that_must_be_on_a_page_is() -> None:
     log, choice = report().estimate.log, report().estimate.interaction.choice
-    for words in (
-        log.source.sha256, choice.formula, log_report_by_hand.LOST, diagnosis_by_hand.LIMIT, diagnosis_by_hand.FAULT,
-        "adequate", "named", "data fault", "move back and forth", "what stribeck does", "same-motion",
-        "cycles.initiation_rad_s", "diagnosis.min_effect_nm", "replay.assume", "10.1109/TMECH.2024.3410330",
-        "friction-audit report &#39;run 1.csv&#39; -o out",
-    ):  # fmt: skip
-        assert words in page("plain"), words
-    for words in (
-        "drift.alpha", "0.05", "logs/broken.bag", "record it again", "10.1109/TMECH.2024.3410330", "Limit exceeded",
-        "friction-audit batch-report logs --fail-on coulomb=15% -o out", "run_003.mcap",
-        "damaged, part of it left out; 3 repeated rows were left out",
-    ):  # fmt: skip
-        assert words in page("batch small"), words
+    words = [log.source.sha256, choice.formula, log_report_by_hand.LOST, diagnosis_by_hand.LIMIT, "did not move"]
+    words += [
+        diagnosis_by_hand.FAULT,
+        "cycles.initiation_rad_s",
+        "replay.assume",
+        "friction-audit report &#39;run 1.csv",
+    ]
+    batch = ["drift.alpha", "logs/broken.bag", "record it again", "Limit exceeded", "damaged, part of it left out"]
+    doi = "10.1109/TMECH.2024.3410330"
+    assert [one for one in (*words, doi) if one not in page("plain")] == []
+    assert [one for one in (*batch, doi, batch_by_hand.batch().command) if one not in page("batch small")] == []
 
 
 def test_the_same_result_gives_the_same_page(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -112,11 +111,7 @@ def test_a_drawing_has_words_a_description_and_its_own_ids() -> None:
     assert set(re.findall(r'(?:url\(|href=")#([^")]+)', one.svg)) <= ids[0]
 
 
-def test_an_answer_has_cause_size_and_what_to_do_and_the_lead_names_the_joints() -> None:
-    first, second = report().joints[:2]
-    size = r"missing: stribeck \([\d.]+ N m RMS, \d+ % of friction\); add it to the model \(model.toml\)"
-    assert re.fullmatch(size, first.answer)
-    assert re.match(r"missing: torque bias or asymmetric Coulomb \(.*\); to separate: (?!against)", second.answer)
+def test_the_lead_names_the_joints() -> None:
     assert lead_sentence(log_report_by_hand.cut(report(), 1, 2)) == (
         "Friction is estimated on all 2 joints. The model misses stribeck on joint 1; "
         "the model misses torque bias or asymmetric Coulomb on joint 2."

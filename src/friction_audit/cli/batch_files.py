@@ -154,7 +154,7 @@ def _draw(
     """Draw the figures side by side and write their files; return the names of those, and what is for the page."""
     from friction_audit.batch.executor import Lost
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.batch_drawings import draw, drawings_of
+    from friction_audit.reporting.html.batch_page import draw, drawings_of
 
     names, pictures = [], {}
     for drawing, drawn in executor.run(draw, drawings_of(summary.arms, _prefixes(summary.arms), formats)):

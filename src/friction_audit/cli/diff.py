@@ -27,6 +27,7 @@ EXAMPLES = """Examples:
   friction-audit diff monday/ friday/ --joints 1-4 -o changes
   friction-audit diff accepted/estimate.json today.mcap --fail-on coulomb=10%"""
 
+MOST_NAMED = 2  # logs with the same warning; more are counted
 RESULT, DOCUMENT, TABLE = "estimate.json", "diff.json", "diff.csv"
 HELP = f"A log, an {RESULT}, or a folder of logs or of results."
 
@@ -57,10 +58,15 @@ def command(
         out.check(source, (DOCUMENT, TABLE))
     check_junit(junit, limits, overwrite=shared.overwrite)
     recordings, left_out = [], []
+    noticed: dict[str, list[str]] = {}
     for source in (before, after):
-        found, lost = _recordings(source, shared, friction, folder, voice)
+        found, lost = _recordings(source, shared, friction, folder, voice, noticed)
         recordings.append(found)
         left_out += lost
+    if not shared.general.json:
+        for line, paths in noticed.items():
+            names = paths if len(paths) <= MOST_NAMED else [paths[0], f"{len(paths) - 1} more"]
+            voice.warn([f"{' and '.join(names)}: {line}"])
     with voice.step("compare"):
         sides = compare_sides(*recordings)
     notices = (*left_out, *diff_notices(sides))
@@ -77,9 +83,14 @@ def command(
 
 
 def _recordings(
-    source: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, folder: Path | None, voice: Voice
+    source: Path,
+    shared: opt.LogOptions,
+    friction: opt.EstimateOptions,
+    folder: Path | None,
+    voice: Voice,
+    noticed: dict[str, list[str]],
 ) -> "tuple[list[Recording], list[Notice]]":
-    """Return the recordings of a side, and which of several logs were left out."""
+    """Return the recordings of a side, and which of several logs were left out; note the warnings and their logs."""
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.reporting.notices import Notice
 
@@ -92,11 +103,11 @@ def _recordings(
         raise UsageError(f"{source}: a joint model has no intervals; give an {RESULT} or a log")
     logs = [Path(log.path) for log in find_logs([str(source)], {}, leave_out=[] if folder is None else [folder])]
     if len(logs) == 1:
-        return [_of_log(logs[0], shared, friction, voice)], []
+        return [_of_log(logs[0], shared, friction, voice, noticed)], []
     found, lost = [], []
     for path in logs:
         try:
-            found.append(_of_log(path, shared, friction, voice))
+            found.append(_of_log(path, shared, friction, voice, noticed))
         except FrictionAuditError as error:
             lost.append(Notice("log_left_out", None, f"{str(error).removeprefix(f'{path}: ')}; {path} is left out"))
     if not found:
@@ -104,14 +115,21 @@ def _recordings(
     return found, lost
 
 
-def _of_log(path: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, voice: Voice) -> "Recording":
+def _of_log(
+    path: Path,
+    shared: opt.LogOptions,
+    friction: opt.EstimateOptions,
+    voice: Voice,
+    noticed: dict[str, list[str]],
+) -> "Recording":
     from friction_audit.batch.work import recording_of
-    from friction_audit.reporting.notices import estimate_notices
+    from friction_audit.reporting.notices import TABLED, estimate_notices, minor, notice_lines
 
     log = chain.read(path, read_options(shared.reading, shared.selection), voice)
     estimate = chain.estimate(log, audit_settings(shared, friction), voice)
-    if not shared.general.json:
-        chain.warn_about(log, estimate_notices(estimate), voice)
+    hidden = {*TABLED, *(() if voice.verbose else minor(log))}
+    for line in notice_lines(one for one in estimate_notices(estimate) if one.code not in hidden):
+        noticed.setdefault(line, []).append(str(path))
     return recording_of(estimate)
 
 

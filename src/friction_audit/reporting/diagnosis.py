@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis, Profile
-from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables
@@ -78,32 +77,28 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIO
     return chain_document(DIAGNOSE, found.estimate, diagnose_notices(found), reading, settings, joints=joints)
 
 
-def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
-    """Return model, profile and the numbers of each bin."""
-    every = [("nominal", one) for one in joint.profiles] + [("augmented", one) for one in joint.remaining]
+def _bins(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
     return [
         (model, one, cells)
-        for model, one in every
+        for model, profiles in (("nominal", joint.profiles), ("augmented", joint.remaining))
+        for one in profiles
         for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
     ]
-
-
-def parameters_of(joint: JointDiagnosis) -> list[tuple[str, str, Coefficient]]:
-    """Return effect, name and value of each parameter."""
-    return [(row.effect.name, *one) for row in tables.effect_rows([joint]) for one in row.known.items()]
 
 
 FILES: tuple[tuple[Record, Get], ...] = (
     (tables.JOINT_DIAGNOSIS, lambda joint: [joint]),
     (tables.EFFECT, lambda joint: tables.effect_rows([joint])),
     (tables.NEGLIGIBLE, lambda joint: tables.effect_rows([joint], "negligible")),
-    (tables.PARAMETER, parameters_of),
+    (tables.PARAMETER, lambda joint: [
+        (row.effect.name, *one) for row in tables.effect_rows([joint]) for one in row.known.items()
+    ]),
     (tables.CHECK, "checks"),
     (tables.STEP, tables.steps_of),
-    (BIN, bins_of),
+    (BIN, _bins),
     (RESIDUAL, "traces"),
     (SIMULATED, "simulation"),
-)
+)  # fmt: skip
 TABLES = tuple(record for record, _ in FILES)
 
 
@@ -114,10 +109,7 @@ def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
 
 
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
-    """Return a row and a sentence per joint, then the effects in numbers.
-
-    With ``verbose`` also the competing effects and what the log cannot show.
-    """
+    """Return a row and a sentence per joint, then the effects in numbers; with ``verbose`` also what competes."""
     log, joints = found.estimate.log, found.discrepancy.joints
     unit = log.source.torque_unit
     marked, physics = physics_of(diagnose_notices(found), joints)

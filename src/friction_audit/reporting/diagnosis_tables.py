@@ -1,10 +1,10 @@
 """Tables of a diagnosis: its columns once, for documents, files, terminal and page."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect, Profile
+from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.diagnosis_words import (
     decide_words,
@@ -83,9 +83,10 @@ def effect_rows(joints: Iterable[JointDiagnosis], which: str = "effects") -> lis
     return [EffectRow(joint, rank, one) for joint in joints for rank, one in enumerate(getattr(joint, which), start=1)]
 
 
-def profile_rows(profiles: Sequence[Profile]) -> list[tuple[Profile, Profile | None]]:
-    """Return what the residual depends on, the strongest first, with the curve of that one."""
-    return [(one, None if k else one) for k, one in enumerate(profiles)]
+def _profiles(name: str, meaning: str) -> Column:
+    """Return the column of what a residual depends on, the strongest first, with the curve of that one."""
+    get = lambda joint: ((one, None if k else one) for k, one in enumerate(getattr(joint, name)))  # noqa: E731
+    return Column(name, [PROFILE], meaning, get, on="j")
 
 
 def _percent(share: float) -> str:
@@ -273,8 +274,8 @@ JOINT_DIAGNOSIS = Record(
     Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
     Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
     Column("ladder", [STEP], "residual RMS after each effect", steps_of, on="j"),
-    Column("profiles", [PROFILE], "residual along a quantity", lambda joint: profile_rows(joint.profiles), on="j"),
-    Column("remaining", [PROFILE], "after the effects", lambda joint: profile_rows(joint.remaining), on="j"),
+    _profiles("profiles", "residual along a quantity"),
+    _profiles("remaining", "after the effects"),
     Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
     Column("findings", [FINDING], "the audit of the data", lambda joint: finding_rows([joint]), on="j"),
     name="verdicts",

@@ -73,16 +73,7 @@ def chain_document(
     settings: Mapping[str, object] = NO_OPTIONS,
     **own: object,
 ) -> dict[str, Any]:
-    """Return a document with the keys of CHAIN.
-
-    Args:
-        document: Its specification.
-        estimate: What the result follows from.
-        warnings: What the user must know.
-        reading: How the log was read: options of the reader by name.
-        settings: Settings of the step that follows the estimate.
-        own: Values of its other keys.
-    """
+    """Return a document with the keys of CHAIN, with the settings of the step after the estimate and ``own`` values."""
     asked = settings_document(estimate, reading) | dict(settings)
     values = {"source": estimate.log, "settings": asked, "warnings": warnings, **own}
     return document.json(values, estimate.log.source.torque_unit)

@@ -11,17 +11,10 @@ from friction_audit import __version__
 from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting import drift_words
+from friction_audit.reporting import drift_words as said
+from friction_audit.reporting import words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
-from friction_audit.reporting.words import (
-    format_p,
-    format_percent,
-    format_share,
-    format_start,
-    joint_label,
-    with_unit,
-)
 
 MOST_NAMED = 8  # sessions that a line names; more are counted
 
@@ -61,17 +54,19 @@ class BatchSummary:
 
 
 class CoefficientRow(NamedTuple):
-    """A coefficient of a joint of an arm, and its place among those of the joint."""
+    """A coefficient of a joint of an arm, its place among those of the joint, and one of its steps or none."""
 
     arm: ArmDrift
     joint: JointDrift
     found: CoefficientDrift
     place: int
+    change: ChangePoint | None = None
 
 
-def coefficient_rows(arm: ArmDrift) -> list[CoefficientRow]:
-    """Return the coefficients of all joints of an arm."""
-    return [CoefficientRow(arm, joint, one, k) for joint in arm.joints for k, one in enumerate(joint.coefficients)]
+def coefficient_rows(arm: ArmDrift, *joints: JointDrift) -> list[CoefficientRow]:
+    """Return the coefficients of some joints of an arm, or of all."""
+    every = joints or arm.joints
+    return [CoefficientRow(arm, joint, one, k) for joint in every for k, one in enumerate(joint.coefficients)]
 
 
 def _numbers(name: str, meaning: str, get: Get) -> Column:
@@ -123,7 +118,7 @@ def _trend_column(title: str, name: str) -> Column:
         level = row.found.level.value
         return float(getattr(row.found, name).value / level) if level else math.nan
 
-    return _shown(title, lambda row: drift_words.slope_text(row.found, getattr(row.found, name)), share, "n")
+    return _shown(title, lambda row: said.slope_text(row.found, getattr(row.found, name)), share, "n")
 
 
 def _outside(row: CoefficientRow) -> int:
@@ -143,36 +138,30 @@ def _within(row: CoefficientRow) -> tuple[int, int]:
 
 
 # The page has three tables of it: the answer, levels and trends in numbers (n), and what is within a session (w).
-HEAD = (
-    joint_column("joint", on="pnw"),
-    Column("friction", str, get="found.coefficient", form=drift_words.NAMES, on="tpnw"),
-)
+HEAD = (joint_column("joint", on="pnw"), Column("friction", str, get="found.coefficient", form=said.NAMES, on="tpnw"))
 COEFFICIENT = Record(
     Column(
-        "joint", str, get=lambda row: " " if row.place else joint_label(row.joint.joint, row.joint.name), on="t",
+        "joint", str, get=lambda row: " " if row.place else words.joint_label(row.joint.joint, row.joint.name), on="t",
     ),
     *HEAD,
     Column("drift", bool, "whether it drifts", "found.drift", on="j"),
-    Column(
-        "verdict", drift_words.VERDICTS, "in a word", lambda row: drift_words.drift_verdict(row.found),
-        tone=drift_words.TONES, on="jtp",
-    ),
-    Column("change", float, get="found", form=drift_words.total_text, sort="found.total.value", on="tp"),
+    Column("verdict", said.VERDICTS, "in a word", lambda row: said.drift_verdict(row.found), tone=said.TONES, on="jtp"),
+    Column("change", float, get="found", form=said.total_text, sort="found.total.value", on="tp"),
     Column(
         "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
         words=True, on="t",
     ),
     Column(
-        "trend", get="found", form=lambda found: drift_words.slope_text(found, found.trend_per_session),
+        "trend", get="found", form=lambda found: said.slope_text(found, found.trend_per_session),
         short="trend\n/session", on="t",
     ),
     Column(
-        "smallest", get="found", form=drift_words.smallest_text, sort="found.smallest_drift",
+        "smallest", get="found", form=said.smallest_text, sort="found.smallest_drift",
         title="minimum detectable", short="minimum\ndetect.", on="tp",
     ),
-    Column("message", str, "one sentence", lambda row: drift_words.describe(row.found, row.arm.sessions), on="jp"),
+    Column("message", str, "one sentence", lambda row: said.describe(row.found, row.arm.sessions), on="jp"),
     *_of_found(
-        Column("shape", SHAPES, "what describes it", form=drift_words.SHAPES, title="described by", on="jw"),
+        Column("shape", SHAPES, "what describes it", form=said.SHAPES, title="described by", on="jw"),
         Column("p_value", float, "that nothing changes, family-wise"),
         Column("level", Coefficient, "level in the reference"),
         Column("change", Coefficient, "from the reference to the last sessions"),
@@ -185,7 +174,7 @@ COEFFICIENT = Record(
         Column("smallest_relative_change", float, "the same over the level", "smallest_drift"),
         Column(
             "relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within",
-            form=format_percent, title="in a session", on="jw",
+            form=words.format_percent, title="in a session", on="jw",
         ),
     ),
     Column(
@@ -195,7 +184,7 @@ COEFFICIENT = Record(
     *_of_found(
         Column(
             "relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope",
-            form=format_percent, title="per K", on="jw",
+            form=words.format_percent, title="per K", on="jw",
         ),
         Column(
             "compared_at_temperature", float, "temperature of the comparison", "temperature_c", unit="°C", form=".1f",
@@ -203,12 +192,12 @@ COEFFICIENT = Record(
         ),
         Column(
             "relative_scatter", float, "standard deviation between sessions over the level", "scatter",
-            form=format_share, title="scatter", on="jw",
+            form=words.format_share, title="scatter", on="jw",
         ),
         Column("control", [CONTROL], "every session against the reference"),
     ),
     _shown(
-        "level in the reference", lambda row: with_unit(row.found.level, drift_words.UNITS[row.found.coefficient]),
+        "level in the reference", lambda row: words.with_unit(row.found.level, said.UNITS[row.found.coefficient]),
         "found.level.value", "n",
     ),
     _trend_column("trend per session", "trend_per_session"),
@@ -216,7 +205,7 @@ COEFFICIENT = Record(
     _shown(
         "outside", lambda row: f"{_outside(row)} of {len(row.found.control)}" * bool(row.found.control), _outside, "n",
     ),
-    Column("p", get=lambda row: row.found.p_value if row.found.values else None, form=format_p, on="n"),
+    Column("p", get=lambda row: row.found.p_value if row.found.values else None, form=words.format_p, on="n"),
     _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
     Column(
         "values", [VALUE], "each session as compared",
@@ -229,54 +218,41 @@ def _counts(names: Sequence[str]) -> str:
     return ", ".join(f"{name} {count}" for name, count in Counter(names).most_common())
 
 
-class DiagnosisRow(NamedTuple):
-    """Verdicts and effects that the diagnosis gave for a joint, session by session."""
-
-    joint: JointDrift
-    verdicts: Sequence[str]
-    effects: Sequence[str]
-
-
+# A joint, and the verdicts and effects that the diagnosis gave for it, session by session.
 DIAGNOSED = Record(
-    joint_column("joint"),
-    Column("verdicts", str, get="verdicts", form=_counts, on="p"),
-    Column("effects", str, get="effects", form=_counts, on="p"),
+    joint_column("0"),
+    Column("verdicts", str, get="1", form=_counts, on="p"),
+    Column("effects", str, get="2", form=_counts, on="p"),
 )
 
 
-class StepRow(NamedTuple):
-    """A step of a coefficient."""
-
-    joint: JointDrift
-    found: CoefficientDrift
-    change: ChangePoint
-    start_s: float | None
-
-
 def _side(side: str) -> Column:
-    def text(row: StepRow) -> str:
-        return with_unit(getattr(row.change, side), drift_words.UNITS[row.found.coefficient])
+    def text(row: CoefficientRow) -> str:
+        return words.with_unit(getattr(row.change, side), said.UNITS[row.found.coefficient])
 
     return _shown(side, text, f"change.{side}.value")
 
 
 STEPS = Record(
     *HEAD,
-    _shown("session", lambda row: drift_words.first_after(row.change), "change.session"),
-    Column("start", get="start_s", form=format_start, title="started (UTC)", on="p"),
-    _shown("change", lambda row: drift_words.format_change(row.change), "change.relative.value"),
+    _shown("session", lambda row: said.first_after(row.change), "change.session"),
+    Column(
+        "start", get=lambda row: row.arm.sessions[row.change.session].start_s, form=words.format_start,
+        title="started (UTC)", on="p",
+    ),
+    _shown("change", lambda row: said.format_change(row.change), "change.relative.value"),
     _side("before"),
     _side("after"),
-)
+)  # fmt: skip
 ARM = Record(
     Column("robot", str, "which arm", title="arm", code=True, on="jp"),
     Column("drift", bool, "whether a joint drifts"),
     Column(
-        "verdict", drift_words.VERDICTS, "the strongest of its joints", drift_words.arm_verdict,
-        tone=drift_words.TONES, on="jp",
+        "verdict", said.VERDICTS, "the strongest of its joints", lambda arm: said.joint_verdict(*arm.joints),
+        tone=said.TONES, on="jp",
     ),
-    Column("sentence", str, get=drift_words.arm_sentence, title="answer", words=True, on="p"),
-    Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {drift_words.arm_sentence(arm)}"),
+    Column("sentence", str, get=said.arm_sentence, title="answer", words=True, on="p"),
+    Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {said.arm_sentence(arm)}"),
     Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
     _numbers("compared", "sessions compared", "compared"),
     _numbers("reference", "sessions of the reference", "reference"),
@@ -287,38 +263,27 @@ ARM = Record(
 )  # fmt: skip
 
 
-class JointRow(NamedTuple):
-    """A joint of an arm."""
-
-    arm: ArmDrift
-    joint: JointDrift
+def _trend(name: str) -> Callable[[tuple[ArmDrift, JointDrift]], Coefficient | None]:
+    return lambda row: next((one.trend_per_session for one in row[1].coefficients if one.coefficient == name), None)
 
 
-def _trend(name: str) -> Callable[[JointRow], Coefficient | None]:
-    return lambda row: next((one.trend_per_session for one in row.joint.coefficients if one.coefficient == name), None)
-
-
+# An arm and a joint of it.
 JOINT_DRIFT = Record(
-    Column("robot", str, "which arm", "arm.robot"),
-    Column("joint", int, "number, from 1", "joint.joint"),
-    Column("name", str, "name in the log", "joint.name"),
-    Column("drift", bool, "whether a coefficient drifts", "joint.drift"),
-    Column(
-        "verdict", drift_words.VERDICTS, "the strongest of its coefficients",
-        lambda row: drift_words.joint_verdict(row.joint),
-    ),
-    Column("message", str, "one sentence", lambda row: f"joint {row.joint.joint}: {drift_words.joint_sentence(*row)}"),
+    Column("robot", str, "which arm", "0.robot"),
+    Column("joint", int, "number, from 1", "1.joint"),
+    Column("name", str, "name in the log", "1.name"),
+    Column("drift", bool, "whether a coefficient drifts", "1.drift"),
+    Column("verdict", said.VERDICTS, "the strongest of its coefficients", lambda row: said.joint_verdict(row[1])),
+    Column("message", str, "one sentence", lambda row: f"joint {row[1].joint}: {said.joint_sentence(*row)}"),
     Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
     Column(
         "change_points", [int], "first sessions after a step",
-        lambda row: sorted({_session(step) for one in row.joint.coefficients for step in one.change_points}),
+        lambda row: sorted({_session(step) for one in row[1].coefficients for step in one.change_points}),
     ),
     Column(
         "coefficients", {"*": COEFFICIENT}, "by name of the coefficient",
-        lambda row: {
-            one.coefficient: CoefficientRow(row.arm, row.joint, one, k) for k, one in enumerate(row.joint.coefficients)
-        },
+        lambda row: {one.found.coefficient: one for one in coefficient_rows(*row)},
     ),
 )  # fmt: skip
 
@@ -341,25 +306,18 @@ BATCH = Document(
     Column("failed", [FAILED], "files that gave no session"),
     Column("robots", [ARM], "per arm", "arms"),
     Column(
-        "joints",
-        [JOINT_DRIFT],
-        "per joint of every arm",
-        lambda one: (JointRow(arm, joint) for arm in one.arms for joint in arm.joints),
+        "joints", [JOINT_DRIFT], "per joint of every arm",
+        lambda one: ((arm, joint) for arm in one.arms for joint in arm.joints),
     ),
     Column(
-        "sessions",
-        [SESSION],
-        "per session of every arm",
+        "sessions", [SESSION], "per session of every arm",
         lambda one: (SessionRow(k, session) for arm in one.arms for k, session in enumerate(arm.sessions)),
     ),
-)
+)  # fmt: skip
 
 
 def write_batch_document(summary: BatchSummary) -> Iterator[str]:
-    """Yield the document as text in ASCII, a line for each key, arm, joint and session.
-
-    It is never held as a whole: that of a thousand sessions takes tens of megabytes.
-    """
+    """Yield the document as text, a line per key, arm, joint and session: as a whole it may take tens of megabytes."""
     yield f'{{\n  "schema": "{BATCH.name}",\n  "version": {json.dumps(__version__)}'
     for column in BATCH.columns:
         yield f',\n  "{column.key}": '

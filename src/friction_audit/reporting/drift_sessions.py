@@ -121,11 +121,6 @@ LEFT_OUT = Record(
 )
 
 
-def _read_as(session: Session) -> str:
-    read_as = session.conditions
-    return f"{read_as.drive}, {read_as.torque}, gravity {read_as.gravity}, inertia {read_as.inertia}"
-
-
 def _notes(session: Session) -> str:
     damaged = ("damaged, part of it left out",) if session.damaged else ()
     return "; ".join(text for text in (session.note, *damaged, *session_sentences(session.warnings)) if text)
@@ -146,11 +141,14 @@ SHOWN = Record(
     Column("duration", get="session.duration_s", form=".0f", unit="s", title="length", on="p"),
     Column("part", str, get="note", on="p"),
     Column("temperature", get=_temperature, form=".1f", unit="°C", on="p"),
-    Column("read_as", str, get="session", form=_read_as, title="recorded and read as", on="p"),
+    Column(
+        "read_as", str, get="session.conditions", title="recorded and read as", on="p",
+        form=lambda how: f"{how.drive}, {how.torque}, gravity {how.gravity}, inertia {how.inertia}",
+    ),
     Column("payload", str, get="session.conditions.payload", on="p"),
     Column("file", str, get="session.path", code=True, on="p"),
     Column("notes", str, get="session", form=_notes, on="p"),
-)
+)  # fmt: skip
 
 
 def coefficient_column(joint: JointDrift, name: str) -> Column:
@@ -180,7 +178,6 @@ def _finite(value: Any) -> Any:  # noqa: ANN401 - any cell
 
 
 def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
-    """Yield what SESSIONS has columns of: a coefficient of a joint in a session."""
     compared: dict[tuple[int, str, int], tuple[Coefficient, bool]] = {}
     control: dict[tuple[int, str, int], ControlPoint] = {}
     for drift in arm.joints:

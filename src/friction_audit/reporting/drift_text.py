@@ -20,10 +20,7 @@ OUTCOMES = {"exceeded": ("failure", "failures"), "untestable": ("error", "errors
 
 
 def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
-    """Return how many sessions there were, per arm a table and its verdict in words, and the files that failed.
-
-    With ``verbose`` also joints without drift, steps and slopes in numbers, and why each session was left out.
-    """
+    """Return per arm a table and its verdict in words, and the files that failed; with ``verbose`` also the reasons."""
     sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
     done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
     lines = [f"{sessions} of {arms}: {done}"]

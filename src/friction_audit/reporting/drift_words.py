@@ -9,12 +9,7 @@ from pathlib import PurePath
 from statistics import median
 
 from friction_audit.drift.change_points import REACH
-from friction_audit.drift.report import (
-    ArmDrift,
-    ChangePoint,
-    CoefficientDrift,
-    JointDrift,
-)
+from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import FEWEST_SESSIONS
 from friction_audit.friction.history import Coefficient
@@ -49,14 +44,10 @@ def drift_verdict(found: CoefficientDrift) -> str:
     return DRIFT if found.drift else {"temperature": TEMPERATURE, "too_few": UNTESTED}.get(found.shape, STEADY)
 
 
-def joint_verdict(joint: JointDrift) -> str:
-    """Return whether a joint drifts: the strongest verdict on its coefficients, untested without any."""
-    return min(map(drift_verdict, joint.coefficients), key=VERDICTS.index, default=UNTESTED)
-
-
-def arm_verdict(arm: ArmDrift) -> str:
-    """Return whether an arm drifts: the strongest verdict on its joints."""
-    return min(map(joint_verdict, arm.joints), key=VERDICTS.index, default=UNTESTED)
+def joint_verdict(*joints: JointDrift) -> str:
+    """Return whether some joints drift: the strongest verdict on their coefficients, untested without any."""
+    found = (drift_verdict(one) for joint in joints for one in joint.coefficients)
+    return min(found, key=VERDICTS.index, default=UNTESTED)
 
 
 def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:

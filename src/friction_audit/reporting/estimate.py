@@ -64,8 +64,7 @@ def _value(coefficient: Coefficient) -> str:
 
 
 def _marked(joint: JointFriction) -> str:
-    mark = f" {MARK}" if joint.method != "energy" and not joint.reason else ""
-    return joint_label(joint.joint, joint.name) + mark
+    return joint_label(joint.joint, joint.name) + f" {MARK}" * (joint.method != "energy" and not joint.reason)
 
 
 FRICTION = Record(

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -132,19 +131,16 @@ TOPIC = Record(
 PATH, TOPICS = Column("path", str, "path as given"), Column("topics", [TOPIC], "topics or tables of the file")
 
 
-def _of_log(column: Column, entry: InfoEntry) -> object:
-    if entry.summary is None or (column.name == "sha256" and not entry.summary.log.source.sha256):
-        return None
-    return column.value(entry.summary.log)
+def _of_log(column: Column) -> Column:
+    """Return a column of the log of an entry; a part of a log has no hash."""
+    get = lambda entry: column.value(entry.summary.log)  # noqa: E731
+    return replace(column, get=get, null=column.null or column.name == "sha256")
 
 
 LOG = Record(
     PATH,
     TOPICS,
-    *(
-        replace(one, get=partial(_of_log, one), null=one.null or one.name == "sha256")  # not of a part
-        for one in log_columns("joint_count")[1:]
-    ),
+    *map(_of_log, log_columns("joint_count")[1:]),
     Column("jitter", float, "standard deviation of the time steps, drops left out", "summary.jitter_s", unit="s"),
     Column("gaps", int, "steps longer than five median ones", "summary.gaps"),
     Column("longest_gap", float, "the longest of them", "summary.longest_gap_s", unit="s"),
@@ -165,25 +161,21 @@ INFO = Document(
 
 def info_document(entries: Iterable[InfoEntry]) -> dict[str, Any]:
     """Return the document on some logs; those that could not be read are listed apart, with their message."""
-    read: tuple[list[InfoEntry], list[InfoEntry]] = ([], [])
-    for entry in entries:
-        read[entry.summary is None].append(entry)
-    return INFO.json(dict(zip(("logs", "failed"), read, strict=True)))
+    every = list(entries)
+    read, failed = ([one for one in every if bool(one.summary) is there] for there in (True, False))
+    return INFO.json({"logs": read, "failed": failed})
 
 
 def info_lines(entry: InfoEntry) -> list[str]:
     """Return what is in one file."""
     lines, summary = [entry.path], entry.summary
     if len(entry.topics) > 1 or summary is None:
-        lines += [f"  topic {_topic(topic)}" for topic in entry.topics]
+        for one in entry.topics:
+            messages = "" if one.messages is None else f", {count_of(one.messages, 'message')}"
+            lines.append(f"  topic {one.name} ({one.type}{messages}{'' if one.readable else '; no joint log'})")
     if summary is None:
         return [*lines, "  not read"]
     return [*lines, *(f"  {line}" for line in _lines(summary)), *table_lines(MOTION.people(summary.joints, "t"))]
-
-
-def _topic(topic: Topic) -> str:
-    messages = "" if topic.messages is None else f", {count_of(topic.messages, 'message')}"
-    return f"{topic.name} ({topic.type}{messages}{'' if topic.readable else '; no joint log'})"
 
 
 def _lines(summary: LogSummary) -> Iterator[str]:

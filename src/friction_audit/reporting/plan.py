@@ -26,9 +26,8 @@ class Recording(NamedTuple):
 
 
 def _answer_words(answer: Answer) -> str:
-    names = " and ".join({frozenset(one): " or ".join(one) for one in answer.sets}.values())
-    verdict = answer.verdict.replace("_", " ")
-    return f"{verdict}: {names}" if names else verdict
+    names = {frozenset(one): " or ".join(one) for one in answer.sets}.values()
+    return ": ".join(filter(None, (answer.verdict.replace("_", " "), " and ".join(names))))
 
 
 STROKE = Record(

@@ -102,12 +102,9 @@ def report_estimate(
     command: str = "",
     step: Step = lambda _: nullcontext(),
 ) -> LogReport:
-    """Run what follows an estimate, for the sections asked for; a part without an answer leaves the others as they are.
-
-    Of the log the report has the name, not the path: a page is sent to others.
-    """
+    """Run what follows an estimate, for the sections asked for; a part without an answer leaves the others."""
     unanswered: list[Unanswered] = []
-    estimate = _without_path(estimate)
+    estimate = _without_path(estimate)  # a page is sent to others
     known = any(not joint.reason for joint in estimate.friction.joints)
     replay = diagnosis = None
     if "compensator" in sections and known:
@@ -225,7 +222,6 @@ def missing_words(found: JointDiagnosis) -> str:
 
 
 def _joints(joints: Sequence[JointReport], every: int) -> str:
-    """Return which joints are meant."""
     if MOST_LISTED < len(joints) < every:
         return count_of(len(joints), "joint")
     numbers = enumerate_words(one.joint for one in joints)

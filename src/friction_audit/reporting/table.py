@@ -182,10 +182,7 @@ class Record:
         return self.file(((one.joint, one.name, _found(one, get)) for one in joints), torque_unit)
 
     def file(
-        self,
-        joints: Iterable[tuple[int, str, Any]],
-        torque_unit: str = NEWTON_METRES,
-        absent: Collection[str] = (),
+        self, joints: Iterable[tuple[int, str, Any]], torque_unit: str = NEWTON_METRES, absent: Collection[str] = ()
     ) -> TidyTable:
         """Return the table for files, without the columns with the names ``absent``.
 

@@ -28,7 +28,6 @@ class Mean(NamedTuple):
 
 
 def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
-    """Draw the first session, the mean of the reference and the last session of one joint."""
     (axes,) = panels
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     first, reference, last = curve_sessions(arm)
@@ -51,10 +50,7 @@ def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> No
 
 
 def mean_curve(curves: list[SpeedCurve]) -> Mean | None:
-    """Return curves in one, on the speeds of the first that has any; a gap where the direction changes.
-
-    Where a curve does not reach, it does not count.
-    """
+    """Return curves, where they reach, in one, on the speeds of the first; a gap where the direction changes."""
     broken = [
         np.insert((one.speed_rad_s, one.torque_nm), np.searchsorted(one.speed_rad_s, 0.0), (0.0, np.nan), axis=1)
         for one in curves
@@ -108,7 +104,6 @@ SIDES = replace(CURVES, has=lambda _, joint: _reach(joint), lacks="no curve and 
 
 
 def _draw_law_change(panels: Sequence[Axes], _: TwoSides, joint: JointChange) -> None:
-    """Draw the difference of the friction laws with its 95 % interval at each speed."""
     (axes,), law = panels, joint.law
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     if law is None:

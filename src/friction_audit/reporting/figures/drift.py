@@ -192,7 +192,6 @@ def trend_line(found: CoefficientDrift) -> tuple[Float, Float, Float, Float]:
 
 
 def _columns(values: tuple[Coefficient, ...]) -> tuple[Float, Float, Float]:
-    """Return values, lower and upper ends, each of shape (m,)."""
     table = np.array([(one.value, one.low, one.high) for one in values], np.float64).reshape(-1, 3)
     return table[:, 0], table[:, 1], table[:, 2]
 

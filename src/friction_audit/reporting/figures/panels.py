@@ -46,11 +46,7 @@ class Layout:
 
     @figure_style()
     def __call__(self, result: Any, numbers: Numbers = None) -> Figure:
-        """Draw one joint at column width, or those of a sheet that have something to show; one alone is no sheet.
-
-        Raises:
-            UsageError: If the result does not hold the joint.
-        """
+        """Draw one joint at column width, or those of a sheet that have something to show; one alone is no sheet."""
         drawn, note = choose(self.joints(result), numbers, partial(self.has, result), self.lacks)
         sheet = len(drawn) > 1
         counts = [self.panels if isinstance(self.panels, int) else self.panels(result, one, sheet) for one in drawn]
@@ -85,11 +81,7 @@ def _written(text: Text, result: Any) -> str:
 def choose(
     joints: Sequence[Joint], numbers: Numbers, has: Callable[[Joint], object], lacks: str
 ) -> tuple[Sequence[Joint], str]:
-    """Return the joints to be drawn, and a line on those that are left out because they have nothing to show.
-
-    Raises:
-        UsageError: If the result does not hold the joint.
-    """
+    """Return the joints to be drawn, and a line on those that are left out because they have nothing to show."""
     if isinstance(numbers, int):
         return chosen_joints(joints, numbers), ""
     every = [one for one in joints if numbers is None or one.joint in numbers]
@@ -99,11 +91,7 @@ def choose(
 
 
 def chosen_joints(joints: Sequence[Joint], joint: int) -> Sequence[Joint]:
-    """Return the joint of a number (1..n), alone.
-
-    Raises:
-        UsageError: If the result does not hold that joint.
-    """
+    """Return the joint of a number (1..n), alone; a UsageError if the result does not hold it."""
     chosen = [one for one in joints if one.joint == joint]
     if not chosen:
         held = ", ".join(str(one.joint) for one in joints)

@@ -43,7 +43,6 @@ def _shade(axes: Axes, course: Course) -> None:
 
 
 def _draw_energy(course: Course, title: str, axes: Axes) -> None:
-    """Draw the net energy with the ends of its cycles marked."""
     _shade(axes, course)
     parts.mark_zero(axes)
     parts.draw_curve(axes, course.t, course.energy_j, DRAWN, color=theme.FILTERED, label="net energy $E_m$")
@@ -53,14 +52,12 @@ def _draw_energy(course: Course, title: str, axes: Axes) -> None:
 
 
 def _draw_steps(course: Course, signal: Float, y: str, colour: str, title: str, axes: Axes) -> None:
-    """Draw a coefficient or a damping of shape (n,)."""
     _shade(axes, course)
     parts.draw_curve(axes, course.t, signal, DRAWN, color=colour)
     parts.label_panel(axes, title, y=y)
 
 
 def _draw_loop(course: Course, title: str, axes: Axes) -> None:
-    """Draw interaction torque over velocity, as measured and filtered, with arrows in the direction of time."""
     parts.draw_dots(axes, course.dq, course.interaction_nm, theme.RAW, "raw", zorder=1)
     dq, torque = parts.smooth(course.t, course.dq), parts.smooth(course.t, course.interaction_nm)
     thin = parts.every_nth(len(course.t), DRAWN)

@@ -216,7 +216,6 @@ LEAST_WIDTH = 0.004  # share of a panel that a contact is drawn wide at least
 
 
 def _draw_contacts(axes: Axes, joint: JointDiagnosis, title: str, ends: tuple[float, float]) -> None:
-    """Draw what the augmented model leaves over time, contacts shaded."""
     contacts, traces = joint.contacts, joint.traces
     assert contacts is not None
     assert traces is not None

@@ -23,11 +23,7 @@ class Figure:
     panel: bool = False  # whether one panel holds a joint, so that it can be drawn into given axes
 
     def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "MatplotlibFigure":
-        """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet.
-
-        Raises:
-            UsageError: If the result does not hold that joint.
-        """
+        """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet."""
         drawing: MatplotlibFigure = self.layout()(result, joint)
         return drawing
 
@@ -38,21 +34,21 @@ class Figure:
 
 FIGURES = (
     Figure(
-        "coefficients", "estimate", "over_time", "Coefficients over time",
+        "coefficients", "estimate", "estimate", "Coefficients over time",
         "Coefficients of a window of cycles that moves over the log, with their 95 % interval; dashed those of the "
         "whole log with theirs. Intervals that are far wider than the rest are clipped.",
     ),
     Figure(
-        "velocity-torque", "estimate", "velocity_torque", "Velocity-torque curves",
+        "velocity-torque", "estimate", "estimate", "Velocity-torque curves",
         "Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest; the "
         "fitted line is friction.", panel=True,
     ),
     Figure(
-        "energy", "estimate", "over_time", "Net energy and cycles",
+        "energy", "estimate", "estimate", "Net energy and cycles",
         "Energy put into the joint. At zero velocity nothing is stored in the inertia, so that the rise from dot to "
         "dot is what friction dissipated. Hatched cycles were rejected.",
     ),
-    Figure("signals", "estimate", "over_time", "Velocity and interaction torque over time"),
+    Figure("signals", "estimate", "estimate", "Velocity and interaction torque over time"),
     Figure(
         "replay", "replay", "replay", "Torque, net energy and coefficients with the compensator",
         "Solid with the compensator, dashed without it; the coefficients are those that it would have applied. Flat "
@@ -111,11 +107,7 @@ def figure_names(*results: str) -> tuple[str, ...]:
 def draw_result(
     result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None"
 ) -> "MatplotlibFigure | Axes":
-    """Draw a kind of figure of a result (of FIGURES; None: the first of one panel), or one joint of it into axes.
-
-    Raises:
-        UsageError: If there is no such figure or joint, or the axes do not suffice.
-    """
+    """Draw a kind of figure of a result (None: the first of one panel), or one joint of it into axes."""
     own = {figure.name: figure for figure in figures_of(of)}
     panels = [name for name, figure in own.items() if figure.panel]
     figure = own.get(kind or panels[0])

@@ -12,7 +12,7 @@ from friction_audit.compensation.result import JointReplay, Signals
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.over_time import MOST_SHADED
+from friction_audit.reporting.figures.estimate import MOST_SHADED
 
 POINTS = 4000  # of a curve: more than a column has pixels
 LEAST_COEFFICIENT = 0.05  # least height of the panel of the coefficients, which may all be zero [N m, N m s/rad]
@@ -23,7 +23,6 @@ WITHOUT: dict[str, Any] = {"color": theme.FITTED, "ls": theme.DASHED}
 
 
 def _draw_over_time(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> None:
-    """Draw velocity, torque, energy and coefficients; on a sheet without the velocity."""
     narrow, title = parts.is_narrow(panels[0]), parts.joint_title(joint.joint, joint.name)
     for axes, (name, draw) in zip(panels, list(PANELS.items())[-len(panels) :], strict=True):
         draw(axes, joint)
@@ -66,7 +65,6 @@ def _draw_velocity(axes: Axes, joint: JointReplay) -> None:
 
 
 def _draw_torque(axes: Axes, joint: JointReplay) -> None:
-    """Draw the interaction torque with compensator raw and filtered, and without it filtered."""
     parts.mark_zero(axes)
     shown, without = joint.replayed, joint.without
     if shown is not None and len(shown.t):
@@ -78,7 +76,6 @@ def _draw_torque(axes: Axes, joint: JointReplay) -> None:
 
 
 def _draw_energy(axes: Axes, joint: JointReplay) -> None:
-    """Draw the net energy with and without the compensator, the ends of its cycles marked."""
     parts.mark_zero(axes)
     without, shown, history = joint.without, joint.replayed, joint.history
     if shown is None or history is None:
@@ -123,7 +120,6 @@ DOTS, LOOP_POINTS, POINTS_PER_PERIOD = 8000, 12_000, 10
 
 
 def _draw_loops(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> None:
-    """Draw torque over velocity, with and without the compensator."""
     (axes,) = panels
     parts.mark_zero(axes, x=True, zorder=0)
     without, shown = joint.without, joint.replayed
@@ -147,7 +143,6 @@ def _draw_loops(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> Non
 
 
 def _draw_loop(axes: Axes, signals: Signals, start: int, colours: tuple[str, str], name: str) -> None:
-    """Draw torque over velocity from a sample on, raw and filtered."""
     t, dq, torque = signals.t[start:], signals.dq[start:], signals.interaction_nm[start:]
     if len(t) < 2:  # noqa: PLR2004
         return

@@ -14,7 +14,7 @@ from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.over_time import series_of
+from friction_audit.reporting.figures.estimate import series_of
 from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, RESIDUAL, write_verdict
 
 SHOWN = 4  # held-out cycles in a panel
@@ -38,7 +38,6 @@ class Piece(NamedTuple):
 
 
 def _draw(panels: Sequence[Axes], found: Diagnosis, joint: JointDiagnosis) -> None:
-    """Draw torque, residual and, where it was simulated, motion."""
     motion, traces, alone = joint.simulation, joint.traces, parts.is_narrow(panels[0])
     drawn = panels[: 1 if traces is None else 2 if motion is None else 3]
     for axes in panels[len(drawn) :]:
@@ -108,14 +107,7 @@ def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int 
 
 
 def lay_out(pieces: Sequence[Piece], t: Float, signal: Float, usual_s: float) -> tuple[Float, Float]:
-    """Return place in the panel and signal of the samples that are shown, NaN between cycles and over gaps.
-
-    Args:
-        pieces: The cycles.
-        t: Ascending; NaN where a curve is interrupted, shape (n,). [s]
-        signal: Shape (n,).
-        usual_s: Usual step of time; samples were left out where it is much longer. [s]
-    """
+    """Return places and signal, shape (n,), of what is shown, NaN between cycles and over far longer steps."""
     x: list[Float] = []
     y: list[Float] = []
     for piece in pieces:

@@ -3,9 +3,11 @@
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.figure import Figure as Drawing
+from matplotlib.lines import Line2D
 
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.reporting.diagnosis_words import plain_names
@@ -16,9 +18,6 @@ from friction_audit.reporting.html.page import Figure, draw_inline
 from friction_audit.reporting.replay import JOINT_REPLAY
 from friction_audit.reporting.report import JointReport, LogReport, friction_words, missing_words
 from friction_audit.reporting.words import in_unit, joint_label
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure as Drawing
 
 FIRST = "velocity-torque"  # stands next to the answer
 SECTIONS = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagnosis"}  # by the result that is drawn
@@ -62,7 +61,6 @@ def _section(kind: FigureKind) -> str:
 
 
 def _describe(kind: FigureKind, joint: JointReport) -> str:
-    """Return what a figure shows of a joint in words, for those who do not see it."""
     found = joint.discrepancy
     if kind.result == "estimate":
         return friction_words(joint.friction)
@@ -103,10 +101,8 @@ def _figure(report: LogReport, kind: FigureKind, joints: tuple[JointReport, ...]
     return draw_inline(drawing, prefix, title=title, caption=kind.caption, description=words_in_unit)
 
 
-def _make_small(drawing: "Drawing") -> None:
+def _make_small(drawing: Drawing) -> None:
     """Let clouds of dots be images, and leave of curves what is visible."""
-    from matplotlib.lines import Line2D
-
     for line in drawing.findobj(Line2D):
         assert isinstance(line, Line2D)
         x, y = (np.asarray(data, dtype=np.float64) for data in line.get_data())

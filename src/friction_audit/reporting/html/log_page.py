@@ -51,8 +51,7 @@ RECORD = (
     "more, with nothing touching the arm where it moves by itself."
 )
 CHANNEL = Record(
-    Column("channel", str, get="0", on="p"),
-    Column("name", str, get="1", title="name in the log", code=True, on="p"),
+    Column("channel", str, get="0", on="p"), Column("name", str, get="1", title="name in the log", code=True, on="p")
 )
 SIGN = Record(
     joint_column("0"),
@@ -69,7 +68,7 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     drawn = draw_figures(report) if figures else NO_FIGURES
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
     warnings = notice_lines(made.report_notices(report))
-    listed = html.Text(lines=warnings or ("There are none.",), listed=bool(warnings), tone="unsure" if warnings else "")
+    listed = html.noted(warnings) or [html.Text(lines=("There are none.",))]
     joints = html.Section(
         anchor="joints", title="Joints", sections=[_joint(report, one) for one in answered], on_paper=False
     )
@@ -81,13 +80,8 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
             html.Section(anchor="verdicts", title="Friction and verdict", parts=[*_answer(report, answered, drawn)]),
             *([joints] if answered else ()),
             *(_topic(report, name, drawn) for name in report.sections if answered or name == "recording"),
-            html.Section(anchor="warnings", title="Warnings", parts=(listed,), folded=True, note=str(len(warnings))),
-            html.Section(
-                anchor="words", title="How to read it", parts=(html.Terms(pairs=tuple(WORDS.items()), words=True),),
-                folded=True, on_paper=False,
-            ),
-            html.settings_section(made.report_settings(report), report.command),
-            html.citation_section(),
+            html.Section(anchor="warnings", title="Warnings", parts=listed, folded=True, note=str(len(warnings))),
+            *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
         ),
     )  # fmt: skip
 
@@ -111,8 +105,7 @@ def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Dra
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
     _, physics = physics_of(estimate_notices(report.estimate), joints)
-    if physics:
-        yield html.Text(lines=[line.removeprefix(f"{MARK} ") for line in physics], listed=True, tone="unsure")
+    yield from html.noted([line.removeprefix(f"{MARK} ") for line in physics])
     without = [in_unit(line, report.unit) for line in reason_lines(joints)]
     if without:
         yield html.Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
@@ -130,25 +123,23 @@ def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
         pairs |= {"unexplained": words.remainder_words(found)} if found.checks else {}
     if one.replay is not None:
         pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit).pairs
-    own = [notice.message for notice in made.report_notices(report) if notice.joint == one.joint]
+    own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
     return html.Section(
         anchor=f"joint-{one.joint}",
         title=f"Joint {label}",
         # Why there is no estimate stands below the table of the answers.
-        note=made.verdict_word(one)
-        if one.friction.reason
-        else in_unit(f"{made.friction_words(one.friction)}; {made.verdict_word(one)}", unit),
+        note=in_unit("" if one.friction.reason else f"{made.friction_words(one.friction)}; ", unit)
+        + made.verdict_word(one),
         parts=(
             html.Terms(pairs=[(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()]),
             *_effects(report, one),
-            *([html.Text(lines=own, listed=True, tone="unsure")] if own else ()),
+            *html.noted(own),
         ),
         folded=True,
     )
 
 
 def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Part]:
-    """Yield the tables of the diagnosis of a joint that have rows."""
     if one.discrepancy is None:
         return
     rows, joint, unit = tables.effect_rows([one.discrepancy]), f"joint {one.joint}", report.unit
@@ -201,8 +192,7 @@ def _compensator(report: made.LogReport) -> Iterator[html.Part]:
     found = report.replay.replay
     compensator = f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}."
     yield html.Text(lines=(compensator, f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}."))
-    if warnings := notice_lines(notices(found.warnings)):
-        yield html.Text(lines=warnings, listed=True, tone="unsure")
+    yield from html.noted(notice_lines(notices(found.warnings)))
 
 
 def _missing(report: made.LogReport) -> Iterator[html.Part]:

@@ -93,25 +93,27 @@ METHOD = (
 PROGRAM = f"friction-audit {__version__}. The program is not by the authors of the method."
 
 
-def citation_section() -> Section:
-    """Return how to cite."""
-    lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
-    parts = (Text(lines=(lead,)), Text(lines=(METHOD, PROGRAM), listed=True))
-    return Section(anchor="cite", title="How to cite", parts=parts, folded=True)
-
-
 UNSET = "not set"
-SETTING = Record(
-    Column("setting", str, get="0", code=True, on="p"),
-    Column("value", str, get="1", code=True, on="p"),
-)
+SETTING = Record(Column("setting", str, get="0", code=True, on="p"), Column("value", str, get="1", code=True, on="p"))
 
 
-def settings_section(settings: Mapping[str, object], command: str) -> Section:
-    """Return every setting, defaults included, and the command."""
+def noted(lines: Sequence[str], tone: Tone = "unsure") -> list[Text]:
+    """Return a list of sentences, if there are some."""
+    return [Text(lines=lines, listed=True, tone=tone)] if lines else []
+
+
+def closing_sections(
+    words: Mapping[str, str], settings: Mapping[str, object], command: str, *, paper: bool = True
+) -> Iterator[Section]:
+    """Yield what the words of a page mean, on paper too, every setting and the command, and how to cite."""
+    terms = (Terms(pairs=tuple(words.items()), words=True),)
+    yield Section(anchor="words", title="How to read it", parts=terms, folded=True, on_paper=paper)
     table = SETTING.people(flattened(settings), caption="Every setting, defaults included", folded=True)
     again = (Text(lines=("This command makes the page again:",)), Command(line=command)) if command else ()
-    return Section(anchor="settings", title="Settings", parts=(*again, table), folded=True)
+    yield Section(anchor="settings", title="Settings", parts=(*again, table), folded=True)
+    lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
+    parts = (Text(lines=(lead,)), Text(lines=(METHOD, PROGRAM), listed=True))
+    yield Section(anchor="cite", title="How to cite", parts=parts, folded=True)
 
 
 def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
@@ -145,12 +147,7 @@ def terms_of(record: Record, row: Row, unit: str) -> Terms:
 
 
 def render_page(page: Page, *, paper: bool = False) -> str:
-    """Return the page as HTML; the same page gives the same bytes.
-
-    Args:
-        page: The page.
-        paper: Whether it is to be printed: sections open, no script, without the long tables that a screen folds.
-    """
+    """Return the page as HTML; for paper with sections open, without script and the long tables that a screen folds."""
     script = "" if paper else _resource("page.js")
     text = _environment().get_template("page.html.j2").render(
         page=page,
@@ -190,11 +187,7 @@ FENCE = "```"
 
 
 def write_pdf(page: Page) -> bytes:
-    """Return a page as PDF: the page, printed.
-
-    Raises:
-        UsageError: If what prints it is not installed.
-    """
+    """Return a page as PDF: the page, printed."""
     try:
         from weasyprint import HTML
     except (ImportError, OSError) as error:  # OSError: without the library pango
