@@ -5,7 +5,7 @@ import hashlib
 import io
 import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
@@ -163,16 +163,19 @@ def render_page(page: Page, *, paper: bool = False) -> str:
 
 @cache
 def _environment() -> "Environment":
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
     environment = Environment(
         loader=PackageLoader("friction_audit.reporting.html"),
-        autoescape=True,
+        autoescape=select_autoescape(("html.j2",)),  # in Markdown a filter escapes the words
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.tests["kind"] = lambda part, name: type(part).__name__ == name
+    # A fence of Markdown is longer than any run of backticks in the command.
+    environment.filters["fence"] = lambda line: "`" * max(3, *(len(run) + 1 for run in re.findall("`+", line)), 0)
+    environment.filters["plain"] = _plain
     return environment
 
 
@@ -183,7 +186,6 @@ def _resource(name: str) -> str:
 # Characters that Markdown, its tables, its formulas or the HTML in it may take for something: an underscore, a hash or
 # a plus only where no letter is before it.
 SPECIAL = re.compile(r"([\\`*{}\[\]<>|~&$]|(?<!\w)[_#+]|_(?!\w))")
-FENCE = "```"
 
 
 def write_pdf(page: Page) -> bytes:
@@ -201,46 +203,7 @@ def write_pdf(page: Page) -> bytes:
 
 def write_markdown(page: Page) -> str:
     """Return a page as Markdown, the same words and tables without drawings; names from the log stay text."""
-    lines = [f"# {_plain(page.title)}", "", _plain(page.lead), ""]
-    lines += [f"- {_plain(name)}: {_plain(value)}" for name, value in page.facts] + [""]
-    for section in page.sections:
-        lines += _section_lines(section, 2)
-    lines.append(f"Made by friction-audit {__version__}.")
-    return printable("\n".join(lines) + "\n")
-
-
-def _section_lines(section: Section, level: int) -> Iterator[str]:
-    yield from (f"{'#' * level} {_plain(section.title)}", "")
-    for part in section.parts:
-        yield from _part_lines(part)
-        yield ""
-    for inner in section.sections:
-        yield from _section_lines(inner, level + 1)
-
-
-def _part_lines(part: Part) -> Iterator[str]:
-    match part:
-        case Table():
-            yield from (f"{_plain(part.caption)}:", "")
-            yield _cells_line(_plain(column.head(part.unit)) for column in part.columns)
-            yield _cells_line("---:" if column.number else "---" for column in part.columns)
-            yield from (_cells_line(_plain(part.text(column, row)) for column in part.columns) for row in part.rows)
-        case Figure():
-            yield f"Figure: {_plain(part.description)}"
-        case Text(listed=True):
-            yield from (f"- {_plain(line)}" for line in part.lines)
-        case Text():
-            yield "\n\n".join(map(_plain, part.lines))
-        case Command():
-            # The fence is longer than any run of backticks in the command.
-            fence = "`" * max(len(FENCE), *(len(run) + 1 for run in re.findall("`+", part.line)), 0)
-            yield from (f"{fence}sh", part.line, fence)
-        case Terms():
-            yield from (f"- **{_plain(name)}**: {_plain(meaning)}" for name, meaning in part.pairs)
-
-
-def _cells_line(cells: Iterable[str]) -> str:
-    return f"| {' | '.join(cells)} |"
+    return printable(_environment().get_template("page.md.j2").render(page=page, version=__version__) + "\n")
 
 
 def _plain(text: str) -> str:
