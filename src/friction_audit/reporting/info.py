@@ -55,19 +55,6 @@ class LogSummary:
     joints: tuple[JointMotion, ...]  # how the joints moved
     notices: tuple[Notice, ...]  # what the user must know
 
-    @property
-    def clock_text(self) -> str:
-        """Clock, and on how much of the log it was checked against the motion."""
-        windows = self.log.source.clock_windows
-        return f"checked on {count_of(windows, 'window')}" if windows else "not checked"
-
-    @property
-    def steps_text(self) -> str:
-        """Jitter and gaps."""
-        jitter = f"jitter {1e3 * self.jitter_s:.3g} ms" if self.jitter_s >= ROUNDING_S else "no jitter"
-        gaps = f"{count_of(self.gaps, 'gap')}, the longest {self.longest_gap_s:.3g} s" if self.gaps else "no gaps"
-        return f"{jitter}, {gaps}"
-
 
 def summarize_log(
     log: JointLog, interaction: Interaction | None, cycles: EnergyCycles | None, obstacle: str = ""
@@ -175,22 +162,31 @@ def info_lines(entry: InfoEntry) -> list[str]:
             lines.append(f"  topic {one.name} ({one.type}{messages}{'' if one.readable else '; no joint log'})")
     if summary is None:
         return [*lines, "  not read"]
-    return [*lines, *(f"  {line}" for line in _lines(summary)), *table_lines(MOTION.people(summary.joints, "t"))]
+    return [
+        *lines,
+        *(f"  {name:<9}{text}" for name, text in facts_of(summary)),
+        *table_lines(MOTION.people(summary.joints, "t")),
+    ]
 
 
-def _lines(summary: LogSummary) -> Iterator[str]:
+def facts_of(summary: LogSummary) -> Iterator[tuple[str, str]]:
+    """Yield what is in a log, each with its name."""
     log, source, torque = summary.log, summary.log.source, summary.torque
     topic = f", topic {source.topic}" if source.topic else ""
     alike = candidates(log.joint_names) if source.robot not in PRESETS else ()
     robot = source.robot + (f" (joints of {', '.join(alike)}: name it with --robot)" if alike else "")
-    yield f"format   {source.format}{topic}, robot {robot}, {count_of(len(log.joint_names), 'joint')}"
-    yield from (f"read     {found.message}" for found in source.findings if found.code in SHOWN)
+    yield "format", f"{source.format}{topic}, robot {robot}, {count_of(len(log.joint_names), 'joint')}"
+    yield from (("read", found.message) for found in source.findings if found.code in SHOWN)
     samples = f"{log.duration_s:.6g} s, {count_of(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
-    yield f"clock    {source.clock}, {samples}, {summary.clock_text}"
-    yield f"steps    {summary.steps_text}, {count_of(summary.stale_samples, 'repeated sample')} left out"
-    for channel, name in source.channels.items():
-        yield f"channel  {channel} = {name}"
+    windows = source.clock_windows
+    checked = f"checked on {count_of(windows, 'window')}" if windows else "not checked"
+    yield "clock", f"{source.clock}, {samples}, {checked}"
+    jitter = f"jitter {1e3 * summary.jitter_s:.3g} ms" if summary.jitter_s >= ROUNDING_S else "no jitter"
+    longest = f", the longest {summary.longest_gap_s:.3g} s"
+    gaps = f"{count_of(summary.gaps, 'gap')}{longest}" if summary.gaps else "no gaps"
+    yield "steps", f"{jitter}, {gaps}, {count_of(summary.stale_samples, 'repeated sample')} left out"
+    yield from (("channel", f"{channel} = {name}") for channel, name in source.channels.items())
     if source.torque_unit != NEWTON_METRES:
-        yield f"unit     the torque is a motor current and is read in {source.torque_unit}"
+        yield "unit", f"the torque is a motor current and is read in {source.torque_unit}"
     if torque is not None:
-        yield f"torque   {torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign_text(torque)}"
+        yield "torque", f"{torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign_text(torque)}"

@@ -4,19 +4,18 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from types import SimpleNamespace
 
-from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.reporting import diagnosis_tables as tables
 from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting import report as made
 from friction_audit.reporting.documents import write_document
-from friction_audit.reporting.estimate import FRICTION, sign_text
+from friction_audit.reporting.estimate import FRICTION
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.html.log_figures import Drawn, draw_figures
-from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
+from friction_audit.reporting.info import MOTION, facts_of, summarize_log
 from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
 from friction_audit.reporting.table import Column, Record, Row, Table, joint_column
-from friction_audit.reporting.words import MARK, count_of, format_start, in_unit, joint_label, joints_label
+from friction_audit.reporting.words import MARK, format_start, in_unit, joint_label, joints_label
 
 NO_FIGURES = Drawn({}, {})
 WORDS = {
@@ -221,7 +220,10 @@ def _pictures(drawn: Drawn, section: str) -> Iterator[html.Part]:
 def _recording(report: made.LogReport) -> Iterator[html.Part]:
     estimate, unit, log = report.estimate, report.unit, report.estimate.log
     summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
-    yield html.Terms(pairs=[*_source(summary), *_torque(choice, unit)])
+    source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
+    facts = (pair for pair in facts_of(summary) if pair[0] != "channel")
+    pairs = [*source.items(), *facts, ("why so", choice.reason)]
+    yield html.Terms(pairs=[(name, in_unit(text, unit)) for name, text in pairs if text])
     yield MOTION.people(summary.joints, caption="How the joints moved")
     caption = "Channels as they are called in the log; {i} is the number of the joint"
     yield CHANNEL.people(log.source.channels.items(), caption=caption, folded=True)
@@ -236,31 +238,6 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     for caption, rows in (("Limits and faults of the data", bad), ("Every check of the data", checks)):
         if rows:
             yield tables.FINDING.people(rows, caption=caption, folded=True)
-
-
-def _source(summary: LogSummary) -> Iterator[tuple[str, str]]:
-    log, source = summary.log, summary.log.source
-    yield "File", source.path
-    yield "SHA-256", source.sha256
-    yield "Format", f"{source.format}, topic {source.topic}" if source.topic else source.format
-    yield "Robot", f"{source.robot}, serial number {source.serial}" if source.serial else source.robot
-    yield "Samples", f"{len(log.t)} in {log.duration_s:.6g} s, {log.rate_hz:.6g} Hz"
-    yield "Clock", f"{source.clock}, {summary.steps_text}, {summary.clock_text}"
-    yield "Repeated", f"{count_of(summary.stale_samples, 'repeated sample')} left out"
-
-
-def _torque(choice: TorqueChoice, unit: str) -> Iterator[tuple[str, str]]:
-    yield "Interaction torque", in_unit("; ".join(filter(None, (choice.formula, choice.reason))), unit)
-    yield "Torque source", choice.source
-    yield "Driven by", "a hand on the arm" if choice.drive == "hand" else "the robot itself"
-    yield "Gravity", choice.gravity
-    yield "Inertia", choice.inertia
-    model = "" if choice.model_rate_hz is None else f", evaluated at {choice.model_rate_hz:g} Hz"
-    yield "Rigid-body model", f"{choice.robot}{model}"
-    payload = choice.payload
-    yield "Payload", "none" if payload is None else f"{payload[0]:g} kg at {', '.join(f'{x:g}' for x in payload[1:])} m"
-    turned = "; turned against the first reading" if choice.sign_turned else ""
-    yield "Sign", f"{choice.sign:+d}, {sign_text(choice).removeprefix('sign ')}{turned}"
 
 
 TOPICS: Mapping[str, tuple[str, Callable[[made.LogReport], Iterator[html.Part]]]] = {
