@@ -184,6 +184,11 @@ def friction_words(friction: JointFriction) -> str:
     return ", ".join(f"{name} {with_unit(value, unit)}" for name, value, unit in found if not math.isnan(value.value))
 
 
+def joint_words(one: JointReport) -> str:
+    """Return coefficients and verdict of a joint; why there is no estimate stands elsewhere."""
+    return verdict_word(one) if one.friction.reason else f"{friction_words(one.friction)}; {verdict_word(one)}"
+
+
 def lead_sentence(report: LogReport) -> str:
     """Return the answer for the whole log, in two sentences."""
     joints = report.joints
@@ -197,7 +202,7 @@ def lead_sentence(report: LogReport) -> str:
     groups: dict[str, list[JointReport]] = {}
     for one in known:
         if one.discrepancy is not None:
-            groups.setdefault(missing_words(one.discrepancy), []).append(one)
+            groups.setdefault(_missing(one.discrepancy), []).append(one)
     parts = "; ".join(words if alone else f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
     if len(groups) > MOST_GROUPS or len(parts) > LONGEST:
         words = [verdict_word(one) for one in known]
@@ -206,8 +211,7 @@ def lead_sentence(report: LogReport) -> str:
     return plain_names(f"{estimated} {parts[:1].upper()}{parts[1:]}.") if parts else estimated
 
 
-def missing_words(found: JointDiagnosis) -> str:
-    """Return what the nominal model misses."""
+def _missing(found: JointDiagnosis) -> str:
     names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
     misses = f"the model misses {names}"
     return {

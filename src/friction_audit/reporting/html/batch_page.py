@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from friction_audit.drift.report import ArmDrift, JointDrift
+from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift as tables
 from friction_audit.reporting import drift_words as said
 from friction_audit.reporting.drift_sessions import LEFT_OUT, SESSION_NUMBER, SHOWN, SessionRow, coefficient_column
@@ -234,17 +234,9 @@ def draw(drawing: Drawing) -> Drawn:
         figure.set_layout_engine("none")  # it has its place now; finding it takes half of the time
     if not drawing.anchor:
         return Drawn(files, None)
-    every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {_describe(arm, one)}" for one in arm.joints)
+    every = "; ".join(
+        f"joint {joint_label(one.joint, one.name)}: {said.joint_sentence(arm, one)}" for one in arm.joints
+    )
     words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
     title = f"{kind.title}{drawing.which}"
     return Drawn(files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words))
-
-
-def _describe(arm: ArmDrift, joint: JointDrift) -> str:
-    """Return what became of a joint, for those who do not see the figure."""
-    words = []
-    for found in joint.coefficients:
-        steps = "".join(f", step at {said.change_text(arm, change)}" for change in found.change_points)
-        verdict = f"{said.NAMES[found.coefficient]} {said.drift_verdict(found)}"
-        words.append(f"{verdict}, {said.total_text(found)}{steps}")
-    return ", ".join(words)

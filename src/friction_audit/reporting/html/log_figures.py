@@ -10,13 +10,11 @@ from matplotlib.figure import Figure as Drawing
 from matplotlib.lines import Line2D
 
 from friction_audit.parallel import in_processes, workers_for
-from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures.panels import label_in_unit, thin_extremes
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html.page import Figure, draw_inline
-from friction_audit.reporting.replay import JOINT_REPLAY
-from friction_audit.reporting.report import JointReport, LogReport, friction_words, missing_words
+from friction_audit.reporting.report import JointReport, LogReport, joint_words
 from friction_audit.reporting.words import in_unit, joint_label
 
 FIRST = "velocity-torque"  # stands next to the answer
@@ -24,7 +22,6 @@ SECTIONS = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagn
 LOG_FIGURES = tuple(kind for kind in figures_of(*SECTIONS) if kind.caption)
 MOST_BYTES = 2_500_000  # figures of one page together
 ON_A_SHEET = 8  # joints of one figure
-REMOVED = next(column for column in JOINT_REPLAY.on("p") if column.name == "removed")
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 MOST_POINTS = 1500  # points of a curve over time: more than a panel has dots of a screen, also enlarged
@@ -60,19 +57,6 @@ def _section(kind: FigureKind) -> str:
     return "verdicts" if kind.name == FIRST else SECTIONS[kind.result]
 
 
-def _describe(kind: FigureKind, joint: JointReport) -> str:
-    found = joint.discrepancy
-    if kind.result == "estimate":
-        return friction_words(joint.friction)
-    if kind.result == "replay":
-        return f"{REMOVED.text(joint.replay)} % of the dissipation removed"
-    if found is None or found.gap is None:
-        return ""
-    after = f" to {found.gap.after:.3g}" if found.effects else ""
-    residual = f"residual RMS {found.gap.before:.3g}{after} N m, noise floor {found.gap.floor:.3g} N m"
-    return plain_names(f"{missing_words(found)}, {residual}")
-
-
 def _sheets(report: LogReport) -> Iterator[tuple[FigureKind, tuple[JointReport, ...], str]]:
     """Yield kind, joints and title of every figure of the sections asked for."""
     shown = {}
@@ -95,7 +79,7 @@ def _figure(report: LogReport, kind: FigureKind, joints: tuple[JointReport, ...]
     numbers = tuple(one.joint for one in joints)
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
     _make_small(drawing)
-    words = [f"joint {joint_label(one.joint, one.name)}: {_describe(kind, one)}" for one in joints]
+    words = [f"joint {joint_label(one.joint, one.name)}: {joint_words(one)}" for one in joints]
     words_in_unit = in_unit(f"{title}. {'; '.join(words)}.", report.unit)
     prefix = f"{kind.name}-{numbers[0]}"
     return draw_inline(drawing, prefix, title=title, caption=kind.caption, description=words_in_unit)

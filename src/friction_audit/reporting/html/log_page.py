@@ -126,9 +126,7 @@ def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
     return html.Section(
         anchor=f"joint-{one.joint}",
         title=f"Joint {label}",
-        # Why there is no estimate stands below the table of the answers.
-        note=in_unit("" if one.friction.reason else f"{made.friction_words(one.friction)}; ", unit)
-        + made.verdict_word(one),
+        note=in_unit(made.joint_words(one), unit),
         parts=(
             html.Terms(pairs=[(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()]),
             *_effects(report, one),
