@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from friction_audit.errors import UsageError
 from friction_audit.reporting.figures.drift import DRIFT
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.html import batch_page, log_figures
+from friction_audit.reporting.html import batch_page
+from friction_audit.reporting.html import log_page as page_of_log
 from friction_audit.reporting.html.batch_page import write_page
-from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures
-from friction_audit.reporting.html.log_page import REPORT_FORMATS, log_page
+from friction_audit.reporting.html.log_page import LOG_FIGURES, REPORT_FORMATS, draw_figures, log_page
 from friction_audit.reporting.html.page import (
     Command,
     Page,
@@ -65,7 +65,7 @@ def test_everything_that_must_be_on_a_page_is() -> None:
 
 
 def test_the_same_result_gives_the_same_page(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[1:2])
+    monkeypatch.setattr(page_of_log, "LOG_FIGURES", LOG_FIGURES[1:2])
     one = log_report_by_hand.cut(report(), 1)
     assert of_log(one) == of_log(one)
     assert write_page(SMALL) == page("batch small")
@@ -129,8 +129,8 @@ def test_parts_without_an_answer_leave_the_others() -> None:
 
 
 def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(log_figures, "MOST_BYTES", 1)
-    monkeypatch.setattr(log_figures, "ON_A_SHEET", 2)
+    monkeypatch.setattr(page_of_log, "MOST_BYTES", 1)
+    monkeypatch.setattr(page_of_log, "ON_A_SHEET", 2)
     drawn = draw_figures(report())
     assert drawn.by_section == {}
     assert "Coefficients over time, joints 3 to 4" in drawn.left_out["friction"]
@@ -169,7 +169,7 @@ def test_markdown_holds_the_tables() -> None:
 
 def test_the_pdf_is_the_page_printed(monkeypatch: pytest.MonkeyPatch) -> None:
     weasyprint = pytest.importorskip("weasyprint", reason="weasyprint is not installed", exc_type=ImportError)
-    monkeypatch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[:2])
+    monkeypatch.setattr(page_of_log, "LOG_FIGURES", LOG_FIGURES[:2])
     found = log_page(log_report_by_hand.called("a$b$ \N{CJK UNIFIED IDEOGRAPH-819D} <b>"))
     assert write_pdf(found).startswith(b"%PDF-")
     html = render_page(found, paper=True)

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.html.log_figures import LOG_FIGURES
+from friction_audit.reporting.html.log_page import LOG_FIGURES
 from tests.opened_page import Opened
 from tests.reporting.conftest import Open
 from tests.reporting.pages import page
