@@ -134,5 +134,5 @@ def test_the_page_takes_figures_drawn_elsewhere() -> None:
     assert [list(one.files) for one in done] == [[f"{kind}.svg"] for kind in NAMES]
     assert all(content.startswith(b"<?xml") for one in done for content in one.files.values())
     figures = {f"arm-1-{kind}-1": one.figure for kind, one in zip(NAMES, done, strict=True) if one.figure}
-    titled = {anchor: replace(figure, title=f"drawn {anchor}") for anchor, figure in figures.items()}
+    titled = {anchor: figure._replace(title=f"drawn {anchor}") for anchor, figure in figures.items()}
     assert all(f"drawn {anchor}" in write_page(by_hand.batch(two), titled) for anchor in titled)

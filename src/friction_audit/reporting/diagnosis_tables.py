@@ -6,27 +6,12 @@ from typing import NamedTuple
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect
 from friction_audit.friction.history import Coefficient
-from friction_audit.reporting.diagnosis_words import (
-    decide_words,
-    effect_numbers,
-    joint_message,
-    names_of,
-    plain_names,
-    where_effect,
-    where_words,
-)
+from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
-TONES: dict[str, Tone] = {
-    "adequate": "fine",
-    "named": "alert",
-    "ambiguous": "unsure",
-    "unexplained": "alert",
-    "not testable": "off",
-    "data fault": "alert",
-    "failed": "alert",
-}
+TONES: dict[str, Tone] = dict.fromkeys(WORDS.values(), "alert")
+TONES |= {"adequate": "fine", "ambiguous": "unsure", "not testable": "off"}
 FINDING_TONES: dict[str, Tone] = {"fine": "fine", "limit": "unsure", "fault": "alert"}
 GRADES = ("major", "minor", "negligible")
 CURVE = Record(
@@ -41,7 +26,7 @@ PROFILE = Record(
     Column("label", str, "the quantity with its unit", "0.label"),
     Column("share", float, "share of the mean square that a curve over it explains", "0.share"),
     Column("p_value", float, "that nothing depends on it", "0.p_value"),
-    Column("where", str, "where along it model and measurement disagree", lambda row: where_words(row[0])),
+    Column("where", str, "where along it model and measurement disagree", lambda row: words.where_words(row[0])),
     Column("curve", CURVE, "the mean residual, of the first entry", "1", null=True),
 )
 EVIDENCE = Record(
@@ -63,7 +48,7 @@ class EffectRow(NamedTuple):
     @property
     def names(self) -> str:
         """Its name, and those indistinguishable from it."""
-        return names_of(self.effect, self.joint.effects)
+        return words.names_of(self.effect, self.joint.effects)
 
     @property
     def known(self) -> dict[str, Coefficient]:
@@ -104,11 +89,11 @@ EFFECT = Record(
     Column("effect", str, get="effect.name", on="f"),
     Column("name", str, "name in the catalogue", "effect.name", on="j"),
     Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
-    Column("effect", str, get=lambda row: plain_names(f"{row.names}: {row.effect.label}"), words=True, on="p"),
+    Column("effect", str, get=lambda row: words.plain_names(f"{row.names}: {row.effect.label}"), words=True, on="p"),
     Column("label", str, "in words", "effect.label"),
     Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
     Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
-    Column("decide", str, "motion that distinguishes them", lambda row: decide_words(row.effect), null=True),
+    Column("decide", str, "motion that distinguishes them", lambda row: words.decide_words(row.effect), null=True),
     Column(
         "size", float, "RMS of its torque free of the nominal model", "effect.size_nm",
         unit="N m", title="size (RMS)", short="size", on=ALL,
@@ -132,10 +117,10 @@ EFFECT = Record(
     Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),
     Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
     Column(
-        "where", str, "where it shows, in words", lambda row: where_effect(row.effect, row.joint),
+        "where", str, "where it shows, in words", lambda row: words.where_effect(row.effect, row.joint),
         null=True, words=True, on="jfp",
     ),
-    Column("numbers", str, get=lambda row: effect_numbers(row.effect), title="parameters", words=True, on="p"),
+    Column("numbers", str, get=lambda row: words.effect_numbers(row.effect), title="parameters", words=True, on="p"),
     Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
     Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
     Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
@@ -158,14 +143,14 @@ PARAMETER = Record(
 )
 COMPETITOR = Record(
     joint_column("0.joint"),
-    Column("effect", str, get=lambda row: plain_names(row[0].effect.name), on="p"),
-    Column("competitor", str, get=lambda row: plain_names(row[1].name), title="competing effect", on="p"),
+    Column("effect", str, get=lambda row: words.plain_names(row[0].effect.name), on="p"),
+    Column("competitor", str, get=lambda row: words.plain_names(row[1].name), title="competing effect", on="p"),
     Column("two_ln_bayes_factor", float, get="1.two_ln_bayes_factor", form="+.0f", title="2 ln Bayes factor", on="p"),
     Column("correlation", float, get="1.correlation", form=".2f", on="p"),
 )
 UNTESTABLE = Record(
     joint_column("0"),
-    Column("effects", str, get=lambda row: plain_names(", ".join(row[1])), on="p"),
+    Column("effects", str, get=lambda row: words.plain_names(", ".join(row[1])), on="p"),
     Column("why", str, get="2", on="p"),
 )
 STEP = Record(
@@ -240,9 +225,10 @@ JOINT_DIAGNOSIS = Record(
     NAME,
     joint_column(),
     Column("verdict", VERDICTS, "the answer", form=WORDS, tone=TONES, on=ALL),
-    Column("message", str, "the answer: cause, size, what to do", joint_message),
+    Column("message", str, "the answer: cause, size, what to do", words.joint_message),
     Column(
-        "missing", str, get=lambda joint: " and ".join(names_of(one, joint.effects) for one in joint.effects), on="p",
+        "missing", str, on="p",
+        get=lambda joint: " and ".join(words.names_of(one, joint.effects) for one in joint.effects),
     ),
     Column("effects", [EFFECT], "the largest first", lambda joint: effect_rows([joint]), on="j"),
     Column("negligible", [EFFECT], "too small to count", lambda joint: effect_rows([joint], "negligible"), on="j"),

@@ -26,15 +26,9 @@ UNDERSCORED = re.compile(rf"\b({'|'.join(name for name in (*NAMES, CONTACT_EVENT
 CONTACTS_LISTED = 3
 CLEAR = 2.0  # standard errors from which the mean of a bin differs from zero
 UNITS = {
-    "speed": "rad/s",
-    "position": "rad",
-    "displacement": "rad after a reversal",
-    "acceleration": "rad/s²",
-    "time": "s",
-    "load": "N m of load",
-    "temperature": "°C",
-    "neighbour": "rad/s² of a neighbour",
-}
+    "speed": "rad/s", "position": "rad", "displacement": "rad after a reversal", "acceleration": "rad/s²", "time": "s",
+    "load": "N m of load", "temperature": "°C", "neighbour": "rad/s² of a neighbour",
+}  # fmt: skip
 # Axes that a sentence calls otherwise.
 AXES = {"displacement": "displacement since a reversal", "neighbour": "acceleration of a neighbour"}
 

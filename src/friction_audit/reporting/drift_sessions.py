@@ -12,7 +12,7 @@ from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
 from friction_audit.reporting.sentences import session_sentences
-from friction_audit.reporting.table import JOINT, NAME, Column, Record
+from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
 from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 
 CONDITIONS = ("drive", "torque", "gravity", "inertia", "payload")
@@ -169,12 +169,8 @@ def session_columns(arms: Sequence[ArmDrift]) -> tuple[dict[str, type], Iterator
     lots = iter(lambda: list(islice(rows, ROWS_AT_ONCE)), [])
     return (
         {column.key: column.kind for column in columns},
-        ({column.key: [_finite(column.value(row)) for row in lot] for column in columns} for lot in lots),
+        ({column.key: [to_json(column.value(row)) for row in lot] for column in columns} for lot in lots),
     )
-
-
-def _finite(value: Any) -> Any:  # noqa: ANN401 - any cell
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:

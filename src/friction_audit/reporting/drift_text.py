@@ -107,8 +107,9 @@ def junit_text(command: str, report: DriftReport, limits: Sequence[Limit], unit:
         for one in judged:
             if one.limit is limit:
                 _add_case(suite, command, one, unit)
-        _count(suite)
-    _count(root)
+    for whole in (root, *root):
+        for element, counted in (("testcase", "tests"), *OUTCOMES.values()):
+            whole.set(counted, str(len(whole.findall(f".//{element}"))))
     ET.indent(root)
     return ET.tostring(root, "unicode", xml_declaration=True) + "\n"
 
@@ -127,8 +128,3 @@ def _add_case(suite: ET.Element, command: str, one: Judged, unit: str) -> None:
         outcome.text = sentence
     elif one.found is not None:
         ET.SubElement(case, "system-out").text = f"change {in_unit(total_text(one.found), unit)}"
-
-
-def _count(whole: ET.Element) -> None:
-    for element, counted in (("testcase", "tests"), *OUTCOMES.values()):
-        whole.set(counted, str(len(whole.findall(f".//{element}"))))

@@ -26,14 +26,9 @@ VERDICTS = (DRIFT, TEMPERATURE, STEADY, UNTESTED)
 TONES: Mapping[str, Tone] = {DRIFT: "alert", STEADY: "fine", TEMPERATURE: "unsure", UNTESTED: "off"}
 # What describes a coefficient over the sessions, in words.
 SHAPES = {
-    "none": "level",
-    "step": "a step",
-    "steps": "steps",
-    "ramp": "a ramp",
-    "step_or_ramp": "a step or a ramp",
-    "temperature": "changes together with the temperature",
-    "too_few": "too few sessions",
-}
+    "none": "level", "step": "a step", "steps": "steps", "ramp": "a ramp", "step_or_ramp": "a step or a ramp",
+    "temperature": "changes together with the temperature", "too_few": "too few sessions",
+}  # fmt: skip
 LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no information
 TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
 MOST_NAMES = 3  # sessions that a sentence names

@@ -1,6 +1,7 @@
 """Export -> document and lines of the terminal."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from friction_audit.export.export import Export
@@ -37,22 +38,6 @@ GAP = Record(
     Column("with", float, "rms position error with the exported friction", unit="rad", title="with friction", on="jt"),
     Column("windows", int, "windows of 0.2 s"),
 )
-EXPORT = Document(
-    "export/1",
-    "Friction in the file of a simulator or a controller",
-    Column("target", str, "format", "target.name"),
-    Column("path", str, "where it was written"),
-    Column("into", str, "file of the user that it is a copy of", null=True),
-    Column("joints", [JOINT], "as written"),
-    Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
-    WARNINGS,
-)
-
-
-def export_document(export: Export) -> dict[str, Any]:
-    """Return the document."""
-    own = {name: getattr(export, name) for name in ("target", "path", "into", "joints", "simulated")}
-    return EXPORT.json(own | {"warnings": list(export_notices(export))})
 
 
 def export_notices(export: Export) -> Iterable[Notice]:
@@ -74,6 +59,23 @@ def export_notices(export: Export) -> Iterable[Notice]:
     robot = export.estimate.log.source.robot if export.estimate else ""
     if robot in INNER_LOOP:
         yield notice("inner_torque_loop", robot=robot)
+
+
+EXPORT = Document(
+    "export/1",
+    "Friction in the file of a simulator or a controller",
+    Column("target", str, "format", "target.name"),
+    Column("path", str, "where it was written"),
+    Column("into", str, "file of the user that it is a copy of", null=True),
+    Column("joints", [JOINT], "as written"),
+    Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
+    replace(WARNINGS, get=export_notices),
+)
+
+
+def export_document(export: Export) -> dict[str, Any]:
+    """Return the document."""
+    return EXPORT.json(export)
 
 
 def export_lines(export: Export) -> list[str]:

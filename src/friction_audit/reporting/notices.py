@@ -148,7 +148,10 @@ def notice_lines(notices: Iterable[Notice]) -> list[str]:
     for apart in alike.values():
         every = [one for same in apart.values() for one in same]
         messages = apart if any(map(OTHER.search, apart)) else {_with_range(apart): every}
-        lines += [_line(message, same) for message, same in messages.items()]
+        for message, same in messages.items():
+            joints = sorted({notice.joint for notice in same if notice.joint is not None})
+            several = len(joints) > 1 and all(notice.joint is not None for notice in same)
+            lines.append(f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message)))
     return lines
 
 
@@ -160,12 +163,6 @@ def _with_range(messages: Collection[str]) -> str:
         ends = min(texts, key=float), max(texts, key=float)
         ranges.append(" to ".join(dict.fromkeys(ends)))
     return NUMBER.sub(lambda _: ranges.pop(0), first)
-
-
-def _line(message: str, same: list[Notice]) -> str:
-    joints = sorted({notice.joint for notice in same if notice.joint is not None})
-    several = None not in {notice.joint for notice in same} and len(joints) > 1
-    return f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message))
 
 
 def reason_lines(joints: Iterable[Reasoned]) -> list[str]:

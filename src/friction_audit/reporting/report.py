@@ -18,7 +18,7 @@ from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_est
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS
 from friction_audit.reporting.diagnosis_words import joint_message, names_of, plain_names
-from friction_audit.reporting.documents import CHAIN, settings_document
+from friction_audit.reporting.documents import CHAIN, SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
 from friction_audit.reporting.replay import REPLAY, replay_tables, replay_values
@@ -266,35 +266,25 @@ REPORT = Document(
     "report/4",
     "All parts of a report, as on its page",
     Column("command", str, "the command that makes the report again", null=True),
-    CHAIN,
-    Column("message", str, "the lead of the page"),
+    replace(SOURCE, get="estimate.log"),
+    replace(SETTINGS, get=report_settings),
+    replace(WARNINGS, get=report_notices),
+    Column("message", str, "the lead of the page", lead_sentence),
     Column("sections", [str], "sections that were asked for"),
     Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
     Column("joints", [VERDICT], "per joint"),
-    Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
-    Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", null=True),
-    Column("replay", _part(REPLAY), "document of `replay` likewise", null=True),
-)
+    Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys", "estimate.friction"),
+    Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", "diagnosis.discrepancy", null=True),
+    Column(
+        "replay", _part(REPLAY), "document of `replay` likewise", lambda one: one.replay and replay_values(one.replay),
+        null=True,
+    ),
+)  # fmt: skip
 
 
 def report_document(report: LogReport) -> dict[str, Any]:
     """Return the document of a report."""
-    return REPORT.json(
-        {
-            "command": report.command,
-            "source": report.estimate.log,
-            "settings": report_settings(report),
-            "warnings": report_notices(report),
-            "message": lead_sentence(report),
-            "sections": report.sections,
-            "unanswered": report.unanswered,
-            "joints": report.joints,
-            "estimate": report.estimate.friction,
-            "diagnose": report.diagnosis and report.diagnosis.discrepancy,
-            "replay": report.replay and replay_values(report.replay),
-        },
-        report.unit,
-    )
+    return REPORT.json(report, report.unit)
 
 
 def report_tables(report: LogReport) -> tuple[TidyTable, ...]:

@@ -255,11 +255,8 @@ def fitted_label(friction: JointFriction, centre: float) -> str:
     return f"fitted: ${''.join(terms).removeprefix('+')}$"
 
 
-def _loop_label(estimate: Estimate) -> str:
-    return f"Interaction{'' if estimate.interaction.compensation is None else ' and compensator'} torque [N m]"
-
-
 VELOCITY_TORQUE = replace(
     SIGNALS, draw=_draw_loop, panels=1, across=4, height_in=(1.75, 2.4), head_in=0.5, shared=False,
-    x="Velocity [rad/s]", y=_loop_label,
+    x="Velocity [rad/s]",
+    y=lambda of: f"Interaction{'' if of.interaction.compensation is None else ' and compensator'} torque [N m]",
 )  # fmt: skip

@@ -201,10 +201,9 @@ def band(axes: Axes, x: Float, low: Float, high: Float, colour: str, label: str,
 
 
 def limits(shown: Float, others: Float, *, near: float, smallest: float) -> tuple[float, float] | None:
-    """Return the ends of an axis that hold all numbers shown and of others what is near; None without any number.
+    """Return the ends of an axis that hold all numbers shown; others extend it by at most ``near`` times their range.
 
-    Others may extend the axis by ``near`` times the range of what is shown, which is at least ``smallest``: one wild
-    number of them must not flatten the panel. NaN is no number.
+    That range is at least ``smallest``. NaN is no number; None without any.
     """
     shown, others = (values[np.isfinite(values)] for values in (shown, others))
     if not len(shown):
@@ -291,14 +290,8 @@ ARROWS_AT, ARROW_LENGTH = 0.6, 0.06  # share of a stroke's peak speed at which a
 
 def draw_arrows(axes: Axes, dq: Float, torque: Float) -> None:
     """Add arrows in the direction of time to a smooth curve, shape (n,): two to the fastest stroke each way."""
-    look: Look = {
-        "arrowstyle": "-|>",
-        "color": theme.FILTERED,
-        "lw": 0.9,
-        "mutation_scale": 9,
-        "shrinkA": 0,
-        "shrinkB": 0,
-    }
+    look: Look = {"arrowstyle": "-|>", "color": theme.FILTERED, "lw": 0.9, "mutation_scale": 9}
+    look |= {"shrinkA": 0, "shrinkB": 0}
     across, up = (float(np.nanmax(one) - np.nanmin(one)) or 1.0 for one in (dq, torque))
     for fastest in (int(np.nanargmax(dq)), int(np.nanargmin(dq))):
         slow = ~(np.sign(dq[fastest]) * dq >= ARROWS_AT * abs(dq[fastest]))

@@ -161,11 +161,6 @@ def _draw_effects(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -
             _draw_contacts(next(left), joint, "the largest", (start - ASIDE_S, stop + ASIDE_S))
 
 
-def _effect_panels(_: Diagnosis, joint: JointDiagnosis, sheet: bool) -> int:
-    contacts = joint.contacts is not None and any(effect.name == CONTACT_EVENT for effect in joint.effects)
-    return max(len(joint.effects), 1) + (contacts and not sheet)
-
-
 def _draw_nothing_missing(axes: Axes, joint: JointDiagnosis) -> None:
     """Draw what the nominal model leaves over the quantity that shows most of it, within the detection limit."""
     profile, traces, limit = next(iter(joint.profiles), None), joint.traces, joint.detection_limit_nm
@@ -232,20 +227,20 @@ def _draw_contacts(axes: Axes, joint: JointDiagnosis, title: str, ends: tuple[fl
     axes.set_xlabel("Time [s]")
 
 
-def _has_effect(found: Diagnosis, joint: JointDiagnosis) -> bool:
-    """Return whether an effect was named; where none was on any joint, whether there is a residual."""
-    none = not any(one.effects for one in found.discrepancy.joints)
-    return bool(joint.effects) or (none and joint.traces is not None)
+def _named(found: Diagnosis) -> bool:
+    return any(one.effects for one in found.discrepancy.joints)
 
 
-def _effect_label(found: Diagnosis) -> str:
-    named = any(one.effects for one in found.discrepancy.joints)
-    return f"{'Torque of the effect' if named else 'Residual torque'} [N m]"
-
-
+# Where no effect was named on any joint, the residuals.
 EFFECTS = replace(
-    RESIDUAL, has=_has_effect, lacks="no effect named", draw=_draw_effects, panels=_effect_panels, across=3,
-    height_in=lambda joint, sheet: 1.55 if sheet else 2.3 if joint.effects else 1.8, y=_effect_label,
+    RESIDUAL, lacks="no effect named", draw=_draw_effects, across=3,
+    has=lambda found, joint: joint.effects or (not _named(found) and joint.traces is not None),
+    panels=lambda _, joint, sheet: (
+        max(len(joint.effects), 1)
+        + (not sheet and joint.contacts is not None and CONTACT_EVENT in [one.name for one in joint.effects])
+    ),
+    height_in=lambda joint, sheet: 1.55 if sheet else 2.3 if joint.effects else 1.8,
+    y=lambda found: f"{'Torque of the effect' if _named(found) else 'Residual torque'} [N m]",
 )  # fmt: skip
 
 

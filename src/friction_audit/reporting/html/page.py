@@ -6,10 +6,9 @@ import io
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -25,8 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Figure:
+class Figure(NamedTuple):
     """A figure that can be enlarged."""
 
     title: str  # what it shows, in a line
@@ -36,8 +34,7 @@ class Figure:
     description: str  # what it shows, for those who do not see it
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """Sentences, a paragraph each, or the points of a list."""
 
     lines: Sequence[str]
@@ -45,15 +42,13 @@ class Text:
     tone: Tone = ""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """A command to be typed, which can be copied."""
 
     line: str
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Terms:
+class Terms(NamedTuple):
     """Names and values, side by side where there is room, or words and what they mean, a line each."""
 
     pairs: Sequence[tuple[str, str]]
@@ -63,8 +58,7 @@ class Terms:
 Part = Table | Figure | Text | Command | Terms
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Section:
+class Section(NamedTuple):
     """A section with a heading, and sections in it."""
 
     anchor: str  # unique: ASCII letters, digits and hyphens
@@ -76,8 +70,7 @@ class Section:
     on_paper: bool = True  # whether paper has it
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Page:
+class Page(NamedTuple):
     """A page: its title, its answer in a sentence or two, names and values of what it is about, and its sections."""
 
     title: str
