@@ -11,7 +11,7 @@ from friction_audit import __version__
 from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting import drift_words as said
+from friction_audit.reporting import drift_words as phrases
 from friction_audit.reporting import words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
@@ -118,7 +118,7 @@ def _trend_column(title: str, name: str) -> Column:
         level = row.found.level.value
         return float(getattr(row.found, name).value / level) if level else math.nan
 
-    return _shown(title, lambda row: said.slope_text(row.found, getattr(row.found, name)), share, "n")
+    return _shown(title, lambda row: phrases.slope_text(row.found, getattr(row.found, name)), share, "n")
 
 
 def _outside(row: CoefficientRow) -> int:
@@ -138,30 +138,36 @@ def _within(row: CoefficientRow) -> tuple[int, int]:
 
 
 # The page has three tables of it: the answer, levels and trends in numbers (n), and what is within a session (w).
-HEAD = (joint_column("joint", on="pnw"), Column("friction", str, get="found.coefficient", form=said.NAMES, on="tpnw"))
+HEAD = (
+    joint_column("joint", on="pnw"),
+    Column("friction", str, get="found.coefficient", form=phrases.NAMES, on="tpnw"),
+)
 COEFFICIENT = Record(
     Column(
         "joint", str, get=lambda row: " " if row.place else words.joint_label(row.joint.joint, row.joint.name), on="t",
     ),
     *HEAD,
     Column("drift", bool, "whether it drifts", "found.drift", on="j"),
-    Column("verdict", said.VERDICTS, "in a word", lambda row: said.drift_verdict(row.found), tone=said.TONES, on="jtp"),
-    Column("change", float, get="found", form=said.total_text, sort="found.total.value", on="tp"),
+    Column(
+        "verdict", phrases.VERDICTS, "in a word", lambda row: phrases.drift_verdict(row.found), tone=phrases.TONES,
+        on="jtp",
+    ),
+    Column("change", float, get="found", form=phrases.total_text, sort="found.total.value", on="tp"),
     Column(
         "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
         words=True, on="t",
     ),
     Column(
-        "trend", get="found", form=lambda found: said.slope_text(found, found.trend_per_session),
+        "trend", get="found", form=lambda found: phrases.slope_text(found, found.trend_per_session),
         short="trend\n/session", on="t",
     ),
     Column(
-        "smallest", get="found", form=said.smallest_text, sort="found.smallest_drift",
+        "smallest", get="found", form=phrases.smallest_text, sort="found.smallest_drift",
         title="minimum detectable", short="minimum\ndetect.", on="tp",
     ),
-    Column("message", str, "one sentence", lambda row: said.describe(row.found, row.arm.sessions), on="jp"),
+    Column("message", str, "one sentence", lambda row: phrases.describe(row.found, row.arm.sessions), on="jp"),
     *_of_found(
-        Column("shape", SHAPES, "what describes it", form=said.SHAPES, title="described by", on="jw"),
+        Column("shape", SHAPES, "what describes it", form=phrases.SHAPES, title="described by", on="jw"),
         Column("p_value", float, "that nothing changes, family-wise"),
         Column("level", Coefficient, "level in the reference"),
         Column("change", Coefficient, "from the reference to the last sessions"),
@@ -197,7 +203,7 @@ COEFFICIENT = Record(
         Column("control", [CONTROL], "every session against the reference"),
     ),
     _shown(
-        "level in the reference", lambda row: words.with_unit(row.found.level, said.UNITS[row.found.coefficient]),
+        "level in the reference", lambda row: words.with_unit(row.found.level, phrases.UNITS[row.found.coefficient]),
         "found.level.value", "n",
     ),
     _trend_column("trend per session", "trend_per_session"),
@@ -228,19 +234,19 @@ DIAGNOSED = Record(
 
 def _side(side: str) -> Column:
     def text(row: CoefficientRow) -> str:
-        return words.with_unit(getattr(row.change, side), said.UNITS[row.found.coefficient])
+        return words.with_unit(getattr(row.change, side), phrases.UNITS[row.found.coefficient])
 
     return _shown(side, text, f"change.{side}.value")
 
 
 STEPS = Record(
     *HEAD,
-    _shown("session", lambda row: said.first_after(row.change), "change.session"),
+    _shown("session", lambda row: phrases.first_after(row.change), "change.session"),
     Column(
         "start", get=lambda row: row.arm.sessions[row.change.session].start_s, form=words.format_start,
         title="started (UTC)", on="p",
     ),
-    _shown("change", lambda row: said.format_change(row.change), "change.relative.value"),
+    _shown("change", lambda row: phrases.format_change(row.change), "change.relative.value"),
     _side("before"),
     _side("after"),
 )  # fmt: skip
@@ -248,11 +254,11 @@ ARM = Record(
     Column("robot", str, "which arm", title="arm", code=True, on="jp"),
     Column("drift", bool, "whether a joint drifts"),
     Column(
-        "verdict", said.VERDICTS, "the strongest of its joints", lambda arm: said.joint_verdict(*arm.joints),
-        tone=said.TONES, on="jp",
+        "verdict", phrases.VERDICTS, "the strongest of its joints", lambda arm: phrases.joint_verdict(*arm.joints),
+        tone=phrases.TONES, on="jp",
     ),
-    Column("sentence", str, get=said.arm_sentence, title="answer", words=True, on="p"),
-    Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {said.arm_sentence(arm)}"),
+    Column("sentence", str, get=phrases.arm_sentence, title="answer", words=True, on="p"),
+    Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {phrases.arm_sentence(arm)}"),
     Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
     _numbers("compared", "sessions compared", "compared"),
     _numbers("reference", "sessions of the reference", "reference"),
@@ -273,8 +279,8 @@ JOINT_DRIFT = Record(
     Column("joint", int, "number, from 1", "1.joint"),
     Column("name", str, "name in the log", "1.name"),
     Column("drift", bool, "whether a coefficient drifts", "1.drift"),
-    Column("verdict", said.VERDICTS, "the strongest of its coefficients", lambda row: said.joint_verdict(row[1])),
-    Column("message", str, "one sentence", lambda row: f"joint {row[1].joint}: {said.joint_sentence(*row)}"),
+    Column("verdict", phrases.VERDICTS, "the strongest of its coefficients", lambda row: phrases.joint_verdict(row[1])),
+    Column("message", str, "one sentence", lambda row: f"joint {row[1].joint}: {phrases.joint_sentence(*row)}"),
     Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
     Column(

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift as tables
-from friction_audit.reporting import drift_words as said
+from friction_audit.reporting import drift_words as phrases
 from friction_audit.reporting.drift_sessions import LEFT_OUT, SESSION_NUMBER, SHOWN, SessionRow, coefficient_column
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
@@ -44,7 +44,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure] | 
     lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section(anchor="failed", title="Files that failed", parts=(lead, files))
-    span = said.span_of(summary.sessions)
+    span = phrases.span_of(summary.sessions)
     page = html.Page(
         title="Friction over sessions",
         lead=_lead(summary),
@@ -71,14 +71,14 @@ def _lead(summary: tables.BatchSummary) -> str:
     if len(drifting) > 1:
         return f"Friction drifts on {len(drifting)} of {arms}: {enumerate_words(arm.robot for arm in drifting)}."
     if drifting:
-        return f"{drifting[0].robot}: {said.arm_sentence(drifting[0])}."
+        return f"{drifting[0].robot}: {phrases.arm_sentence(drifting[0])}."
     return f"No drift of the friction was found on {arms}."
 
 
 def _arm_sections(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> Iterator[html.Section]:
     """Yield a section per arm; figures first of the arms that drift, as long as there is room."""
     pictures = _pictures(summary.arms, drawn)
-    cells = sum(len(said.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
+    cells = sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
     most = max(1, MOST_CELLS // max(cells, 1))
     for number, arm in enumerate(summary.arms, start=1):
         yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()), most)
@@ -112,7 +112,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
     return html.Section(
         anchor=anchor,
         title=arm.robot,
-        parts=(html.Text(lines=(f"{said.sessions_text(arm)}.",)), *html.noted(arm.warnings)),
+        parts=(html.Text(lines=(f"{phrases.sessions_text(arm)}.",)), *html.noted(arm.warnings)),
         sections=(
             html.Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(rows))),
             html.Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (html.Text(lines=(no_room,)),)),
@@ -158,12 +158,12 @@ def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
     caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
     yield SHOWN.people(rows, caption=caption, folded=count > ACROSS)
-    for name, unit in said.UNITS.items():
+    for name, unit in phrases.UNITS.items():
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
             which = f"of each session, {joints_label(one.joint for one in joints)}, with its 95 % interval [{unit}]"
             columns = (SESSION_NUMBER, *(coefficient_column(joint, name) for joint in joints))
-            caption = f"{said.NAMES[name].capitalize()} coefficient {which}{cut}"
+            caption = f"{phrases.NAMES[name].capitalize()} coefficient {which}{cut}"
             yield Record(columns).people(rows, caption=caption, folded=True)
 
 
@@ -214,7 +214,7 @@ def page_drawings(arm: ArmDrift, anchor: str, kind: FigureKind) -> Iterator[Draw
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:
     """Return an arm with no more of its sessions than figures show: it goes to another process."""
-    first, reference, last = said.curve_sessions(arm)
+    first, reference, last = phrases.curve_sessions(arm)
     shown = {first, *reference, last}
     for found in (found for one in arm.joints for found in one.coefficients if found.sessions):
         shown.update(set(range(len(arm.sessions))).difference(found.sessions))  # not compared: drawn as they are
@@ -235,7 +235,7 @@ def draw(drawing: Drawing) -> Drawn:
     if not drawing.anchor:
         return Drawn(files, None)
     every = "; ".join(
-        f"joint {joint_label(one.joint, one.name)}: {said.joint_sentence(arm, one)}" for one in arm.joints
+        f"joint {joint_label(one.joint, one.name)}: {phrases.joint_sentence(arm, one)}" for one in arm.joints
     )
     words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
     title = f"{kind.title}{drawing.which}"
