@@ -13,7 +13,7 @@ from friction_audit.reporting.figures.drift import CONTROL, DRIFT, MOST_MARKED, 
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figure_names, figures_of
 from friction_audit.reporting.figures.style import figure_bytes
-from friction_audit.reporting.html.batch_page import ON_A_SHEET, Drawing, as_drawn, draw, drawings_of, write_page
+from friction_audit.reporting.html.batch_page import ON_A_SHEET, as_drawn, draw, drawings_of, write_page
 from tests.reporting import batch_by_hand as by_hand
 from tests.reporting.test_figures import line, words_in
 
@@ -111,20 +111,13 @@ def test_curves_of_first_reference_and_last_lie_on_one_another() -> None:
     assert np.nanmax(last) > np.nanmax(first)
 
 
-def drawings(*joints: int) -> list[Drawing]:
-    arms = [replace(by_hand.arm(4, count), robot=f"arm{count}") for count in joints]
-    return list(drawings_of(arms, {arm.robot: f"{arm.robot}-" for arm in arms}, ["png", "svg"]))
-
-
-def test_each_figure_is_drawn_once_for_its_files_and_the_page() -> None:
-    found = drawings(2)
-    assert [(one.name, one.anchor) for one in found] == [(f"arm2-{kind}", f"arm-1-{kind}-1") for kind in NAMES]
-    assert {tuple(one.formats) for one in found} == {("png", "svg")}
-    many = [one for one in drawings(ON_A_SHEET + 2) if one.kind.name == "drift"]
-    assert [len(one.arm.joints) for one in many] == [ON_A_SHEET, 2, ON_A_SHEET + 2]
-    assert [one.which for one in many] == [", joints 1 to 8", ", joints 9 to 10", ""]
-    assert [(one.name, one.anchor != "") for one in many] == [("", True), ("", True), ("arm10-drift", False)]
-    assert list(drawings_of([replace(by_hand.arm(4, 2), joints=())], {}, ["png"])) == []
+def test_more_joints_than_fit_on_a_sheet_make_several_for_the_page_and_one_for_the_files() -> None:
+    arms = [replace(by_hand.arm(4, count), robot=f"arm{count}") for count in (2, ON_A_SHEET + 2)]
+    found = [one for one in drawings_of(arms, {"arm2": "a-"}, ["png", "svg"]) if one.kind.name == "drift"]
+    assert [(one.name, one.anchor) for one in found[:2]] == [("a-drift", "arm-1-drift-1"), ("", "arm-2-drift-1")]
+    assert [one.which for one in found] == ["", ", joints 1 to 8", ", joints 9 to 10", ""]
+    assert [len(one.arm.joints) for one in found] == [2, ON_A_SHEET, 2, ON_A_SHEET + 2]
+    assert list(drawings_of([replace(arms[0], joints=())], {}, ["png"])) == []
 
 
 @pytest.mark.usefixtures("sketched")

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.friction.history import UNDETERMINED
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.figures import panels
-from friction_audit.reporting.figures.estimate import COEFFICIENTS, ENERGY, SIGNALS, VELOCITY_TORQUE, y_limits
+from friction_audit.reporting.figures.estimate import COEFFICIENTS, ENERGY, SIGNALS, VELOCITY_TORQUE
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
 from tests.reporting.conftest import build_estimate
@@ -109,14 +109,3 @@ def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> N
     history = history.with_coefficient("viscous", nothing, nothing, nothing)
     figure = COEFFICIENTS(with_friction(single, model="coulomb", viscous=UNDETERMINED, history=history), 1)
     assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["not in the coulomb model"]
-
-
-def test_one_wild_window_does_not_flatten_a_panel() -> None:
-    value = np.array([np.nan, -40.0, 0.30, 0.28, 0.29])
-    low, high = value - 0.05, value + 0.05
-    low[1], high[1] = -80.0, 80.0
-    bottom, top = y_limits(value, low, high, Coefficient(value=0.29, low=0.25, high=0.33)) or (0, 0)
-    assert -0.1 < bottom < 0.23
-    assert 0.35 < top < 0.6
-    nothing = np.full(3, np.nan)
-    assert y_limits(nothing, nothing, nothing, UNDETERMINED) is None
