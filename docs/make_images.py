@@ -17,10 +17,9 @@ from friction_audit.diagnosis.result import Profile
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.io.readers import read_log
 from friction_audit.pipeline import AuditSettings, diagnose_log, estimate_log
-from friction_audit.reporting.figures.over_time import series_of
+from friction_audit.reporting.figures.estimate import filtered_loop, series_of
 from friction_audit.reporting.figures.profiles import mean_along
 from friction_audit.reporting.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style
-from friction_audit.reporting.figures.velocity_torque import filtered_loop
 from friction_audit.reporting.words import format_coefficient
 
 ROOT = Path(__file__).parents[1]

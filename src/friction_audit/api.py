@@ -274,7 +274,7 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     Returns:
         The parts; one that the log gives no answer to is None, and ``unanswered`` says why.
     """
-    from friction_audit.reporting.report_files import REPORT_FORMATS
+    from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
     if path is None:
         return _reported(log)

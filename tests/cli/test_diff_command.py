@@ -154,6 +154,13 @@ def test_two_logs_end_to_end(run: Run, tmp_path: Path) -> None:
     assert max(map(len, table.out.splitlines()[3:7])) <= 100
 
 
+def test_a_warning_of_both_sides_is_one_line_with_both_names(run: Run, logs: Path) -> None:
+    copy = Path("copy.csv")
+    copy.write_text((logs / "damaged.csv").read_text())
+    answer = run("diff", logs / "damaged.csv", copy)
+    assert f"warning: {logs / 'damaged.csv'} and copy.csv: " in answer.err
+
+
 def test_conditions_that_differ_are_named(run: Run, tmp_path: Path) -> None:
     one = joint(1, (0.3, 0.02), (0.1, 0.03), 20)
     before = result(tmp_path / "a.json", one, joint(2, (0.3, 0.02), None, 20, reason="moved too little"))

@@ -62,7 +62,7 @@ def test_an_estimate_with_figures_loads_no_other_analysis(tmp_path: Path) -> Non
     _, modules = loaded("estimate", str(log), "-q", "-o", str(tmp_path / "out"))
     own = {name for name in modules if name.startswith("friction_audit.")}
     assert (tmp_path / "out" / "coefficients.png").exists()
-    assert "friction_audit.reporting.figures.over_time" in own
+    assert "friction_audit.reporting.figures.estimate" in own
     others = ("diagnosis", "compensation", "simulation", "drift", "dynamics", "batch", "reproduce")
     assert [name for name in own if name.split(".")[1] in others] == []
     assert len(own) <= MOST_LOADED

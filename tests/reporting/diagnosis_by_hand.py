@@ -1,4 +1,7 @@
-"""A diagnosis made by hand: six joints, a verdict each."""
+"""A diagnosis made by hand: six joints, a verdict each, with the samples that its figures draw."""
+
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -16,6 +19,7 @@ from friction_audit.diagnosis.result import (
 )
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from tests.reporting.conftest import build_estimate
 
@@ -23,85 +27,92 @@ NAN = float("nan")
 LOCKED = 9
 LIMIT = "0.4 s of standstill: an offset of the sensor cannot be separated from uneven friction"
 FAULT = "dq differs from the derivative of q by 12%"
-NO_LOAD = "the load is not known: log gravity"
 ALONE = "no other joint moves: move the neighbours"
+UNTESTABLE = {"load_dependent_friction": "the load is not known: log gravity"}
+UNTESTABLE |= dict.fromkeys(("torque_crosstalk", "inertial_coupling"), ALONE)
+CYCLES, ROWS, STEP_S = 30, 40, 0.01
+LEFT_OUT = 3
+"""Samples at the beginning of a cycle that are not there."""
+NOISE_NM, MISSING_NM = 0.02, 0.3
 
 
 def coefficient(value: float, half: float) -> Coefficient:
     return Coefficient(value=value, low=value - half, high=value + half)
 
 
-DECLARED = {
-    "coulomb_nm": coefficient(0.33, 0.01),
-    "viscous_nms_per_rad": coefficient(0.055, 0.01),
-    "inertia_kg_m2": coefficient(0.301, 0.004),
-}
-GROWN = {
-    "coulomb_nm": coefficient(0.30, 0.004),
-    "viscous_nms_per_rad": coefficient(0.07, 0.003),
-    "inertia_kg_m2": coefficient(0.3, 0.002),
-}
+def coefficients(coulomb: float, viscous: float, inertia: float) -> dict[str, Coefficient]:
+    values = {"coulomb_nm": coulomb, "viscous_nms_per_rad": viscous, "inertia_kg_m2": inertia}
+    return {name: coefficient(value, 0.004) for name, value in values.items()}
+
+
+DECLARED, GROWN = coefficients(0.33, 0.055, 0.301), coefficients(0.30, 0.07, 0.3)
 
 
 def profile(axis: str, share: float) -> Profile:
     return Profile(
-        axis=axis,
-        label=f"{axis} [unit]",
-        edges=np.array([0.05, 0.15, 0.25, 0.35]),
-        centre=np.array([0.1, 0.2, 0.3]),
-        forwards=np.array([0.05, 0.0, NAN]),
-        backwards=np.array([-0.05, 0.0, 0.01]),
-        forwards_se=np.array([0.01, 0.01, NAN]),
-        backwards_se=np.array([0.01, 0.01, 0.01]),
-        share=share,
-        p_value=0.001,
-    )
+        axis=axis, label=f"{axis} [unit]", share=share, p_value=0.001,
+        edges=np.array([0.05, 0.15, 0.25, 0.35]), centre=np.array([0.1, 0.2, 0.3]),
+        forwards=np.array([0.05, 0.0, NAN]), backwards=np.array([-0.05, 0.0, 0.01]),
+        forwards_se=np.array([0.01, 0.01, NAN]), backwards_se=np.array([0.01, 0.01, 0.01]),
+    )  # fmt: skip
 
 
-def effect(
-    name: str, parameters: dict[str, Coefficient], *, alternatives: tuple[str, ...] = (), before: float, after: float
-) -> NamedEffect:
-    return NamedEffect(
-        name=name,
-        label=f"what {name} does",
-        alternatives=alternatives,
-        parameters=parameters,
-        p_value=0.0004,
-        axis="speed",
-        gap_before_nm=before,
-        gap_after_nm=after,
-        torque=np.zeros(4),
-        evidence=(
-            Evidence(name=name, two_ln_bayes_factor=0.0, correlation=1.0),
-            Evidence(name="warm_up", two_ln_bayes_factor=41.3, correlation=0.31),
-        ),
-        curve=profile("speed", 0.7),
-        size_nm=0.031,
-        friction_share=0.09,
-        residual_share=0.9,
-        grade="minor",
-        folds=5,
-        chosen_in=5,
-    )
+def traces(cycles: int, **own: Any) -> Traces:
+    """Return three samples per cycle, at rest, or other ones."""
+    rows, empty = np.repeat(np.arange(cycles), 3), np.zeros(3 * cycles)
+    every: dict[str, Any] = dict.fromkeys(("t", "q", "dq", "displacement", "measured", "before", "after"), empty)
+    cells: dict[str, Any] = {
+        "cycle": rows,
+        "held_out": rows < LOCKED,
+        "along": {"speed": empty, "time": empty},
+        "corner_hz": 17.0,
+    }
+    return Traces(**every | cells | own)
 
 
-STRIBECK = effect(
-    "stribeck",
-    {
+def moving_traces() -> Traces:
+    """Return samples in which the nominal model misses MISSING_NM in the direction of motion."""
+    place = np.arange(CYCLES * ROWS)
+    place = place[place % ROWS >= LEFT_OUT]
+    cycle, t = place // ROWS, np.asarray(STEP_S * place, np.float64)
+    way = np.where(cycle % 2, -1.0, 1.0)
+    speed: Float = 0.05 + 0.3 * np.sin(np.pi * (place % ROWS) / ROWS)
+    after = way * (0.4 + speed)
+    return traces(
+        CYCLES, t=t, q=way * speed, dq=way * speed, displacement=speed, cycle=cycle, held_out=cycle % 3 == 1,
+        measured=after + NOISE_NM * np.random.default_rng(0).standard_normal(len(place)),
+        before=after - MISSING_NM * way, after=after, along={"speed": speed, "time": t},
+    )  # fmt: skip
+
+
+TRACES = moving_traces()
+
+
+def moved() -> SimulationGap:
+    """Return a motion simulated on the held-out cycles, NaN between them."""
+    pieces = [np.append(np.arange(c * ROWS, (c + 1) * ROWS) * STEP_S, np.nan) for c in range(1, CYCLES, 3)]
+    t = np.concatenate(pieces)[:-1]
+    return SimulationGap(before=0.052, after=0.013, unit="rad/s", t=t, measured=np.sin(t), nominal=0.9 * t, augmented=t)
+
+
+STRIBECK = NamedEffect(
+    name="stribeck", label="what stribeck does", alternatives=(), p_value=0.0004, axis="speed",
+    parameters={
         "stribeck_excess_nm": coefficient(0.15, 0.01),
         "stribeck_speed_rad_s": coefficient(0.1, 0.01),
         "stribeck_exponent": Coefficient(value=2.0, low=NAN, high=NAN),
     },
-    before=0.061,
-    after=0.021,
-)
-BIAS = effect(
-    "torque_bias",
-    {"factor_1_nm": coefficient(0.1, 0.02)},
-    alternatives=("asymmetric_coulomb",),
-    before=0.12,
-    after=0.03,
-)
+    gap_before_nm=0.061, gap_after_nm=0.021, torque=MISSING_NM * np.sign(TRACES.dq), curve=profile("speed", 0.7),
+    evidence=(
+        Evidence(name="stribeck", two_ln_bayes_factor=0.0, correlation=1.0),
+        Evidence(name="warm_up", two_ln_bayes_factor=41.3, correlation=0.31),
+    ),
+    size_nm=0.031, friction_share=0.09, residual_share=0.9, grade="minor", folds=5, chosen_in=5,
+)  # fmt: skip
+BIAS = replace(
+    STRIBECK, name="torque_bias", label="what torque_bias does", alternatives=("asymmetric_coulomb",),
+    parameters={"factor_1_nm": coefficient(0.1, 0.02)},
+)  # fmt: skip
 
 
 def gap(before: float, after: float, floor: float) -> Gap:
@@ -115,88 +126,28 @@ def finding(code: str, verdict: str, message: str) -> DataFinding:
     return DataFinding(code=code, value=0.4, unit="s", bound=2.0, verdict=verdict, message=message)
 
 
-def traces(cycles: int) -> Traces:
-    rows, empty = np.repeat(np.arange(cycles), 3), np.zeros(3 * cycles)
-    return Traces(
-        t=empty,
-        q=empty,
-        dq=empty,
-        displacement=empty,
-        cycle=rows,
-        held_out=rows < LOCKED,
-        measured=empty,
-        before=empty,
-        after=empty,
-        along={"speed": empty, "time": empty},
-        corner_hz=25.0,
-    )
-
-
-NAMED = JointDiagnosis(
-    joint=1,
-    name="panda_joint1",
-    verdict="named",
-    effects=(STRIBECK,),
-    nominal=DECLARED,
-    augmented=GROWN,
-    from_energy=DECLARED | {"viscous_nms_per_rad": coefficient(NAN, NAN)},
-    gap=gap(0.061, 0.021, 0.020),
-    simulation=SimulationGap(
-        before=0.052,
-        after=0.013,
-        unit="rad/s",
-        t=np.zeros(2),
-        measured=np.zeros(2),
-        nominal=np.zeros(2),
-        augmented=np.zeros(2),
-    ),
-    ladder=(("nominal model", 0.061), ("+ stribeck", 0.021), ("noise floor", 0.020)),
-    omnibus_p=0.001,
-    remaining_p=0.4,
-    detection_limit_nm=0.0043,
-    profiles=(profile("speed", 0.8), profile("time", 0.1)),
-    remaining=(profile("time", 0.0),),
-    untestable={"load_dependent_friction": NO_LOAD, "torque_crosstalk": ALONE, "inertial_coupling": ALONE},
-    findings=(finding("dq_noise", "fine", ""), finding("standstill", "limit", LIMIT)),
-    traces=traces(30),
-)
-AMBIGUOUS = JointDiagnosis(
-    joint=2,
-    name="panda_joint2",
-    verdict="ambiguous",
-    effects=(BIAS,),
-    nominal=DECLARED,
-    augmented=GROWN,
-    gap=gap(0.12, 0.03, 0.03),
-    omnibus_p=0.001,
-    remaining_p=0.6,
-    detection_limit_nm=0.004,
-    findings=(finding("standstill", "limit", LIMIT),),
-)
 NONE = JointDiagnosis(
-    joint=3,
-    name="panda_joint3",
-    verdict="adequate",
-    nominal=DECLARED,
-    augmented=DECLARED,
-    gap=gap(0.02, 0.02, 0.02),
-    omnibus_p=0.7,
-    remaining_p=0.7,
-    detection_limit_nm=0.0048,
-)
-UNEXPLAINED = JointDiagnosis(
-    joint=4,
-    name="panda_joint4",
-    verdict="unexplained",
-    nominal=DECLARED,
-    augmented=DECLARED,
-    gap=gap(0.08, 0.08, 0.02),
-    omnibus_p=0.001,
-    remaining_p=0.001,
-    profiles=(profile("speed", 0.6),),
+    joint=3, name="panda_joint3", verdict="adequate", nominal=DECLARED, augmented=DECLARED, gap=gap(0.02, 0.02, 0.02),
+    omnibus_p=0.7, remaining_p=0.7, detection_limit_nm=0.0048, traces=TRACES,
+    profiles=(profile("time", 0.0),), remaining=(profile("time", 0.0),),
+    ladder=(("nominal model", 0.02), ("noise floor", 0.02)),
+)  # fmt: skip
+NAMED = replace(
+    NONE, joint=1, name="panda_joint1", verdict="named", effects=(STRIBECK,), augmented=GROWN,
+    from_energy=DECLARED | {"viscous_nms_per_rad": coefficient(NAN, NAN)}, gap=gap(0.061, 0.021, 0.020),
+    simulation=moved(), detection_limit_nm=0.0043, profiles=(profile("speed", 0.8), profile("time", 0.1)),
+    ladder=(("nominal model", 0.061), ("+ stribeck", 0.021), ("noise floor", 0.020)), untestable=UNTESTABLE,
+    findings=(finding("dq_noise", "fine", ""), finding("standstill", "limit", LIMIT)),
+)  # fmt: skip
+AMBIGUOUS = replace(
+    NONE, joint=2, name="panda_joint2", verdict="ambiguous", effects=(BIAS,), augmented=GROWN,
+    gap=gap(0.12, 0.03, 0.03), findings=(finding("standstill", "limit", LIMIT),),
+)  # fmt: skip
+UNEXPLAINED = replace(
+    NONE, joint=4, name="panda_joint4", verdict="unexplained", gap=gap(0.08, 0.08, 0.02), detection_limit_nm=NAN,
+    profiles=(profile("speed", 0.6),), remainder_share=0.3,
     checks=(ResidualCheck(code="line", along="time", share=0.3, frequency=13.0),),
-    remainder_share=0.3,
-)
+)  # fmt: skip
 NOT_TESTABLE = JointDiagnosis(
     joint=5,
     name="panda_joint5",
@@ -207,18 +158,15 @@ DATA_FAULT = JointDiagnosis(
     joint=6, name="panda_joint6", verdict="data_fault", reason=FAULT, findings=(finding("dq_scale", "fault", FAULT),)
 )
 FAILED = JointDiagnosis(
-    joint=6,
-    name="panda_joint6",
-    verdict="failed",
+    joint=6, name="panda_joint6", verdict="failed", traceback="ZeroDivisionError: float division by zero\n",
     reason="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
-    traceback="ZeroDivisionError: float division by zero\n",
-)
+)  # fmt: skip
 VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT)
 
 
-def diagnosis(
-    joints: tuple[JointDiagnosis, ...] = VERDICTS_BY_HAND, settings: DiagnosisSettings | None = None
-) -> Diagnosis:
-    return Diagnosis(
-        estimate=build_estimate(6), discrepancy=Discrepancy(joints=joints), settings=settings or DiagnosisSettings()
-    )
+def diagnosis(*joints: JointDiagnosis, settings: DiagnosisSettings | None = None) -> Diagnosis:
+    discrepancy = Discrepancy(joints=joints or VERDICTS_BY_HAND)
+    return Diagnosis(estimate=build_estimate(6), discrepancy=discrepancy, settings=settings or DiagnosisSettings())
+
+
+ALL = diagnosis()

@@ -8,10 +8,10 @@ from html.parser import HTMLParser
 import pytest
 
 from friction_audit.reporting.figures.registry import figure_names, figures_of
-from friction_audit.reporting.html import batch_page, log_figures
+from friction_audit.reporting.html import batch_page
+from friction_audit.reporting.html import log_page as page_of_log
 from friction_audit.reporting.html.batch_page import write_page
-from friction_audit.reporting.html.log_figures import LOG_FIGURES
-from friction_audit.reporting.html.log_page import log_page
+from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page
 from friction_audit.reporting.html.page import Figure, render_page
 from friction_audit.reporting.report import LogReport
 from tests.reporting import batch_by_hand, log_report_by_hand
@@ -50,17 +50,12 @@ def outline(html: str) -> Outline:
     return parser
 
 
-@cache
-def report() -> LogReport:
-    return log_report_by_hand.report()
-
-
 def of_log(found: LogReport) -> str:
     return render_page(log_page(found))
 
 
 CASES = {
-    "plain": lambda: of_log(log_report_by_hand.cut(report(), 1, 3, 6)),
+    "plain": lambda: of_log(log_report_by_hand.cut(log_report_by_hand.report(), 1, 3, 6)),
     "hostile": lambda: of_log(log_report_by_hand.hostile()),
     "twenty joints": lambda: of_log(log_report_by_hand.many(20)),
     "no cycles": lambda: of_log(log_report_by_hand.still()),
@@ -78,7 +73,7 @@ def page(case: str) -> str:
     """Return the page of a case; of twenty joints one figure is enough."""
     with pytest.MonkeyPatch.context() as patch:
         if "twenty" in case:
-            patch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[1:2])
+            patch.setattr(page_of_log, "LOG_FIGURES", LOG_FIGURES[1:2])
             patch.setattr(batch_page, "figures_of", lambda result: figures_of(result)[1:2])
         return CASES[case]()
 

@@ -7,15 +7,14 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.friction.history import UNDETERMINED
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.reporting.figures import panels
-from friction_audit.reporting.figures.over_time import COEFFICIENTS, ENERGY, SIGNALS, y_limits
+from friction_audit.reporting.figures.estimate import COEFFICIENTS, ENERGY, SIGNALS, VELOCITY_TORQUE
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.figures.velocity_torque import VELOCITY_TORQUE
-from tests.reporting.conftest import COULOMB, VISCOUS, build_estimate
+from tests.reporting.conftest import build_estimate
 from tests.reporting.test_figures import legend_of, line, words_in
 
 KINDS = pytest.mark.parametrize("kind", figures_of("estimate"), ids=lambda kind: kind.name)
@@ -31,7 +30,7 @@ def with_friction(estimate: Estimate, **changes: Any) -> Estimate:
 def test_a_joint_without_an_estimate_or_with_a_constant_torque_is_drawn(
     kind: FigureKind, seven: Estimate, single: Estimate
 ) -> None:
-    assert kind.name == "signals" or "not determined: the joint does not move" in words_in(kind.draw(seven, 3))
+    assert kind.name == "signals" or "not determined: did not move" in words_in(kind.draw(seven, 3))
     still = replace(single.interaction, torque=np.zeros_like(single.interaction.torque))
     assert kind.draw(replace(single, interaction=still), 1).axes
 
@@ -43,28 +42,24 @@ def fitted(figure: Figure) -> tuple[str, Float]:
 
 
 def test_fitted_friction_is_odd_lies_where_the_torque_is_and_lacks_what_the_model_lacks(single: Estimate) -> None:
-    figure = VELOCITY_TORQUE(single, 1)
-    formula, torque = fitted(figure)
-    assert formula.startswith(r"fitted: $0.245\,\mathrm{sgn}\,\dot{q}+0.400\,\dot{q}")
-    assert np.ptp(torque[1:3]) == pytest.approx(2 * COULOMB[0])
+    formula, torque = fitted(VELOCITY_TORQUE(single, 1))
+    coulomb, viscous = (one.value for one in (single.friction.joints[0].coulomb, single.friction.joints[0].viscous))
+    assert formula.startswith(rf"fitted: ${coulomb:.3f}\,\mathrm{{sgn}}\,\dot{{q}}+{viscous:.3f}\,\dot{{q}}")
+    assert np.ptp(torque[1:3]) == pytest.approx(2 * coulomb)
     reach = np.abs(single.interaction.dq).max()
-    assert np.ptp(torque) == pytest.approx(2 * (COULOMB[0] + reach * VISCOUS[0]))
+    assert np.ptp(torque) == pytest.approx(2 * (coulomb + reach * viscous))
     assert torque.mean() == pytest.approx(0.0, abs=0.02)
     shifted = replace(single, interaction=replace(single.interaction, torque=single.interaction.torque + 0.5))
     assert fitted(VELOCITY_TORQUE(shifted, 1))[1].mean() == pytest.approx(0.5, abs=0.02)
-    viscous = with_friction(single, model="viscous", coulomb=UNDETERMINED)
-    assert fitted(VELOCITY_TORQUE(viscous, 1))[0].startswith(r"fitted: $0.400\,\dot{q}")
-    coulomb = with_friction(single, model="coulomb", viscous=UNDETERMINED)
-    assert np.ptp(fitted(VELOCITY_TORQUE(coulomb, 1))[1]) == pytest.approx(2 * COULOMB[0])
+    only = with_friction(single, model="coulomb", viscous=UNDETERMINED)
+    assert np.ptp(fitted(VELOCITY_TORQUE(only, 1))[1]) == pytest.approx(2 * coulomb)
     neither = VELOCITY_TORQUE(with_friction(single, viscous=UNDETERMINED), 1)
     assert not [label for label in legend_of(neither) if "fitted" in label]
 
 
 def test_a_logged_compensator_acts_against_friction_too(single: Estimate) -> None:
     helped = replace(single.interaction, compensation=np.full_like(single.interaction.torque, 0.2))
-    figure = VELOCITY_TORQUE(replace(single, interaction=helped), 1)
-    assert fitted(figure)[1].mean() == pytest.approx(0.2, abs=0.02)
-    assert figure.get_supylabel() == "Interaction and compensator torque [N m]"
+    assert fitted(VELOCITY_TORQUE(replace(single, interaction=helped), 1))[1].mean() == pytest.approx(0.2, abs=0.02)
 
 
 def test_arrows_run_in_the_direction_of_time(single: Estimate) -> None:
@@ -87,20 +82,17 @@ def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monke
 def test_the_net_energy_is_the_integral_of_power_meets_the_stairs_and_rejected_cycles_are_hatched(
     single: Estimate,
 ) -> None:
-    axes = ENERGY(single, 1).axes[0]
+    reason = np.where(np.arange(len(single.cycles.joint)) == 3, 1, 0)
+    axes = ENERGY(replace(single, cycles=replace(single.cycles, reason=reason)), 1).axes[0]
     t, energy = line(axes, "net energy")
     edges, stairs = line(axes, "dissipated, per cycle")
     assert stairs[0] == 0.0
     assert stairs == pytest.approx(np.interp(edges, t, energy), abs=0.01)
-    steady: dict[str, Any] = {
-        "dq": np.full_like(single.interaction.dq, 2.0),
-        "torque": np.full_like(single.interaction.dq, 0.5),
-    }
-    t, energy = line(
-        ENERGY(replace(single, interaction=replace(single.interaction, **steady)), 1).axes[0], "net energy"
-    )
-    assert energy == pytest.approx(t)
-    assert len([one for one in axes.patches if one.get_hatch()]) == int((single.cycles.reason != 0).sum()) == 1
+    assert len([one for one in axes.patches if one.get_hatch()]) == 1
+    steady: dict[str, Any] = {name: np.full_like(single.interaction.dq, 1.0) for name in ("dq", "torque")}
+    moving = replace(single, interaction=replace(single.interaction, **steady))
+    t, energy = line(ENERGY(moving, 1).axes[0], "net energy")
+    assert np.diff(energy) == pytest.approx(np.diff(t))
 
 
 def test_many_cycles_are_not_shaded() -> None:
@@ -117,19 +109,3 @@ def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> N
     history = history.with_coefficient("viscous", nothing, nothing, nothing)
     figure = COEFFICIENTS(with_friction(single, model="coulomb", viscous=UNDETERMINED, history=history), 1)
     assert [text.get_text() for axes in figure.axes for text in axes.texts] == ["not in the coulomb model"]
-
-
-def test_one_wild_window_does_not_flatten_a_panel() -> None:
-    value = np.array([np.nan, -40.0, 0.30, 0.28, 0.29])
-    low, high = value - 0.05, value + 0.05
-    low[1], high[1] = -80.0, 80.0
-    bottom, top = y_limits(value, low, high, Coefficient(value=0.29, low=0.25, high=0.33)) or (0, 0)
-    assert -0.1 < bottom < 0.23
-    assert 0.35 < top < 0.6
-    nothing = np.full(3, np.nan)
-    assert y_limits(nothing, nothing, nothing, UNDETERMINED) is None
-
-
-def test_the_window_of_a_joint_is_written_above_it(single: Estimate) -> None:
-    assert COEFFICIENTS(single, 1).axes[1].get_title(loc="right") == "window: 15 cycles"
-    assert COEFFICIENTS(with_friction(single, window=1), 1).axes[1].get_title(loc="right") == "window: 1 cycle"

@@ -7,9 +7,8 @@ from typing import Any
 import pytest
 
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.html.log_figures import LOG_FIGURES
+from friction_audit.reporting.html.log_page import LOG_FIGURES
 from tests.opened_page import Opened
-from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import Open
 from tests.reporting.pages import page
 
@@ -79,16 +78,6 @@ def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: s
     assert ("invert" in shown) == (scheme == "dark")
     names = opened.evaluate("[...document.querySelectorAll('figure svg title')].map((one) => one.textContent)")
     assert all("joint" in name for name in names)
-
-
-@pytest.mark.parametrize(
-    ("case", "name"), [("hostile", log_report_by_hand.HOSTILE), ("batch hostile", batch_by_hand.HOSTILE)]
-)
-def test_hostile_names_are_text(open_page: Open, case: str, name: str) -> None:
-    opened = open_page(page(case))
-    assert opened.evaluate("document.querySelectorAll('alert, x').length") == 0
-    assert name in (opened.page.locator("main").text_content() or "")
-    assert opened.complaints == []
 
 
 def column(opened: Opened, number: int) -> list[str]:

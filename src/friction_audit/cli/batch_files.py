@@ -102,7 +102,7 @@ def write_results(
 ) -> BatchAnswer:
     """Write the document, the tables, the page and the figures, each whole or not at all; return the answer."""
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.drift import batch_lines
+    from friction_audit.reporting.drift_text import batch_lines
     from friction_audit.reporting.html.batch_page import write_page
 
     ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
@@ -157,7 +157,7 @@ def _draw(
     """Draw the figures side by side and write their files; return the names of those, and what is for the page."""
     from friction_audit.batch.executor import Lost
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.batch_drawings import draw, drawings_of
+    from friction_audit.reporting.html.batch_page import draw, drawings_of
 
     names, pictures = [], {}
     for drawing, drawn in executor.run(draw, drawings_of(summary.arms, _prefixes(summary.arms), formats)):

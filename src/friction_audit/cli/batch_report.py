@@ -115,7 +115,7 @@ def command(
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.executor import DaskExecutor, LocalExecutor
     from friction_audit.drift.report import parse_limit
-    from friction_audit.reporting.junit import junit_text
+    from friction_audit.reporting.drift_text import junit_text
 
     voice = shared.general.voice
     settings = _settings(sessions, friction, shared)
@@ -250,7 +250,7 @@ def _summarise(
 ) -> "BatchSummary":
     from friction_audit.batch.run_batch import drift_of_arms, gather
     from friction_audit.reporting.drift import BatchSummary, FailedLog
-    from friction_audit.reporting.drift_words import limit_sentences
+    from friction_audit.reporting.drift_text import limit_sentences
     from friction_audit.reporting.table import to_json
 
     result = gather(standing, settings, ledger)

@@ -27,6 +27,7 @@ EXAMPLES = """Examples:
   friction-audit diff monday/ friday/ --joints 1-4 -o changes
   friction-audit diff accepted/estimate.json today.mcap --fail-on coulomb=10%"""
 
+MOST_NAMED = 2  # logs with the same warning; more are counted
 RESULT, DOCUMENT, TABLE = "estimate.json", "diff.json", "diff.csv"
 HELP = f"A log, an {RESULT}, or a folder of logs or of results."
 
@@ -56,13 +57,18 @@ def command(
     for source in (before, after):
         out.check(source, (DOCUMENT, TABLE))
     check_junit(junit, limits, overwrite=shared.overwrite)
-    sources = [_recordings(source, shared, friction, folder, voice) for source in (before, after)]
+    noticed: dict[str, list[str]] = {}
+    sources = [_recordings(source, shared, friction, folder, voice, noticed) for source in (before, after)]
+    if not shared.general.json:
+        for line, paths in noticed.items():
+            names = paths if len(paths) <= MOST_NAMED else [paths[0], f"{len(paths) - 1} more"]
+            voice.warn([f"{' and '.join(names)}: {line}"])
     with voice.step("compare"):
         sides = compare_sides(*(found for found, _ in sources))
     notices = (*(one for _, lost in sources for one in lost), *diff_notices(sides))
     code = _report(sides, limits, notices, out, shared, friction)
     if junit is not None:
-        from friction_audit.reporting.junit import junit_text
+        from friction_audit.reporting.drift_text import junit_text
 
         write_junit(junit, junit_text("diff", sides.report, limits, sides.unit), overwrite=shared.overwrite)
     own = ("the comparison", [one.code for one in notices])
@@ -73,9 +79,14 @@ def command(
 
 
 def _recordings(
-    source: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, folder: Path | None, voice: Voice
+    source: Path,
+    shared: opt.LogOptions,
+    friction: opt.EstimateOptions,
+    folder: Path | None,
+    voice: Voice,
+    noticed: dict[str, list[str]],
 ) -> "tuple[list[Recording], list[Notice]]":
-    """Return the recordings of a side, and which of several logs were left out."""
+    """Return the recordings of a side, and which of several logs were left out; note the warnings and their logs."""
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.reporting.notices import Notice
 
@@ -87,11 +98,11 @@ def _recordings(
         raise UsageError(f"{source}: a joint model has no intervals; give an {RESULT} or a log")
     logs = [Path(log.path) for log in find_logs([str(source)], {}, leave_out=[] if folder is None else [folder])]
     if len(logs) == 1:
-        return [_of_log(logs[0], shared, friction, voice)], []
+        return [_of_log(logs[0], shared, friction, voice, noticed)], []
     found, lost = [], []
     for path in logs:
         try:
-            found.append(_of_log(path, shared, friction, voice))
+            found.append(_of_log(path, shared, friction, voice, noticed))
         except FrictionAuditError as error:
             lost.append(Notice("log_left_out", None, f"{str(error).removeprefix(f'{path}: ')}; {path} is left out"))
     if not found:
@@ -99,14 +110,21 @@ def _recordings(
     return found, lost
 
 
-def _of_log(path: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, voice: Voice) -> "Recording":
+def _of_log(
+    path: Path,
+    shared: opt.LogOptions,
+    friction: opt.EstimateOptions,
+    voice: Voice,
+    noticed: dict[str, list[str]],
+) -> "Recording":
     from friction_audit.batch.work import recording_of
-    from friction_audit.reporting.notices import estimate_notices
+    from friction_audit.reporting.notices import TABLED, estimate_notices, minor, notice_lines
 
     log = chain.read(path, read_options(shared.reading, shared.selection), voice)
     estimate = chain.estimate(log, audit_settings(shared, friction), voice)
-    if not shared.general.json:
-        chain.warn_about(log, estimate_notices(estimate), voice)
+    hidden = {*TABLED, *(() if voice.verbose else minor(log))}
+    for line in notice_lines(one for one in estimate_notices(estimate) if one.code not in hidden):
+        noticed.setdefault(line, []).append(str(path))
     return recording_of(estimate)
 
 
@@ -129,7 +147,7 @@ def _report(
 ) -> int:
     from friction_audit.reporting.diff import changes_table, diff_document, diff_lines
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.drift_words import limit_sentences
+    from friction_audit.reporting.drift_text import limit_sentences
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.words import in_unit
 

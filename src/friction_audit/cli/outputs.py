@@ -70,17 +70,17 @@ class ResultFolder:
         kinds = [kind for kind in self.exports if kind != MCAP]
         return topics + [folder / f"{self.prefix}{table}.{kind}" for kind in kinds for table in tables]
 
-    def write(self, name: str, write: Callable[[Path], object]) -> None:
+    def write(self, name: str, content: Callable[[Path], object] | bytes) -> None:
         """Write one file of the folder."""
         from friction_audit.io.files import whole_file
 
         if self.folder is not None:
             with whole_file(self.folder / name, overwrite=self.overwrite) as draft:
-                write(draft)
+                draft.write_bytes(content) if isinstance(content, bytes) else content(draft)
 
     def write_text(self, name: str, text: str) -> None:
         """Write a text as UTF-8."""
-        self.write(name, lambda draft: draft.write_text(text, encoding="utf-8"))
+        self.write(name, text.encode())
 
     def write_csv(self, name: str, table: "TidyTable") -> None:
         """Write a table as CSV."""
@@ -90,20 +90,16 @@ class ResultFolder:
 
     def save_figure(self, name: str, figure: "Figure") -> list[Path]:
         """Write a figure in all formats; return its files."""
-        from friction_audit.reporting.figures.style import save_figure
+        from friction_audit.reporting.figures.style import figure_bytes
 
-        files = [f"{name}.{suffix}" for suffix in self.formats]
-        for file in files:
-            self.write(file, lambda draft: save_figure(figure, draft))
-        return [(self.folder or Path()) / file for file in files]
+        for suffix in self.formats:
+            self.write(f"{name}.{suffix}", figure_bytes(figure, suffix))
+        return [(self.folder or Path()) / f"{name}.{suffix}" for suffix in self.formats]
 
     def write_figures(
         self, results: Mapping[str, object], joints: Sequence[int], unit: str, voice: Voice, *, each_joint: bool = False
     ) -> list[FigureFile]:
-        """Draw the figures of results, by name, all joints on a sheet and, if asked for, each joint alone.
-
-        Several are drawn at a time where a process may be copied.
-        """
+        """Draw figures of results, all joints on a sheet and, if asked for, each joint alone, several at a time."""
         if self.folder is None:
             return []
         from friction_audit.parallel import in_processes, workers_for
@@ -126,7 +122,7 @@ class ResultFolder:
             with voice.step(f"draw {task.path.name}"):
                 for suffix, content in zip(self.formats, next(contents), strict=True):
                     name = f"{task.path.name}.{suffix}"
-                    self.write(name, lambda draft, content=content: draft.write_bytes(content))  # type: ignore[misc]
+                    self.write(name, content)
                     files.append(task._replace(path=self.folder / name))
         return files
 

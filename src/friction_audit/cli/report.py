@@ -87,7 +87,7 @@ def command(
         from friction_audit.io.files import whole_file
         from friction_audit.reporting import report as made
         from friction_audit.reporting.documents import write_document
-        from friction_audit.reporting.report_files import REPORT_FORMATS
+        from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
         report = made.report_estimate(
             estimate,

@@ -101,12 +101,7 @@ class Extremes:
 
 
 def dead_channel(seen: Extremes, *, dead_torque: bool) -> str:
-    """Say which channel of a joint records nothing; empty if none.
-
-    Args:
-        seen: Extremes of its signals.
-        dead_torque: Whether the reader found its torque dead; what is removed from a dead torque makes it move.
-    """
+    """Say which channel of a joint records nothing; what is removed from a dead torque makes it move."""
     (changes, travel, _), fastest = seen.high - seen.low, max(seen.high[2], -seen.low[2])
     if dead_torque or (changes == 0.0 and travel > LEAST_TRAVEL_RAD):
         level = f"is {seen.first_torque:.4g} N m in every sample" if changes == 0.0 else "hardly changes in motion"
@@ -120,13 +115,7 @@ def dead_channel(seen: Extremes, *, dead_torque: bool) -> str:
 
 
 def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, duration_s: float) -> str:
-    """Say why the cycles of one joint allow no estimate; empty if they do.
-
-    Args:
-        cycles: All cycles of this joint, and its thresholds alone.
-        settings: Settings of the estimate.
-        duration_s: Length of the log. [s]
-    """
+    """Say why all cycles of one joint, with its thresholds alone, allow no estimate; empty if they do."""
     if not len(cycles.joint):
         return _no_cycle(cycles, duration_s)
     if not cycles.sums.path_rad.any():
@@ -146,11 +135,7 @@ def missing_motion(cycles: EnergyCycles, settings: FrictionSettings, duration_s:
 
 
 def one_speed(cycles: EnergyCycles) -> str:
-    """Say that Coulomb and viscous friction cannot be separated because all motion has one speed; empty if they can.
-
-    Args:
-        cycles: Cycles of one joint that count.
-    """
+    """Say that all motion has one speed, which cannot separate Coulomb and viscous friction; empty if it can."""
     parts = cycles.parts
     path, square = parts.path_rad.ravel(), parts.square_speed_rad2_s.ravel()
     used = (path > 0) & (square > 0)

@@ -28,7 +28,6 @@ VALUE = Record(
 
 
 def _measured(name: str, meaning: str) -> Column:
-    """Return the column of a measure of a trial: its mean over the persons, and the interval."""
     return Column(name, VALUE, meaning, lambda row: row.interval(attrgetter(name)))
 
 
@@ -125,11 +124,7 @@ COMPARE = Document(
 def compare_document(
     scene: Mapping[str, object], methods: Sequence[Row], sweeps: Sequence[Curve], figures: Iterable[tuple[str, str]]
 ) -> dict[str, Any]:
-    """Return the document on a comparison.
-
-    ``scene`` has what was simulated: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``,
-    ``settings`` and ``effects``; a figure is a name and a path.
-    """
+    """Return the document on a comparison: what was simulated (``scene``), and figures by name and path."""
     return COMPARE.json({**scene, "methods": methods, "sweeps": sweeps, "figures": figures})
 
 
@@ -140,15 +135,11 @@ def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[st
         headed += [row] if before is not None and before.method == row.method else [row.label, row]
     # A tuning that is both the paper's kind and the best one lost the same loops.
     notes = dict.fromkeys(note for row in rows for note in _notes(row, seeds, tuning_seeds))
-    return [*table_lines(METHOD.people(headed, "t")), *LEGEND, *_margins(rows), *notes]
-
-
-def _margins(rows: Sequence[Row]) -> tuple[str, ...]:
-    """Return how the margins are to be read, if they were looked for."""
     persons = max((len(row.margins) for row in rows), default=0)
-    known = any(not isnan(row.margin.low) for row in rows)
     those = f"the median of {persons} persons" if persons > 1 else "one person"
-    return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}") if persons else ()
+    known = any(not isnan(row.margin.low) for row in rows)
+    margins = (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}") if persons else ()
+    return [*table_lines(METHOD.people(headed, "t")), *LEGEND, *margins, *notes]
 
 
 def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
@@ -163,11 +154,11 @@ def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
 Claim = Mapping[str, Any]
 CLAIM = Record(
     Column("figure", str, "figure of the paper", title="fig", on="jt"),
-    Column("claim", str, "the claim", title="claim", words=True, on="jt"),
-    Column("paper", str, "what the paper states or shows", title="paper", words=True, on="jt"),
-    Column("ours", str, "our result, in words", title="ours", words=True, on="jt"),
+    Column("claim", str, "the claim", words=True, on="jt"),
+    Column("paper", str, "what the paper states or shows", words=True, on="jt"),
+    Column("ours", str, "our result, in words", words=True, on="jt"),
     Column("value", float, "the number that decides", on="j"),
-    Column("holds", bool, "whether it holds", form=lambda holds: "yes" if holds else "NO", title="holds", on="jt"),
+    Column("holds", bool, "whether it holds", form=lambda holds: "yes" if holds else "NO", on="jt"),
     Column("own", bool, "whether it is an experiment of this project that the paper does not make", on="j"),
     Column("note", str, "what to know about it, or empty", on="j"),
 )  # fmt: skip

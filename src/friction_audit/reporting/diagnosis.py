@@ -7,26 +7,13 @@ from typing import Any
 import numpy as np
 
 from friction_audit.diagnosis.result import JointDiagnosis, Profile
-from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
-from friction_audit.reporting import diagnosis_words
-from friction_audit.reporting.diagnosis_tables import (
-    CHECK,
-    EFFECT,
-    FINDING,
-    JOINT_DIAGNOSIS,
-    NEGLIGIBLE,
-    PARAMETER,
-    STEP,
-    effect_rows,
-    finding_rows,
-    steps_of,
-    untestable_rows,
-)
+from friction_audit.reporting import diagnosis_tables as tables
+from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
 from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, physics_of
-from friction_audit.reporting.table import Column, Document, Get, Record, Table, to_json
+from friction_audit.reporting.table import Column, Document, Get, Record, to_json
 from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import format_share, in_unit, joints_label
 
@@ -80,7 +67,7 @@ DIAGNOSE: Document = Document(
     "diagnose/3",
     "Which effects the model of each joint misses, and how much of the residual they explain",
     CHAIN,
-    Column("joints", [JOINT_DIAGNOSIS], "per joint"),
+    Column("joints", [tables.JOINT_DIAGNOSIS], "per joint"),
 )
 
 
@@ -90,32 +77,28 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIO
     return chain_document(DIAGNOSE, found.estimate, diagnose_notices(found), reading, settings, joints=joints)
 
 
-def bins_of(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
-    """Return model, profile and the numbers of each bin."""
-    every = [("nominal", one) for one in joint.profiles] + [("augmented", one) for one in joint.remaining]
+def _bins(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
     return [
         (model, one, cells)
-        for model, one in every
+        for model, profiles in (("nominal", joint.profiles), ("augmented", joint.remaining))
+        for one in profiles
         for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
     ]
 
 
-def parameters_of(joint: JointDiagnosis) -> list[tuple[str, str, Coefficient]]:
-    """Return effect, name and value of each parameter."""
-    return [(row.effect.name, *one) for row in effect_rows([joint]) for one in row.known.items()]
-
-
 FILES: tuple[tuple[Record, Get], ...] = (
-    (JOINT_DIAGNOSIS, lambda joint: [joint]),
-    (EFFECT, lambda joint: effect_rows([joint])),
-    (NEGLIGIBLE, lambda joint: effect_rows([joint], "negligible")),
-    (PARAMETER, parameters_of),
-    (CHECK, "checks"),
-    (STEP, steps_of),
-    (BIN, bins_of),
+    (tables.JOINT_DIAGNOSIS, lambda joint: [joint]),
+    (tables.EFFECT, lambda joint: tables.effect_rows([joint])),
+    (tables.NEGLIGIBLE, lambda joint: tables.effect_rows([joint], "negligible")),
+    (tables.PARAMETER, lambda joint: [
+        (row.effect.name, *one) for row in tables.effect_rows([joint]) for one in row.known.items()
+    ]),
+    (tables.CHECK, "checks"),
+    (tables.STEP, tables.steps_of),
+    (BIN, _bins),
     (RESIDUAL, "traces"),
     (SIMULATED, "simulation"),
-)
+)  # fmt: skip
 TABLES = tuple(record for record, _ in FILES)
 
 
@@ -125,19 +108,8 @@ def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     return tuple(record.joints_file(joints, rows, unit) for record, rows in FILES)
 
 
-def data_tables(found: Diagnosis | None) -> tuple[Table, ...]:
-    """Return the audit of the data for the page: what is not fine, and all of it."""
-    rows = finding_rows(() if found is None else found.discrepancy.joints)
-    bad = [row for row in rows if row[1].verdict != "fine"]
-    captions = {"Limits and faults of the data": bad, "Every check of the data": rows}
-    return tuple(FINDING.people(some, caption=name, folded=True) for name, some in captions.items() if some)
-
-
 def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
-    """Return a row and a sentence per joint, then the effects in numbers.
-
-    With ``verbose`` also the competing effects and what the log cannot show.
-    """
+    """Return a row and a sentence per joint, then the effects in numbers; with ``verbose`` also what competes."""
     log, joints = found.estimate.log, found.discrepancy.joints
     unit = log.source.torque_unit
     marked, physics = physics_of(diagnose_notices(found), joints)
@@ -146,9 +118,9 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     lines = [
         log_line(log),
         f"interaction torque: {found.estimate.interaction.choice.formula}",
-        f"nominal model: {diagnosis_words.nominal_model(found.settings.model)}",
+        f"nominal model: {words.nominal_model(found.settings.model)}",
         f"residual RMS on held-out cycles: {span} per joint, each held out once; intervals are 95 %",
-        *table_lines(JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
+        *table_lines(tables.JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
         *physics,
     ]
     details: list[str] = []
@@ -158,38 +130,40 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
         groups.setdefault(answer if answer and not verbose else joint.joint, []).append(joint)
     for answer, alike in groups.items():
         numbers, joint = joints_label(joint.joint for joint in alike), alike[0]
-        message = answer if isinstance(answer, str) else diagnosis_words.joint_message(joint)
+        message = answer if isinstance(answer, str) else words.joint_message(joint)
         lines.append(in_unit(f"{numbers}: {message}", unit))
         more = [*_details(joint, verbose=verbose), *(_competing(joint) if verbose else ())]
         details += [in_unit(f"{numbers}, {line}", unit) for line in more]
-    if effects := effect_rows(joints):
-        lines += ["", *table_lines(EFFECT.people(effects, "t", unit=unit))]
+    if effects := tables.effect_rows(joints):
+        lines += ["", *table_lines(tables.EFFECT.people(effects, "t", unit=unit))]
     return lines + details
 
 
 def _details(joint: JointDiagnosis, *, verbose: bool) -> Iterator[str]:
     """Yield each effect in numbers, the negligible effects, and what the residual still holds."""
     for effect in joint.effects:
-        numbers, where = diagnosis_words.effect_numbers(effect), diagnosis_words.where_effect(effect, joint)
+        numbers, where = words.effect_numbers(effect), words.where_effect(effect, joint)
         short = f"{len(effect.parameters)} parameters, shown with -v"
         texts = ("; ".join(filter(None, (numbers, where))), numbers, short)
         head = f"{effect.name} ({effect.label}): "
         yield head + next(one for one in texts if verbose or len(head + one) <= LONGEST or one is short)
     if joint.negligible:
-        yield f"negligible: {diagnosis_words.negligible_words(joint)}"
+        yield f"negligible: {words.negligible_words(joint)}"
     if joint.checks:
-        words = diagnosis_words.remainder_words(joint, most=None if verbose else 2)
-        yield f"{format_share(joint.remainder_share)} of the residual is unexplained: {words}"
+        left = words.remainder_words(joint, most=None if verbose else 2)
+        yield f"{format_share(joint.remainder_share)} of the residual is unexplained: {left}"
 
 
 def _competing(joint: JointDiagnosis) -> Iterator[str]:
     """Yield the motions that decide, what competes with each effect, and what the log cannot show."""
     for effect in joint.effects:
         if effect.alternatives:
-            yield f"to decide on {effect.name}: {diagnosis_words.decide_words(effect)}"
+            yield f"to decide on {effect.name}: {words.decide_words(effect)}"
         for one in (one for one in effect.evidence if one.name != effect.name):
             scores = f"2 ln BF {one.two_ln_bayes_factor:+.0f}, correlation {one.correlation:.2f}"
             yield f"{one.name} in place of {effect.name}: {scores}"
     if joint.effects and not math.isnan(joint.detection_limit_nm):
         yield f"detection limit for other effects: {joint.detection_limit_nm:.2g} N m rms"
-    yield from (f"this log cannot show {', '.join(names)}: {reason}" for _, names, reason in untestable_rows([joint]))
+    yield from (
+        f"this log cannot show {', '.join(names)}: {reason}" for _, names, reason in tables.untestable_rows([joint])
+    )

@@ -1,32 +1,17 @@
 """Tables of a diagnosis: its columns once, for documents, files, terminal and page."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect, Profile
+from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect
 from friction_audit.friction.history import Coefficient
-from friction_audit.reporting.diagnosis_words import (
-    decide_words,
-    effect_numbers,
-    joint_message,
-    names_of,
-    plain_names,
-    where_effect,
-    where_words,
-)
+from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, PEOPLE, Column, Get, Record, Tone, joint_column
 
 WORDS = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
-TONES: dict[str, Tone] = {
-    "adequate": "fine",
-    "named": "alert",
-    "ambiguous": "unsure",
-    "unexplained": "alert",
-    "not testable": "off",
-    "data fault": "alert",
-    "failed": "alert",
-}
+TONES: dict[str, Tone] = dict.fromkeys(WORDS.values(), "alert")
+TONES |= {"adequate": "fine", "ambiguous": "unsure", "not testable": "off"}
 FINDING_TONES: dict[str, Tone] = {"fine": "fine", "limit": "unsure", "fault": "alert"}
 GRADES = ("major", "minor", "negligible")
 CURVE = Record(
@@ -41,14 +26,13 @@ PROFILE = Record(
     Column("label", str, "the quantity with its unit", "0.label"),
     Column("share", float, "share of the mean square that a curve over it explains", "0.share"),
     Column("p_value", float, "that nothing depends on it", "0.p_value"),
-    Column("where", str, "where along it model and measurement disagree", lambda row: where_words(row[0])),
+    Column("where", str, "where along it model and measurement disagree", lambda row: words.where_words(row[0])),
     Column("curve", CURVE, "the mean residual, of the first entry", "1", null=True),
 )
 EVIDENCE = Record(
     Column("name", str, "the effect, or another one in its place"),
     Column(
-        "two_ln_bayes_factor", float,
-        "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
+        "two_ln_bayes_factor", float, "2 ln of the Bayes factor of the effect over this one: from 6 on strong evidence",
     ),
     Column("correlation", float, "of the two torques"),
 )  # fmt: skip
@@ -64,7 +48,7 @@ class EffectRow(NamedTuple):
     @property
     def names(self) -> str:
         """Its name, and those indistinguishable from it."""
-        return names_of(self.effect, self.joint.effects)
+        return words.names_of(self.effect, self.joint.effects)
 
     @property
     def known(self) -> dict[str, Coefficient]:
@@ -84,9 +68,10 @@ def effect_rows(joints: Iterable[JointDiagnosis], which: str = "effects") -> lis
     return [EffectRow(joint, rank, one) for joint in joints for rank, one in enumerate(getattr(joint, which), start=1)]
 
 
-def profile_rows(profiles: Sequence[Profile]) -> list[tuple[Profile, Profile | None]]:
-    """Return what the residual depends on, the strongest first, with the curve of that one."""
-    return [(one, None if k else one) for k, one in enumerate(profiles)]
+def _profiles(name: str, meaning: str) -> Column:
+    """Return the column of what a residual depends on, the strongest first, with the curve of that one."""
+    get = lambda joint: ((one, None if k else one) for k, one in enumerate(getattr(joint, name)))  # noqa: E731
+    return Column(name, [PROFILE], meaning, get, on="j")
 
 
 def _percent(share: float) -> str:
@@ -104,21 +89,18 @@ EFFECT = Record(
     Column("effect", str, get="effect.name", on="f"),
     Column("name", str, "name in the catalogue", "effect.name", on="j"),
     Column("effect", str, get=lambda row: row.names.replace(" or ", "\nor "), title="missing effect", on="t"),
-    Column(
-        "effect", str, get=lambda row: plain_names(f"{row.names}: {row.effect.label}"),
-        title="effect", words=True, on="p",
-    ),
+    Column("effect", str, get=lambda row: words.plain_names(f"{row.names}: {row.effect.label}"), words=True, on="p"),
     Column("label", str, "in words", "effect.label"),
     Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
     Column("alternatives", str, get=lambda row: " ".join(row.effect.alternatives), on="f"),
-    Column("decide", str, "motion that distinguishes them", lambda row: decide_words(row.effect), null=True),
+    Column("decide", str, "motion that distinguishes them", lambda row: words.decide_words(row.effect), null=True),
     Column(
         "size", float, "RMS of its torque free of the nominal model", "effect.size_nm",
         unit="N m", title="size (RMS)", short="size", on=ALL,
     ),
     _share("friction_share", "size over the RMS of the joint's friction", "of the friction", "of the\nfriction"),
     _share("residual_share", "of the residual's mean square, 0 to 1", "of the residual", "of the\nresidual"),
-    Column("grade", GRADES, "size against the joint's friction", "effect.grade", title="grade", on="jftp"),
+    Column("grade", GRADES, "size against the joint's friction", "effect.grade", on="jftp"),
     Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
     Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
     Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
@@ -135,10 +117,10 @@ EFFECT = Record(
     Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),
     Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
     Column(
-        "where", str, "where it shows, in words", lambda row: where_effect(row.effect, row.joint),
-        null=True, title="where", words=True, on="jfp",
+        "where", str, "where it shows, in words", lambda row: words.where_effect(row.effect, row.joint),
+        null=True, words=True, on="jfp",
     ),
-    Column("numbers", str, get=lambda row: effect_numbers(row.effect), title="parameters", words=True, on="p"),
+    Column("numbers", str, get=lambda row: words.effect_numbers(row.effect), title="parameters", words=True, on="p"),
     Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
     Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
     Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
@@ -161,15 +143,15 @@ PARAMETER = Record(
 )
 COMPETITOR = Record(
     joint_column("0.joint"),
-    Column("effect", str, get=lambda row: plain_names(row[0].effect.name), title="effect", on="p"),
-    Column("competitor", str, get=lambda row: plain_names(row[1].name), title="competing effect", on="p"),
+    Column("effect", str, get=lambda row: words.plain_names(row[0].effect.name), on="p"),
+    Column("competitor", str, get=lambda row: words.plain_names(row[1].name), title="competing effect", on="p"),
     Column("two_ln_bayes_factor", float, get="1.two_ln_bayes_factor", form="+.0f", title="2 ln Bayes factor", on="p"),
-    Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
+    Column("correlation", float, get="1.correlation", form=".2f", on="p"),
 )
 UNTESTABLE = Record(
     joint_column("0"),
-    Column("effects", str, get=lambda row: plain_names(", ".join(row[1])), title="effects", on="p"),
-    Column("why", str, get="2", title="why", on="p"),
+    Column("effects", str, get=lambda row: words.plain_names(", ".join(row[1])), on="p"),
+    Column("why", str, get="2", on="p"),
 )
 STEP = Record(
     Column("step", int, get="0", on="f"),
@@ -205,12 +187,11 @@ FINDING = Record(
     joint_column("0"),
     Column("code", str, "stable short name", "1.code", title="check", code=True, on="jp"),
     Column(
-        "verdict", ("fine", "limit", "fault"), "whether it limits the answer", "1.verdict",
-        title="verdict", tone=FINDING_TONES.__getitem__, on="jp",
+        "verdict", ("fine", "limit", "fault"), "whether it limits the answer", "1.verdict", tone=FINDING_TONES, on="jp",
     ),
     Column("value", float, "what was found", "1.value", title="found", on="jp"),
-    Column("bound", float, "what it was held against", "1.bound", title="bound", on="jp"),
-    Column("unit", str, "its unit", "1.unit", title="unit", on="jp"),
+    Column("bound", float, "what it was held against", "1.bound", on="jp"),
+    Column("unit", str, "its unit", "1.unit", on="jp"),
     Column("message", str, "what it means", "1.message", title="what it means", on="jp"),
 )  # fmt: skip
 
@@ -243,13 +224,11 @@ JOINT_DIAGNOSIS = Record(
     JOINT,
     NAME,
     joint_column(),
+    Column("verdict", VERDICTS, "the answer", form=WORDS, tone=TONES, on=ALL),
+    Column("message", str, "the answer: cause, size, what to do", words.joint_message),
     Column(
-        "verdict", VERDICTS, "the answer", form=WORDS.__getitem__, title="verdict", tone=TONES.__getitem__, on=ALL
-    ),
-    Column("message", str, "the answer: cause, size, what to do", joint_message),
-    Column(
-        "missing", str, get=lambda joint: " and ".join(names_of(one, joint.effects) for one in joint.effects),
-        title="missing", on="p",
+        "missing", str, on="p",
+        get=lambda joint: " and ".join(words.names_of(one, joint.effects) for one in joint.effects),
     ),
     Column("effects", [EFFECT], "the largest first", lambda joint: effect_rows([joint]), on="j"),
     Column("negligible", [EFFECT], "too small to count", lambda joint: effect_rows([joint], "negligible"), on="j"),
@@ -281,8 +260,8 @@ JOINT_DIAGNOSIS = Record(
     Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
     Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
     Column("ladder", [STEP], "residual RMS after each effect", steps_of, on="j"),
-    Column("profiles", [PROFILE], "residual along a quantity", lambda joint: profile_rows(joint.profiles), on="j"),
-    Column("remaining", [PROFILE], "after the effects", lambda joint: profile_rows(joint.remaining), on="j"),
+    _profiles("profiles", "residual along a quantity"),
+    _profiles("remaining", "after the effects"),
     Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
     Column("findings", [FINDING], "the audit of the data", lambda joint: finding_rows([joint]), on="j"),
     name="verdicts",

@@ -26,15 +26,9 @@ UNDERSCORED = re.compile(rf"\b({'|'.join(name for name in (*NAMES, CONTACT_EVENT
 CONTACTS_LISTED = 3
 CLEAR = 2.0  # standard errors from which the mean of a bin differs from zero
 UNITS = {
-    "speed": "rad/s",
-    "position": "rad",
-    "displacement": "rad after a reversal",
-    "acceleration": "rad/s²",
-    "time": "s",
-    "load": "N m of load",
-    "temperature": "°C",
-    "neighbour": "rad/s² of a neighbour",
-}
+    "speed": "rad/s", "position": "rad", "displacement": "rad after a reversal", "acceleration": "rad/s²", "time": "s",
+    "load": "N m of load", "temperature": "°C", "neighbour": "rad/s² of a neighbour",
+}  # fmt: skip
 # Axes that a sentence calls otherwise.
 AXES = {"displacement": "displacement since a reversal", "neighbour": "acceleration of a neighbour"}
 
@@ -61,15 +55,6 @@ def decide_words(effect: NamedEffect) -> str:
     return motion_to_decide(effect.name, effect.alternatives)
 
 
-def verdict_words(joint: JointDiagnosis) -> str:
-    """Return a verdict with the names it gives."""
-    word = joint.verdict.replace("_", " ")
-    named = " and ".join(names_of(effect, joint.effects) for effect in joint.effects)
-    if joint.verdict == "unexplained" and named:
-        return f"{word}, with {named}"
-    return f"{word}: {named}" if named else word
-
-
 def nominal_model(model: ArmModel | None) -> str:
     """Return what the nominal model is, in words."""
     if model is None:
@@ -90,14 +75,11 @@ def joint_message(joint: JointDiagnosis) -> str:
         size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"
         parts.append(f"{'most of ' if joint.added else ''}the residual{size} is unexplained")
     if any(effect.name == CONTACT_EVENT for effect in joint.effects):
-        parts.append(f"{count_of(len(_spans(joint)), 'contact')} left out")
+        contacts = 0 if joint.contacts is None else len(joint.contacts.spans_s)
+        parts.append(f"{count_of(contacts, 'contact')} left out")
     if joint.added or not unknown:
         parts.append(_missing(joint) if joint.added else "no other effect is missing")
     return "; ".join((*parts, _todo(joint)))
-
-
-def _spans(joint: JointDiagnosis) -> Sequence[tuple[float, float]]:
-    return () if joint.contacts is None else joint.contacts.spans_s
 
 
 def _missing(joint: JointDiagnosis) -> str:
@@ -152,7 +134,7 @@ def where_effect(effect: NamedEffect, joint: JointDiagnosis) -> str:
     """Return where an effect shows itself; empty where no quantity of the motion shows it."""
     if effect.name != CONTACT_EVENT:
         return "" if effect.own is not None else where_words(effect.curve)
-    spans = _spans(joint)
+    spans = () if joint.contacts is None else joint.contacts.spans_s
     places = ", ".join(f"at {start:.1f} s ({stop - start:.2g} s long)" for start, stop in spans[:CONTACTS_LISTED])
     more = len(spans) - CONTACTS_LISTED
     return places + (f" and {more} more" if more > 0 else "")

@@ -64,8 +64,8 @@ def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
     get = f"coefficients.{place}"
     return (
         Column("from_to", str, get=get, form=_from_to, unit=unit, title=title, on="t"),
-        Column("change", float, get=f"{get}.found", form=total_text, title="change", on="t"),
-        Column("p", float, get=f"{get}.found.p_value", form=format_p, title="p", on="t"),
+        Column("change", float, get=f"{get}.found", form=total_text, on="t"),
+        Column("p", float, get=f"{get}.found.p_value", form=format_p, on="t"),
     )
 
 

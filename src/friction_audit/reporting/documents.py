@@ -40,14 +40,14 @@ def log_columns(count: str) -> tuple[Column, ...]:
     )
 
 
-SOURCE = Column("source", Record(*log_columns("joints")), "the log")
+SOURCE: Column = Column("source", Record(*log_columns("joints")), "the log")
 WARNING = Record(
     Column("code", str, "stable short name"),
     Column("joint", int, "number, or null", null=True),
     Column("message", str, "one sentence"),
 )
-WARNINGS = Column("warnings", [WARNING], "what the user must know")
-SETTINGS = Column("settings", dict, "every setting, defaults included, and what the log chose")
+WARNINGS: Column = Column("warnings", [WARNING], "what the user must know")
+SETTINGS: Column = Column("settings", dict, "every setting, defaults included, and what the log chose")
 CHAIN: tuple[Column, ...] = (SOURCE, SETTINGS, WARNINGS)
 """Keys of a result that follows from the estimate of a log."""
 
@@ -73,16 +73,7 @@ def chain_document(
     settings: Mapping[str, object] = NO_OPTIONS,
     **own: object,
 ) -> dict[str, Any]:
-    """Return a document with the keys of CHAIN.
-
-    Args:
-        document: Its specification.
-        estimate: What the result follows from.
-        warnings: What the user must know.
-        reading: How the log was read: options of the reader by name.
-        settings: Settings of the step that follows the estimate.
-        own: Values of its other keys.
-    """
+    """Return a document with the keys of CHAIN, with the settings of the step after the estimate and ``own`` values."""
     asked = settings_document(estimate, reading) | dict(settings)
     values = {"source": estimate.log, "settings": asked, "warnings": warnings, **own}
     return document.json(values, estimate.log.source.torque_unit)
@@ -141,34 +132,24 @@ HIDDEN = Record(
 SCENARIO = (Column("scenario", str, "its name"), Column("seed", int, "the seed"))
 EFFECTS = Column("effects", [HIDDEN], "hidden effects")
 HIDDEN_SETTINGS = Column("settings", dict, "all settings but the hidden effects")
+SIMULATED_OUTPUT = Record(
+    OUTPUT.columns,
+    Column("sha256", str, "of the file as written"),
+    Column("rate", float, "sampling rate", "log.rate_hz", unit="Hz"),
+    Column("duration", float, "length", "log.duration_s", unit="s"),
+)
 SIMULATE = Document(
     "simulate/1",
     "A simulated log",
     *SCENARIO,
-    Column(
-        "output",
-        Record(
-            OUTPUT.columns[0],
-            Column("sha256", str, "of the file as written"),
-            *OUTPUT.columns[1:],
-            Column("rate", float, "sampling rate", "log.rate_hz", unit="Hz"),
-            Column("duration", float, "length", "log.duration_s", unit="s"),
-        ),
-        "the log",
-    ),
+    Column("output", SIMULATED_OUTPUT, "the log"),
     Column("joint_names", [str], "names of the joints"),
     HIDDEN_SETTINGS,
     EFFECTS,
     WARNINGS,
 )
-TRUTH = Document(
-    "truth/1",
-    "What was simulated in a log",
-    *SCENARIO,
-    Column("log_sha256", str, "hash of the log", "sha256"),
-    HIDDEN_SETTINGS,
-    EFFECTS,
-)
+LOG_SHA256 = Column("log_sha256", str, "hash of the log", "sha256")
+TRUTH = Document("truth/1", "What was simulated in a log", SCENARIO, LOG_SHA256, HIDDEN_SETTINGS, EFFECTS)
 
 
 def simulate_document(

@@ -1,19 +1,20 @@
 """Drift over the sessions of a batch: its document and its text on the terminal."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from friction_audit import __version__
-from friction_audit.drift.report import SHAPES, ArmDrift, CoefficientDrift, DriftReport, JointDrift
+from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
-from friction_audit.friction.history import Coefficient
-from friction_audit.reporting import drift_words
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.reporting import drift_words as phrases
+from friction_audit.reporting import words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
-from friction_audit.reporting.terminal_table import table_lines
-from friction_audit.reporting.words import count_of, enumerate_words, format_slope, joint_label
 
 MOST_NAMED = 8  # sessions that a line names; more are counted
 
@@ -53,17 +54,19 @@ class BatchSummary:
 
 
 class CoefficientRow(NamedTuple):
-    """A coefficient of a joint of an arm, and its place among those of the joint."""
+    """A coefficient of a joint of an arm, its place among those of the joint, and one of its steps or none."""
 
     arm: ArmDrift
     joint: JointDrift
     found: CoefficientDrift
     place: int
+    change: ChangePoint | None = None
 
 
-def coefficient_rows(arm: ArmDrift) -> list[CoefficientRow]:
-    """Return the coefficients of all joints of an arm."""
-    return [CoefficientRow(arm, joint, one, k) for joint in arm.joints for k, one in enumerate(joint.coefficients)]
+def coefficient_rows(arm: ArmDrift, *joints: JointDrift) -> list[CoefficientRow]:
+    """Return the coefficients of some joints of an arm, or of all."""
+    every = joints or arm.joints
+    return [CoefficientRow(arm, joint, one, k) for joint in every for k, one in enumerate(joint.coefficients)]
 
 
 def _numbers(name: str, meaning: str, get: Get) -> Column:
@@ -73,6 +76,11 @@ def _numbers(name: str, meaning: str, get: Get) -> Column:
 
 def _session(row: Any) -> int:  # noqa: ANN401 - any row with a session
     return int(row.session) + 1
+
+
+def _shown(title: str, text: Callable[[Any], str], sort: Get, on: str = "p") -> Column:
+    """Return a column of the page whose text is made of the whole row."""
+    return Column(title, get=lambda row: row, form=text, sort=sort, title=title, on=on)
 
 
 CHANGE_POINT = Record(
@@ -99,43 +107,67 @@ VALUE = Record(
 
 
 def _of_found(*columns: Column) -> tuple[Column, ...]:
-    """Return columns of a document, each read from what was found of a coefficient."""
-    return tuple(replace(one, get=f"found.{one.get or one.name}", on="j") for one in columns)
+    """Return columns that are read from what was found of a coefficient."""
+    return tuple(replace(one, get=f"found.{one.get or one.name}") for one in columns)
 
 
+def _trend_column(title: str, name: str) -> Column:
+    """Return the column of a trend, sorted by its share of the level."""
+
+    def share(row: CoefficientRow) -> float:
+        level = row.found.level.value
+        return float(getattr(row.found, name).value / level) if level else math.nan
+
+    return _shown(title, lambda row: phrases.slope_text(row.found, getattr(row.found, name)), share, "n")
+
+
+def _outside(row: CoefficientRow) -> int:
+    return sum(point.outside for point in row.found.control)
+
+
+def _within(row: CoefficientRow) -> tuple[int, int]:
+    """Return in how many sessions a change within the session is significant, and of how many it is known."""
+    every = (
+        one.within.get(row.found.coefficient, UNDETERMINED)
+        for session in row.arm.sessions
+        for one in session.joints
+        if one.joint == row.joint.joint
+    )
+    known = [one for one in every if not math.isnan(one.low + one.high)]
+    return sum(one.low > 0.0 or one.high < 0.0 for one in known), len(known)
+
+
+# The page has three tables of it: the answer, levels and trends in numbers (n), and what is within a session (w).
+HEAD = (
+    joint_column("joint", on="pnw"),
+    Column("friction", str, get="found.coefficient", form=phrases.NAMES, on="tpnw"),
+)
 COEFFICIENT = Record(
     Column(
-        "joint", str, get=lambda row: " " if row.place else joint_label(row.joint.joint, row.joint.name),
-        title="joint", on="t",
+        "joint", str, get=lambda row: " " if row.place else words.joint_label(row.joint.joint, row.joint.name), on="t",
     ),
-    joint_column("joint", on="p"),
-    Column("friction", str, get="found.coefficient", form=drift_words.NAMES.__getitem__, title="friction", on="tp"),
+    *HEAD,
     Column("drift", bool, "whether it drifts", "found.drift", on="j"),
     Column(
-        "verdict", drift_words.VERDICTS, "in a word", lambda row: drift_words.drift_verdict(row.found),
-        title="verdict", tone=drift_words.TONES.__getitem__, on="jtp",
+        "verdict", phrases.VERDICTS, "in a word", lambda row: phrases.drift_verdict(row.found), tone=phrases.TONES,
+        on="jtp",
     ),
-    Column(
-        "change", float, get="found", form=drift_words.total_text, sort="found.total.value", title="change", on="tp"
-    ),
+    Column("change", float, get="found", form=phrases.total_text, sort="found.total.value", on="tp"),
     Column(
         "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
-        title="step", words=True, on="t",
+        words=True, on="t",
     ),
     Column(
-        "trend", get="found", form=lambda found: drift_words.slope_text(found, found.trend_per_session), title="trend",
+        "trend", get="found", form=lambda found: phrases.slope_text(found, found.trend_per_session),
         short="trend\n/session", on="t",
     ),
     Column(
-        "smallest", get="found", form=drift_words.smallest_text, sort="found.smallest_drift",
+        "smallest", get="found", form=phrases.smallest_text, sort="found.smallest_drift",
         title="minimum detectable", short="minimum\ndetect.", on="tp",
     ),
-    Column(
-        "message", str, "one sentence", lambda row: drift_words.describe(row.found, row.arm.sessions),
-        title="message", on="jp",
-    ),
+    Column("message", str, "one sentence", lambda row: phrases.describe(row.found, row.arm.sessions), on="jp"),
     *_of_found(
-        Column("shape", SHAPES, "what describes it"),
+        Column("shape", SHAPES, "what describes it", form=phrases.SHAPES, title="described by", on="jw"),
         Column("p_value", float, "that nothing changes, family-wise"),
         Column("level", Coefficient, "level in the reference"),
         Column("change", Coefficient, "from the reference to the last sessions"),
@@ -146,23 +178,87 @@ COEFFICIENT = Record(
         Column("change_points", [CHANGE_POINT], "steps"),
         Column("smallest_change", float, "minimum detectable change (90 % power)"),
         Column("smallest_relative_change", float, "the same over the level", "smallest_drift"),
-        Column("relative_scatter", float, "standard deviation between sessions over the level", "scatter"),
-        Column("relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within"),
-        Column("relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope"),
-        Column("compared_at_temperature_c", float, "temperature of the comparison", "temperature_c"),
+        Column(
+            "relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within",
+            form=words.format_percent, title="in a session", on="jw",
+        ),
+    ),
+    Column(
+        "seen", get=_within, form=lambda seen: f"{seen[0]} of {seen[1]}" if seen[1] else "",
+        sort=lambda row: _within(row)[0], title="seen in", on="w",
+    ),
+    *_of_found(
+        Column(
+            "relative_change_per_k", Coefficient, "change with temperature, taken out", "temperature_slope",
+            form=words.format_percent, title="per K", on="jw",
+        ),
+        Column(
+            "compared_at_temperature", float, "temperature of the comparison", "temperature_c", unit="°C", form=".1f",
+            title="at", on="jw",
+        ),
+        Column(
+            "relative_scatter", float, "standard deviation between sessions over the level", "scatter",
+            form=words.format_share, title="scatter", on="jw",
+        ),
         Column("control", [CONTROL], "every session against the reference"),
     ),
+    _shown(
+        "level in the reference", lambda row: words.with_unit(row.found.level, phrases.UNITS[row.found.coefficient]),
+        "found.level.value", "n",
+    ),
+    _trend_column("trend per session", "trend_per_session"),
+    _trend_column("per day", "trend_per_day"),
+    _shown(
+        "outside", lambda row: f"{_outside(row)} of {len(row.found.control)}" * bool(row.found.control), _outside, "n",
+    ),
+    Column("p", get=lambda row: row.found.p_value if row.found.values else None, form=words.format_p, on="n"),
     _numbers("isolated", "sessions that none of their neighbours comes near", "found.isolated"),
     Column(
         "values", [VALUE], "each session as compared",
         lambda row: zip(row.found.sessions, row.found.values, strict=True), on="j",
     ),
 )  # fmt: skip
+
+
+def _counts(names: Sequence[str]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in Counter(names).most_common())
+
+
+# A joint, and the verdicts and effects that the diagnosis gave for it, session by session.
+DIAGNOSED = Record(
+    joint_column("0"),
+    Column("verdicts", str, get="1", form=_counts, on="p"),
+    Column("effects", str, get="2", form=_counts, on="p"),
+)
+
+
+def _side(side: str) -> Column:
+    def text(row: CoefficientRow) -> str:
+        return words.with_unit(getattr(row.change, side), phrases.UNITS[row.found.coefficient])
+
+    return _shown(side, text, f"change.{side}.value")
+
+
+STEPS = Record(
+    *HEAD,
+    _shown("session", lambda row: phrases.first_after(row.change), "change.session"),
+    Column(
+        "start", get=lambda row: row.arm.sessions[row.change.session].start_s, form=words.format_start,
+        title="started (UTC)", on="p",
+    ),
+    _shown("change", lambda row: phrases.format_change(row.change), "change.relative.value"),
+    _side("before"),
+    _side("after"),
+)  # fmt: skip
 ARM = Record(
-    Column("robot", str, "which arm"),
+    Column("robot", str, "which arm", title="arm", code=True, on="jp"),
     Column("drift", bool, "whether a joint drifts"),
-    Column("verdict", drift_words.VERDICTS, "the strongest of its joints", drift_words.arm_verdict),
-    Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {drift_words.arm_sentence(arm)}"),
+    Column(
+        "verdict", phrases.VERDICTS, "the strongest of its joints", lambda arm: phrases.joint_verdict(*arm.joints),
+        tone=phrases.TONES, on="jp",
+    ),
+    Column("sentence", str, get=phrases.arm_sentence, title="answer", words=True, on="p"),
+    Column("message", str, "one sentence", lambda arm: f"{arm.robot}: {phrases.arm_sentence(arm)}"),
     Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
     _numbers("compared", "sessions compared", "compared"),
     _numbers("reference", "sessions of the reference", "reference"),
@@ -173,38 +269,27 @@ ARM = Record(
 )  # fmt: skip
 
 
-class JointRow(NamedTuple):
-    """A joint of an arm."""
-
-    arm: ArmDrift
-    joint: JointDrift
+def _trend(name: str) -> Callable[[tuple[ArmDrift, JointDrift]], Coefficient | None]:
+    return lambda row: next((one.trend_per_session for one in row[1].coefficients if one.coefficient == name), None)
 
 
-def _trend(name: str) -> Callable[[JointRow], Coefficient | None]:
-    return lambda row: next((one.trend_per_session for one in row.joint.coefficients if one.coefficient == name), None)
-
-
+# An arm and a joint of it.
 JOINT_DRIFT = Record(
-    Column("robot", str, "which arm", "arm.robot"),
-    Column("joint", int, "number, from 1", "joint.joint"),
-    Column("name", str, "name in the log", "joint.name"),
-    Column("drift", bool, "whether a coefficient drifts", "joint.drift"),
-    Column(
-        "verdict", drift_words.VERDICTS, "the strongest of its coefficients",
-        lambda row: drift_words.joint_verdict(row.joint),
-    ),
-    Column("message", str, "one sentence", lambda row: f"joint {row.joint.joint}: {drift_words.joint_sentence(*row)}"),
+    Column("robot", str, "which arm", "0.robot"),
+    Column("joint", int, "number, from 1", "1.joint"),
+    Column("name", str, "name in the log", "1.name"),
+    Column("drift", bool, "whether a coefficient drifts", "1.drift"),
+    Column("verdict", phrases.VERDICTS, "the strongest of its coefficients", lambda row: phrases.joint_verdict(row[1])),
+    Column("message", str, "one sentence", lambda row: f"joint {row[1].joint}: {phrases.joint_sentence(*row)}"),
     Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
     Column(
         "change_points", [int], "first sessions after a step",
-        lambda row: sorted({_session(step) for one in row.joint.coefficients for step in one.change_points}),
+        lambda row: sorted({_session(step) for one in row[1].coefficients for step in one.change_points}),
     ),
     Column(
         "coefficients", {"*": COEFFICIENT}, "by name of the coefficient",
-        lambda row: {
-            one.coefficient: CoefficientRow(row.arm, row.joint, one, k) for k, one in enumerate(row.joint.coefficients)
-        },
+        lambda row: {one.found.coefficient: one for one in coefficient_rows(*row)},
     ),
 )  # fmt: skip
 
@@ -227,25 +312,18 @@ BATCH = Document(
     Column("failed", [FAILED], "files that gave no session"),
     Column("robots", [ARM], "per arm", "arms"),
     Column(
-        "joints",
-        [JOINT_DRIFT],
-        "per joint of every arm",
-        lambda one: (JointRow(arm, joint) for arm in one.arms for joint in arm.joints),
+        "joints", [JOINT_DRIFT], "per joint of every arm",
+        lambda one: ((arm, joint) for arm in one.arms for joint in arm.joints),
     ),
     Column(
-        "sessions",
-        [SESSION],
-        "per session of every arm",
+        "sessions", [SESSION], "per session of every arm",
         lambda one: (SessionRow(k, session) for arm in one.arms for k, session in enumerate(arm.sessions)),
     ),
-)
+)  # fmt: skip
 
 
 def write_batch_document(summary: BatchSummary) -> Iterator[str]:
-    """Yield the document as text in ASCII, a line for each key, arm, joint and session.
-
-    It is never held as a whole: that of a thousand sessions takes tens of megabytes.
-    """
+    """Yield the document as text, a line per key, arm, joint and session: as a whole it may take tens of megabytes."""
     yield f'{{\n  "schema": "{BATCH.name}",\n  "version": {json.dumps(__version__)}'
     for column in BATCH.columns:
         yield f',\n  "{column.key}": '
@@ -259,61 +337,3 @@ def write_batch_document(summary: BatchSummary) -> Iterator[str]:
         yield from (f",\n    {line}" for line in lines)
         yield "" if first is None else "\n  ]"
     yield "\n}\n"
-
-
-def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
-    """Return how many sessions there were, per arm a table and its verdict in words, and the files that failed.
-
-    With ``verbose`` also joints without drift, steps and slopes in numbers, and why each session was left out.
-    """
-    sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
-    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
-    lines = [f"{sessions} of {arms}: {done}"]
-    for arm in summary.arms:
-        lines += ["", *_arm_lines(arm, verbose=verbose)]
-    lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
-    lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
-    lines += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
-    return lines + [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
-
-
-def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
-    yield f"{arm.robot}: {sessions_text(arm)}; {drift_words.arm_sentence(arm)}"
-    yield "changes are from the reference to the last sessions; intervals are 95 %"
-    yield from table_lines(COEFFICIENT.people(coefficient_rows(arm), "t"))
-    stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
-    for joint in arm.joints:
-        if verbose or (joint.drift and joint is not stated):
-            yield f"joint {joint.joint}: {drift_words.joint_sentence(arm, joint)}"
-        details = (line for found in joint.coefficients for line in _details(arm, found)) if verbose else ()
-        yield from (f"joint {joint.joint}, {line}" for line in details)
-    yield from _left_out(arm, verbose=verbose)
-    yield from (f"note: {warning}" for warning in arm.warnings)
-
-
-def sessions_text(arm: ArmDrift) -> str:
-    """Return how many sessions an arm has, when they were recorded, and how many were compared."""
-    span = drift_words.span_of(arm.sessions)
-    return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
-
-
-def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
-    """Yield the steps of a coefficient, or its slope if it drifts without one."""
-    name, unit = drift_words.NAMES[found.coefficient], drift_words.UNITS[found.coefficient]
-    yield from (f"{name}: step at {drift_words.change_text(arm, change)}" for change in found.change_points)
-    if found.drift and not found.change_points:
-        slopes = f"{format_slope(found.trend_per_session)} {unit} per session, {format_slope(found.trend_per_day)}"
-        yield f"{name}: {slopes} {unit} per day"
-
-
-def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
-    """Yield which sessions were not compared, and why: those alike in one line, or each with its file."""
-    if verbose:
-        yield from (f"not compared: {arm.sessions[k].path}: {reason}" for k, reason in arm.left_out)
-        return
-    alike: dict[str, list[int]] = {}
-    for session, reason in arm.left_out:
-        alike.setdefault(reason, []).append(session + 1)
-    for reason, numbers in alike.items():
-        which = f"session{'s' if len(numbers) > 1 else ''} {enumerate_words(numbers)}"
-        yield f"not compared: {which if len(numbers) <= MOST_NAMED else count_of(len(numbers), 'session')}: {reason}"

@@ -1,4 +1,4 @@
-"""The sessions of a batch: their part of its document, and the table of all their values for files."""
+"""The sessions of a batch: their part of its document and of its page, and all their values for files."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -6,13 +6,14 @@ from itertools import islice
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from friction_audit.drift.report import ArmDrift, ControlPoint
+from friction_audit.drift.report import ArmDrift, ControlPoint, JointDrift
 from friction_audit.drift.session import Session
+from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift_words import UNITS
 from friction_audit.reporting.sentences import session_sentences
-from friction_audit.reporting.table import JOINT, NAME, Column, Record
-from friction_audit.reporting.words import iso_start
+from friction_audit.reporting.table import JOINT, NAME, Column, Record, to_json
+from friction_audit.reporting.words import SHORTEST_NAME, format_start, iso_start, joint_label
 
 CONDITIONS = ("drive", "torque", "gravity", "inertia", "payload")
 ROWS_AT_ONCE = 2000
@@ -27,8 +28,7 @@ SESSION_JOINT = Record(
     NAME,
     Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
     Column(
-        "viscous", Coefficient, "estimate", lambda one: one.coefficients.get("viscous_nms_per_rad"),
-        unit="N m s/rad",
+        "viscous", Coefficient, "estimate", lambda one: one.coefficients.get("viscous_nms_per_rad"), unit="N m s/rad",
     ),
     Column("cycles", int, "cycles that count"),
     Column("moving", float, "time in motion", unit="s"),
@@ -43,10 +43,11 @@ SESSION_JOINT = Record(
 
 
 class SessionRow(NamedTuple):
-    """A session and its place among those of its arm, from 0."""
+    """A session, its place among those of its arm, from 0, and its part in the comparison or why it has none."""
 
     place: int
     session: Session
+    note: str = ""
 
 
 HEAD = (
@@ -112,6 +113,55 @@ SESSIONS = Record(
 )
 
 
+SESSION_NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", on="p")
+LEFT_OUT = Record(
+    SESSION_NUMBER,
+    Column("file", str, get="session.path", code=True, on="p"),
+    Column("reason", str, get="note", on="p"),
+)
+
+
+def _notes(session: Session) -> str:
+    damaged = ("damaged, part of it left out",) if session.damaged else ()
+    return "; ".join(text for text in (session.note, *damaged, *session_sentences(session.warnings)) if text)
+
+
+def _temperature(row: SessionRow) -> float | None:
+    """Return the temperature from the manifest, or the mean of the joints. [degC]"""
+    logged = [one.temperature_c for one in row.session.joints if one.temperature_c is not None]
+    given = row.session.temperature_c
+    return math.fsum(logged) / len(logged) if given is None and logged else given
+
+
+# On the page of a batch.
+SHOWN = Record(
+    SESSION_NUMBER,
+    Column("start", get="session.start_s", form=format_start, title="started (UTC)", on="p"),
+    Column("start_from", str, get="session.start_from", title="start from", on="p"),
+    Column("duration", get="session.duration_s", form=".0f", unit="s", title="length", on="p"),
+    Column("part", str, get="note", on="p"),
+    Column("temperature", get=_temperature, form=".1f", unit="°C", on="p"),
+    Column(
+        "read_as", str, get="session.conditions", title="recorded and read as", on="p",
+        form=lambda how: f"{how.drive}, {how.torque}, gravity {how.gravity}, inertia {how.inertia}",
+    ),
+    Column("payload", str, get="session.conditions.payload", on="p"),
+    Column("file", str, get="session.path", code=True, on="p"),
+    Column("notes", str, get="session", form=_notes, on="p"),
+)  # fmt: skip
+
+
+def coefficient_column(joint: JointDrift, name: str) -> Column:
+    """Return the column of a coefficient of a joint in the table of sessions."""
+
+    def value(row: SessionRow) -> Coefficient:
+        own = (one.coefficients for one in row.session.joints if one.joint == joint.joint)
+        return next(own, {}).get(name, UNDETERMINED)
+
+    title = shortened(joint_label(joint.joint, joint.name), SHORTEST_NAME)
+    return Column(f"joint_{joint.joint}", Coefficient, get=value, title=title, on="p")
+
+
 def session_columns(arms: Sequence[ArmDrift]) -> tuple[dict[str, type], Iterator[dict[str, list[Any]]]]:
     """Return the table of all sessions: what is in its columns, and the columns of some rows after the other."""
     columns = SESSIONS.file_columns()
@@ -119,16 +169,11 @@ def session_columns(arms: Sequence[ArmDrift]) -> tuple[dict[str, type], Iterator
     lots = iter(lambda: list(islice(rows, ROWS_AT_ONCE)), [])
     return (
         {column.key: column.kind for column in columns},
-        ({column.key: [_finite(column.value(row)) for row in lot] for column in columns} for lot in lots),
+        ({column.key: [to_json(column.value(row)) for row in lot] for column in columns} for lot in lots),
     )
 
 
-def _finite(value: Any) -> Any:  # noqa: ANN401 - any cell
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
 def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
-    """Yield what SESSIONS has columns of: a coefficient of a joint in a session."""
     compared: dict[tuple[int, str, int], tuple[Coefficient, bool]] = {}
     control: dict[tuple[int, str, int], ControlPoint] = {}
     for drift in arm.joints:

@@ -9,19 +9,10 @@ from pathlib import PurePath
 from statistics import median
 
 from friction_audit.drift.change_points import REACH
-from friction_audit.drift.report import (
-    ArmDrift,
-    ChangePoint,
-    CoefficientDrift,
-    DriftReport,
-    JointDrift,
-    Judged,
-    Limit,
-    judge,
-)
+from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import FEWEST_SESSIONS
-from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting import words
 from friction_audit.reporting.table import Tone
@@ -35,14 +26,9 @@ VERDICTS = (DRIFT, TEMPERATURE, STEADY, UNTESTED)
 TONES: Mapping[str, Tone] = {DRIFT: "alert", STEADY: "fine", TEMPERATURE: "unsure", UNTESTED: "off"}
 # What describes a coefficient over the sessions, in words.
 SHAPES = {
-    "none": "level",
-    "step": "a step",
-    "steps": "steps",
-    "ramp": "a ramp",
-    "step_or_ramp": "a step or a ramp",
-    "temperature": "changes together with the temperature",
-    "too_few": "too few sessions",
-}
+    "none": "level", "step": "a step", "steps": "steps", "ramp": "a ramp", "step_or_ramp": "a step or a ramp",
+    "temperature": "changes together with the temperature", "too_few": "too few sessions",
+}  # fmt: skip
 LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no information
 TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
 MOST_NAMES = 3  # sessions that a sentence names
@@ -53,14 +39,10 @@ def drift_verdict(found: CoefficientDrift) -> str:
     return DRIFT if found.drift else {"temperature": TEMPERATURE, "too_few": UNTESTED}.get(found.shape, STEADY)
 
 
-def joint_verdict(joint: JointDrift) -> str:
-    """Return whether a joint drifts: the strongest verdict on its coefficients, untested without any."""
-    return min(map(drift_verdict, joint.coefficients), key=VERDICTS.index, default=UNTESTED)
-
-
-def arm_verdict(arm: ArmDrift) -> str:
-    """Return whether an arm drifts: the strongest verdict on its joints."""
-    return min(map(joint_verdict, arm.joints), key=VERDICTS.index, default=UNTESTED)
+def joint_verdict(*joints: JointDrift) -> str:
+    """Return whether some joints drift: the strongest verdict on their coefficients, untested without any."""
+    found = (drift_verdict(one) for joint in joints for one in joint.coefficients)
+    return min(found, key=VERDICTS.index, default=UNTESTED)
 
 
 def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
@@ -72,15 +54,15 @@ def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
     if isfinite(found.speed_ratio):
         parts.append(f"the speed of motion changed with it ({found.speed_ratio:.2g} times), compare at like speed")
     if found.within.low > 0 or found.within.high < 0:
-        verb = _verb(found.within, "rises", "falls")
-        parts.append(f"within a session it {verb} by {_sized(found.within)}, which is no drift")
+        size = how_much(found.within, found.within, "")
+        parts.append(f"within a session it {verb_of(found.within, 'rises', 'falls')} by {size}, which is no drift")
     return "; ".join(parts + _isolated(found, sessions))
 
 
 def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
     """Return what became of a coefficient; the sessions are read for the moments of its steps alone."""
     name, unit = f"{NAMES[found.coefficient]} friction", UNITS[found.coefficient]
-    changed = f"{name} {_verb(found.change)} by {how_much(found.total, found.change, unit)}"
+    changed = f"{name} {verb_of(found.change)} by {how_much(found.total, found.change, unit)}"
     if found.shape == "too_few":
         return f"{name}: {_too_few(len(found.sessions) - len(found.isolated))}"
     if found.shape == "temperature":
@@ -90,47 +72,44 @@ def headline(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
             "sessions at like temperature would separate them"
         )
     if found.shape == "none":
-        return f"no drift of {name}{' at like temperature' * found.by_temperature}: {_detectable(found)}"
+        least = f"a change of {amount(found.smallest_drift, found.smallest_change, found.coefficient)} is detectable"
+        if found.smallest_drift > LARGEST_DETECTABLE or not isfinite(found.smallest_change):
+            least = "but the sessions are too few or too scattered to show any"
+        return f"no drift of {name}{' at like temperature' * found.by_temperature}: {least}"
     if found.change_points and found.shape != "step_or_ramp":
         steps = ", ".join(_step(point, unit, sessions) for point in found.change_points)
         return f"{name} {f'changed in {len(found.change_points)} steps: ' * (found.shape == 'steps')}{steps}"
     if found.shape == "ramp":
         size = abs(found.level.value) if isfinite(found.total.value) else math.nan
         trend = found.trend_per_session
-        rises = f"{_verb(trend, 'rises', 'falls')} by {how_much(words.scaled(trend, 1.0 / size), trend, unit)}"
+        rises = f"{verb_of(trend, 'rises', 'falls')} by {how_much(words.scaled(trend, 1.0 / size), trend, unit)}"
         total = how_much(found.total, found.change, unit)
         return f"{name} {rises} a session, {total} from the reference to the last sessions"
     return f"{changed} from the reference to the last sessions; a step and a slow change describe it equally well"
 
 
 def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
+    """Return a step and the sessions that it lies between: their dates, with the time if they share one, or names."""
     before, after = point.before, point.after
     change = Coefficient(value=after.value - before.value, low=after.low - before.high, high=after.high - before.low)
-    first, last = _when(sessions[point.low - 1], sessions[point.high])
-    return f"{_verb(change)} by {how_much(point.relative, change, unit)} between {first} and {last}"
-
-
-def _when(first: Session, last: Session) -> tuple[str, str]:
-    """Return the moments of two sessions: their dates, with the time if they share a date, or their names."""
+    first, last = sessions[point.low - 1], sessions[point.high]
+    when = f"{format_date(first.start_s)} and {format_date(last.start_s)}"
     if first.start_s is None or last.start_s is None:
-        return PurePath(first.path).name, PurePath(last.path).name
-    days = format_date(first.start_s), format_date(last.start_s)
-    return days if days[0] != days[1] else (format_start(first.start_s), f"{format_start(last.start_s)} UTC")
+        when = f"{PurePath(first.path).name} and {PurePath(last.path).name}"
+    elif format_date(first.start_s) == format_date(last.start_s):
+        when = f"{format_start(first.start_s)} and {format_start(last.start_s)} UTC"
+    return f"{verb_of(change)} by {how_much(point.relative, change, unit)} between {when}"
 
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
     """Return a size with its interval, in per cent where that means something."""
     if isfinite(relative.value):
-        return _sized(relative)
-    low, high = sorted((absolute.low, absolute.high), key=abs)
+        sign = -1.0 if relative.value < 0 else 1.0
+        low, high = sorted((100 * sign * relative.low, 100 * sign * relative.high))
+        return f"{percent(sign * relative.value)} % ({low:.2g} to {high:.2g} %)"
     sign = -1.0 if absolute.value < 0 else 1.0
+    low, high = sorted((absolute.low, absolute.high), key=abs)
     return f"{abs(absolute.value):.2g} {unit} ({sign * low:.2g} to {sign * high:.2g})"
-
-
-def _sized(relative: Coefficient) -> str:
-    sign = -1.0 if relative.value < 0 else 1.0
-    low, high = sorted((100 * sign * relative.low, 100 * sign * relative.high))
-    return f"{percent(sign * relative.value)} % ({low:.2g} to {high:.2g} %)"
 
 
 def percent(share: float) -> str:
@@ -143,14 +122,9 @@ def amount(share: float, size: float, coefficient: str) -> str:
     return f"{percent(share)} %" if isfinite(share) else f"{size:.2g} {UNITS[coefficient]}"
 
 
-def _verb(change: Coefficient, rising: str = "rose", falling: str = "fell") -> str:
+def verb_of(change: Coefficient, rising: str = "rose", falling: str = "fell") -> str:
+    """Return which way a change goes."""
     return rising if change.value >= 0 else falling
-
-
-def _detectable(found: CoefficientDrift) -> str:
-    if found.smallest_drift > LARGEST_DETECTABLE or not isfinite(found.smallest_change):
-        return "but the sessions are too few or too scattered to show any"
-    return f"a change of {amount(found.smallest_drift, found.smallest_change, found.coefficient)} is detectable"
 
 
 def _too_few(count: int) -> str:
@@ -159,29 +133,23 @@ def _too_few(count: int) -> str:
 
 
 def _isolated(found: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
-    """Name the isolated sessions and how far each is off."""
-    parts = []
+    """Name the isolated sessions and how far each lies from the nearest ones that count, two on each side."""
+    parts, places = [], range(len(found.sessions))
     for index in found.isolated[:MOST_NAMES]:
-        one = sessions[index]
+        one, place = sessions[index], found.sessions.index(index)
         which = PurePath(one.path).name if one.start_s is None else format_date(one.start_s)
-        parts.append(f"session {index + 1} ({which}) does not fit: {_off(found, index)}; left out of the change")
+        counted = [k for k in places if found.sessions[k] not in found.isolated]
+        near = [k for k in counted if abs(k - place) <= REACH] or counted
+        usual = median(found.values[k].value for k in near)
+        off = found.values[place].value - usual
+        share = abs(off / usual) if isfinite(found.total.value) and usual > 0.0 else math.nan
+        size = f"{amount(share, abs(off), found.coefficient)} {'above' if off >= 0 else 'below'} the sessions around it"
+        parts.append(f"session {index + 1} ({which}) does not fit: {size}; left out of the change")
     if len(found.isolated) > MOST_NAMES:
         parts.append(f"and {len(found.isolated) - MOST_NAMES} more sessions left out")
     if found.isolated and found.isolated[-1] == found.sessions[-1]:
         parts.append("the next session shows whether the last one is the beginning of a change")
     return parts
-
-
-def _off(found: CoefficientDrift, index: int) -> str:
-    """Return how far a session lies from the nearest ones that count, two on each side."""
-    place = found.sessions.index(index)
-    rows = zip(found.sessions, found.values, strict=True)
-    near = [(abs(k - place), value.value) for k, (i, value) in enumerate(rows) if i not in found.isolated]
-    usual = median([value for distance, value in near if distance <= REACH] or [value for _, value in near])
-    off = found.values[place].value - usual
-    share = abs(off / usual) if isfinite(found.total.value) and usual > 0.0 else math.nan
-    size = amount(share, abs(off), found.coefficient)
-    return f"{size} {'above' if off >= 0 else 'below'} the sessions around it"
 
 
 def joint_sentence(arm: ArmDrift, joint: JointDrift) -> str:
@@ -217,47 +185,9 @@ def arm_sentence(arm: ArmDrift) -> str:
     return f"no drift in {compared} sessions{least}"
 
 
-def limit_sentences(report: DriftReport, limits: Iterable[Limit]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return one sentence for each coefficient beyond a limit, and for each that cannot be tested by one."""
-    judged = list(judge(report, tuple(limits)))
-    beyond = tuple(limit_sentence(one) for one in judged if one.verdict == "exceeded")
-    return beyond, tuple(limit_sentence(one) for one in judged if one.verdict == "untestable")
-
-
-def limit_sentence(one: Judged) -> str:
-    """Return what a limit that is not kept is exceeded by, or why it cannot be tested."""
-    found, limit = one.found, one.limit
-    if found is None or one.verdict != "exceeded":
-        return _untestable(one)
-    change = found.total if limit.relative else found.change
-    size = how_much(found.total if limit.relative else UNDETERMINED, found.change, UNITS[found.coefficient])
-    sure = min(abs(change.low), abs(change.high)) >= limit.size and change.low * change.high > 0
-    return (
-        f"{one.where}: {NAMES[found.coefficient]} friction {_verb(change)} by {size} since the "
-        f"reference, {'surely' if sure else 'probably'} beyond the limit {limit.text}"
-    )
-
-
-def _untestable(one: Judged) -> str:
-    found, limit = one.found, one.limit
-    if found is None:
-        return f"the limit {limit.text}: no session has an estimate that it is meant for"
-    where = f"{one.where}: {NAMES[found.coefficient]} friction: the limit {limit.text} cannot be tested"
-    least = found.smallest_drift if limit.relative else found.smallest_change
-    if found.shape == "temperature":
-        return f"{where}: drift and temperature cannot be separated; record sessions at like temperature"
-    if found.drift:
-        return f"{where}: the reference is near zero, so there is no relative change; give a limit without %"
-    if found.shape == "too_few" or not isfinite(least):
-        return f"{where} with {count_of(len(found.sessions) - len(found.isolated), 'comparable session')}; record more"
-    size = amount(least if limit.relative else math.nan, least, found.coefficient)
-    return f"{where}: only a change of {size} or more is detectable; record more or longer sessions"
-
-
 def change_text(arm: ArmDrift, change: ChangePoint) -> str:
     """Return a step in words: ``session 13 (12 to 14), 2026-03-04: +15.2 ± 1.9 %``."""
-    date = format_date(arm.sessions[change.session].start_s)
-    day = "" if date == NOTHING else f", {date}"
+    day = f", {format_date(arm.sessions[change.session].start_s)}".removesuffix(f", {NOTHING}")
     return f"session {first_after(change)}{day}: {format_change(change)}"
 
 
@@ -301,3 +231,15 @@ def span_of(sessions: Iterable[Session]) -> str:
     """Return from when to when sessions were recorded, or nothing where no start is known."""
     starts = sorted(one.start_s for one in sessions if format_date(one.start_s) != NOTHING and one.start_s)
     return " to ".join(dict.fromkeys(map(format_date, (starts[0], starts[-1])))) if starts else ""
+
+
+def curve_sessions(arm: ArmDrift) -> tuple[int, tuple[int, ...], int]:
+    """Return the sessions whose curves are drawn: the first, those of the reference, the last."""
+    compared = arm.compared or tuple(range(len(arm.sessions)))
+    return compared[0], arm.reference, compared[-1]
+
+
+def sessions_text(arm: ArmDrift) -> str:
+    """Return how many sessions an arm has, when they were recorded, and how many were compared."""
+    span = span_of(arm.sessions)
+    return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"

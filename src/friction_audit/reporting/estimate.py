@@ -43,8 +43,7 @@ HISTORY = Record(
     Column("coulomb_high", unit="N m", on="f"),
     Column("viscous", float, "viscous friction of the last cycles", unit="N m s/rad"),
     Column(
-        "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "viscous{}_nms_per_rad"),
-        on="j",
+        "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "viscous{}_nms_per_rad"), on="j",
     ),
     Column("viscous_low", unit="N m s/rad", on="f"),
     Column("viscous_high", unit="N m s/rad", on="f"),
@@ -65,23 +64,22 @@ def _value(coefficient: Coefficient) -> str:
 
 
 def _marked(joint: JointFriction) -> str:
-    mark = f" {MARK}" if joint.method != "energy" and not joint.reason else ""
-    return joint_label(joint.joint, joint.name) + mark
+    return joint_label(joint.joint, joint.name) + f" {MARK}" * (joint.method != "energy" and not joint.reason)
 
 
 FRICTION = Record(
     JOINT,
     NAME,
-    Column("joint", str, get=_marked, title="joint", on="t"),
+    Column("joint", str, get=_marked, on="t"),
     joint_column(on="p"),
     Column("model", ("combined", "coulomb", "viscous"), "friction model"),
     Column("method", ("energy", "regression"), "energy cycles, or torque regression where too few cycles count"),
-    Column("cycles", int, "cycles that count", title="cycles", on="jfp"),
+    Column("cycles", int, "cycles that count", on="jfp"),
     Column("rejected_cycles", int, "cycles rejected", title="rejected", on="jfp"),
     Column("moving", float, "time above the initiation threshold", unit="s"),
     Column("coulomb", Coefficient, "over the whole log", "coulomb", unit="N m", title="Coulomb", on=ALL),
     Column("coulomb", Coefficient, get="regression.coulomb", form=_value, unit="N m", title="regr.", on="t"),
-    Column("viscous", Coefficient, "over the whole log", "viscous", unit="N m s/rad", title="viscous", on=ALL),
+    Column("viscous", Coefficient, "over the whole log", "viscous", unit="N m s/rad", on=ALL),
     Column("viscous", Coefficient, get="regression.viscous", form=_value, unit="N m s/rad", title="regr.", on="t"),
     Column("offset", float, "torque offset", unit="N m"),
     Column("gravity_error", float, "amplitude of the gravity error", unit="N m"),

@@ -1,6 +1,7 @@
 """Export -> document and lines of the terminal."""
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 from friction_audit.export.export import Export
@@ -19,9 +20,7 @@ JOINT = Record(
     Column("file_name", str, "name in the file", "name", title="name in the file", on="jt"),
     Column("static", float, "friction at the onset of motion", unit="N m", on="j"),
     Column("coulomb", float, "Coulomb friction", "fitted.coulomb_nm", unit="N m", title="Coulomb", on="jt"),
-    Column(
-        "viscous", float, "viscous friction", "fitted.viscous_nms_per_rad", unit="N m s/rad", title="viscous", on="jt"
-    ),
+    Column("viscous", float, "viscous friction", "fitted.viscous_nms_per_rad", unit="N m s/rad", on="jt"),
     Column("quadratic_nms2_per_rad2", float, "damping of dq |dq|", "fitted.quadratic_nms2_per_rad2", on="j"),
     Column("cubic_nms3_per_rad3", float, "damping of dq^3", "fitted.cubic_nms3_per_rad3", on="j"),
     Column("inertia", float, "armature", "law.inertia_kg_m2", unit="kg m²", title="armature", on="jt", null=True),
@@ -32,29 +31,13 @@ JOINT = Record(
     Column("left_out", [str], "terms that the file cannot hold", "law.left_out", on="j"),
 )  # fmt: skip
 GAP = Record(
-    Column("joint", int, "number", title="joint", on="jt"),
+    Column("joint", int, "number", on="jt"),
     Column(
         "without", float, "rms position error without friction", unit="rad", title="error without friction", on="jt"
     ),
     Column("with", float, "rms position error with the exported friction", unit="rad", title="with friction", on="jt"),
     Column("windows", int, "windows of 0.2 s"),
 )
-EXPORT = Document(
-    "export/1",
-    "Friction in the file of a simulator or a controller",
-    Column("target", str, "format", "target.name"),
-    Column("path", str, "where it was written"),
-    Column("into", str, "file of the user that it is a copy of", null=True),
-    Column("joints", [JOINT], "as written"),
-    Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
-    WARNINGS,
-)
-
-
-def export_document(export: Export) -> dict[str, Any]:
-    """Return the document."""
-    own = {name: getattr(export, name) for name in ("target", "path", "into", "joints", "simulated")}
-    return EXPORT.json(own | {"warnings": list(export_notices(export))})
 
 
 def export_notices(export: Export) -> Iterable[Notice]:
@@ -76,6 +59,23 @@ def export_notices(export: Export) -> Iterable[Notice]:
     robot = export.estimate.log.source.robot if export.estimate else ""
     if robot in INNER_LOOP:
         yield notice("inner_torque_loop", robot=robot)
+
+
+EXPORT = Document(
+    "export/1",
+    "Friction in the file of a simulator or a controller",
+    Column("target", str, "format", "target.name"),
+    Column("path", str, "where it was written"),
+    Column("into", str, "file of the user that it is a copy of", null=True),
+    Column("joints", [JOINT], "as written"),
+    Column("simulated", [GAP], "forward simulation of the log in MuJoCo, by joint"),
+    replace(WARNINGS, get=export_notices),
+)
+
+
+def export_document(export: Export) -> dict[str, Any]:
+    """Return the document."""
+    return EXPORT.json(export)
 
 
 def export_lines(export: Export) -> list[str]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -56,19 +55,6 @@ class LogSummary:
     joints: tuple[JointMotion, ...]  # how the joints moved
     notices: tuple[Notice, ...]  # what the user must know
 
-    @property
-    def clock_text(self) -> str:
-        """Clock, and on how much of the log it was checked against the motion."""
-        windows = self.log.source.clock_windows
-        return f"checked on {count_of(windows, 'window')}" if windows else "not checked"
-
-    @property
-    def steps_text(self) -> str:
-        """Jitter and gaps."""
-        jitter = f"jitter {1e3 * self.jitter_s:.3g} ms" if self.jitter_s >= ROUNDING_S else "no jitter"
-        gaps = f"{count_of(self.gaps, 'gap')}, the longest {self.longest_gap_s:.3g} s" if self.gaps else "no gaps"
-        return f"{jitter}, {gaps}"
-
 
 def summarize_log(
     log: JointLog, interaction: Interaction | None, cycles: EnergyCycles | None, obstacle: str = ""
@@ -117,9 +103,9 @@ MOTION = Record(
     NAME,
     joint_column(),
     Column("peak_speed", float, "largest speed", unit="rad/s", title="peak speed", on=ALL),
-    Column("range", float, "largest less smallest position", unit="rad", title="range", on=ALL),
-    Column("moving", float, "time above the initiation threshold", unit="s", title="moving", on=ALL),
-    Column("cycles", int, "energy cycles", title="cycles", on=ALL, null=True),
+    Column("range", float, "largest less smallest position", unit="rad", on=ALL),
+    Column("moving", float, "time above the initiation threshold", unit="s", on=ALL),
+    Column("cycles", int, "energy cycles", on=ALL, null=True),
     Column("open_cycles", int, "those that do not return to their start", title="not returned", on=ALL, null=True),
     Column("rejected_cycles", int, "those that an estimate rejects", title="rejected", on=ALL, null=True),
 )
@@ -132,19 +118,16 @@ TOPIC = Record(
 PATH, TOPICS = Column("path", str, "path as given"), Column("topics", [TOPIC], "topics or tables of the file")
 
 
-def _of_log(column: Column, entry: InfoEntry) -> object:
-    if entry.summary is None or (column.name == "sha256" and not entry.summary.log.source.sha256):
-        return None
-    return column.value(entry.summary.log)
+def _of_log(column: Column) -> Column:
+    """Return a column of the log of an entry; a part of a log has no hash."""
+    get = lambda entry: column.value(entry.summary.log)  # noqa: E731
+    return replace(column, get=get, null=column.null or column.name == "sha256")
 
 
 LOG = Record(
     PATH,
     TOPICS,
-    *(
-        replace(one, get=partial(_of_log, one), null=one.null or one.name == "sha256")  # not of a part
-        for one in log_columns("joint_count")[1:]
-    ),
+    *map(_of_log, log_columns("joint_count")[1:]),
     Column("jitter", float, "standard deviation of the time steps, drops left out", "summary.jitter_s", unit="s"),
     Column("gaps", int, "steps longer than five median ones", "summary.gaps"),
     Column("longest_gap", float, "the longest of them", "summary.longest_gap_s", unit="s"),
@@ -165,40 +148,45 @@ INFO = Document(
 
 def info_document(entries: Iterable[InfoEntry]) -> dict[str, Any]:
     """Return the document on some logs; those that could not be read are listed apart, with their message."""
-    read: tuple[list[InfoEntry], list[InfoEntry]] = ([], [])
-    for entry in entries:
-        read[entry.summary is None].append(entry)
-    return INFO.json(dict(zip(("logs", "failed"), read, strict=True)))
+    every = list(entries)
+    read, failed = ([one for one in every if bool(one.summary) is there] for there in (True, False))
+    return INFO.json({"logs": read, "failed": failed})
 
 
 def info_lines(entry: InfoEntry) -> list[str]:
     """Return what is in one file."""
     lines, summary = [entry.path], entry.summary
     if len(entry.topics) > 1 or summary is None:
-        lines += [f"  topic {_topic(topic)}" for topic in entry.topics]
+        for one in entry.topics:
+            messages = "" if one.messages is None else f", {count_of(one.messages, 'message')}"
+            lines.append(f"  topic {one.name} ({one.type}{messages}{'' if one.readable else '; no joint log'})")
     if summary is None:
         return [*lines, "  not read"]
-    return [*lines, *(f"  {line}" for line in _lines(summary)), *table_lines(MOTION.people(summary.joints, "t"))]
+    return [
+        *lines,
+        *(f"  {name:<9}{text}" for name, text in facts_of(summary)),
+        *table_lines(MOTION.people(summary.joints, "t")),
+    ]
 
 
-def _topic(topic: Topic) -> str:
-    messages = "" if topic.messages is None else f", {count_of(topic.messages, 'message')}"
-    return f"{topic.name} ({topic.type}{messages}{'' if topic.readable else '; no joint log'})"
-
-
-def _lines(summary: LogSummary) -> Iterator[str]:
+def facts_of(summary: LogSummary) -> Iterator[tuple[str, str]]:
+    """Yield what is in a log, each with its name."""
     log, source, torque = summary.log, summary.log.source, summary.torque
     topic = f", topic {source.topic}" if source.topic else ""
     alike = candidates(log.joint_names) if source.robot not in PRESETS else ()
     robot = source.robot + (f" (joints of {', '.join(alike)}: name it with --robot)" if alike else "")
-    yield f"format   {source.format}{topic}, robot {robot}, {count_of(len(log.joint_names), 'joint')}"
-    yield from (f"read     {found.message}" for found in source.findings if found.code in SHOWN)
+    yield "format", f"{source.format}{topic}, robot {robot}, {count_of(len(log.joint_names), 'joint')}"
+    yield from (("read", found.message) for found in source.findings if found.code in SHOWN)
     samples = f"{log.duration_s:.6g} s, {count_of(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
-    yield f"clock    {source.clock}, {samples}, {summary.clock_text}"
-    yield f"steps    {summary.steps_text}, {count_of(summary.stale_samples, 'repeated sample')} left out"
-    for channel, name in source.channels.items():
-        yield f"channel  {channel} = {name}"
+    windows = source.clock_windows
+    checked = f"checked on {count_of(windows, 'window')}" if windows else "not checked"
+    yield "clock", f"{source.clock}, {samples}, {checked}"
+    jitter = f"jitter {1e3 * summary.jitter_s:.3g} ms" if summary.jitter_s >= ROUNDING_S else "no jitter"
+    longest = f", the longest {summary.longest_gap_s:.3g} s"
+    gaps = f"{count_of(summary.gaps, 'gap')}{longest}" if summary.gaps else "no gaps"
+    yield "steps", f"{jitter}, {gaps}, {count_of(summary.stale_samples, 'repeated sample')} left out"
+    yield from (("channel", f"{channel} = {name}") for channel, name in source.channels.items())
     if source.torque_unit != NEWTON_METRES:
-        yield f"unit     the torque is a motor current and is read in {source.torque_unit}"
+        yield "unit", f"the torque is a motor current and is read in {source.torque_unit}"
     if torque is not None:
-        yield f"torque   {torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign_text(torque)}"
+        yield "torque", f"{torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign_text(torque)}"

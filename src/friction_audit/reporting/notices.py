@@ -95,10 +95,7 @@ def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
 
 
 def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
-    """Return what was noticed on the way from the log to the diagnosis, each once.
-
-    With limits of the data. Of joints without an answer nothing: what is wrong with them is their answer.
-    """
+    """Return what was noticed on the way to the diagnosis, with limits of the data; of joints with an answer."""
     own = [
         Notice(finding.code, joint.joint, finding.message)
         for joint in found.discrepancy.joints
@@ -111,12 +108,8 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
 def minor(log: JointLog) -> frozenset[str]:
     """Return the codes of what was corrected, or is too small to change a result: reported in documents and pages."""
     share, step_s = SMALL_SHARE * log.samples, 1.0 / log.rate_hz
-    most = {
-        "dropped_samples": share,
-        "stale_samples": share,
-        "duplicate_stamps": share,
-        "jitter": 2.0 * SMALL_SHARE * step_s,
-    }
+    most = dict.fromkeys(("dropped_samples", "stale_samples", "duplicate_stamps"), share)
+    most["jitter"] = 2.0 * SMALL_SHARE * step_s
     small = [one for one in log.source.findings if one.amount is not None and one.amount <= most.get(one.code, -1.0)]
     return frozenset((*CORRECTED, *(one.code for one in small)))
 
@@ -155,7 +148,10 @@ def notice_lines(notices: Iterable[Notice]) -> list[str]:
     for apart in alike.values():
         every = [one for same in apart.values() for one in same]
         messages = apart if any(map(OTHER.search, apart)) else {_with_range(apart): every}
-        lines += [_line(message, same) for message, same in messages.items()]
+        for message, same in messages.items():
+            joints = sorted({notice.joint for notice in same if notice.joint is not None})
+            several = len(joints) > 1 and all(notice.joint is not None for notice in same)
+            lines.append(f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message)))
     return lines
 
 
@@ -169,17 +165,8 @@ def _with_range(messages: Collection[str]) -> str:
     return NUMBER.sub(lambda _: ranges.pop(0), first)
 
 
-def _line(message: str, same: list[Notice]) -> str:
-    joints = sorted({notice.joint for notice in same if notice.joint is not None})
-    several = None not in {notice.joint for notice in same} and len(joints) > 1
-    return f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message))
-
-
 def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
-    """Return one line per sentence of the reasons, led by the joints that it holds for; none for joints with a result.
-
-    Sentences that differ in the number of a joint only are one.
-    """
+    """Return a line per sentence of the reasons, led by its joints; those that differ in a joint's number are one."""
     every = []
     for one in joints:
         first, *rest = SENTENCE_END.split(one.reason)

@@ -26,9 +26,8 @@ class Recording(NamedTuple):
 
 
 def _answer_words(answer: Answer) -> str:
-    names = " and ".join({frozenset(one): " or ".join(one) for one in answer.sets}.values())
-    verdict = answer.verdict.replace("_", " ")
-    return f"{verdict}: {names}" if names else verdict
+    names = {frozenset(one): " or ".join(one) for one in answer.sets}.values()
+    return ": ".join(filter(None, (answer.verdict.replace("_", " "), " and ".join(names))))
 
 
 STROKE = Record(
@@ -70,7 +69,7 @@ ANSWER = Record(
     Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
     Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
     Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
-    Column("decided", bool, "whether it is named, and no wrong name with it", title="decided", on="jt"),
+    Column("decided", bool, "whether it is named, and no wrong name with it", on="jt"),
 )
 JOINT_PLAN = Record(
     Column("joint", int, "number, from 1", "task.joint.number"),

@@ -18,7 +18,7 @@ from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_est
 from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
 from friction_audit.reporting.diagnosis_tables import TONES, WORDS
 from friction_audit.reporting.diagnosis_words import joint_message, names_of, plain_names
-from friction_audit.reporting.documents import CHAIN, settings_document
+from friction_audit.reporting.documents import CHAIN, SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
 from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
 from friction_audit.reporting.replay import REPLAY, replay_tables, replay_values
@@ -102,12 +102,9 @@ def report_estimate(
     command: str = "",
     step: Step = lambda _: nullcontext(),
 ) -> LogReport:
-    """Run what follows an estimate, for the sections asked for; a part without an answer leaves the others as they are.
-
-    Of the log the report has the name, not the path: a page is sent to others.
-    """
+    """Run what follows an estimate, for the sections asked for; a part without an answer leaves the others."""
     unanswered: list[Unanswered] = []
-    estimate = _without_path(estimate)
+    estimate = _without_path(estimate)  # a page is sent to others
     known = any(not joint.reason for joint in estimate.friction.joints)
     replay = diagnosis = None
     if "compensator" in sections and known:
@@ -187,17 +184,9 @@ def friction_words(friction: JointFriction) -> str:
     return ", ".join(f"{name} {with_unit(value, unit)}" for name, value, unit in found if not math.isnan(value.value))
 
 
-def removal_words(joint: JointReplay) -> str:
-    """Return how much of the dissipation a compensator would have removed; nothing where that is not known."""
-    numbers = joint.numbers
-    if joint.reason or numbers is None or math.isnan(numbers.dissipation_removed):
-        return ""
-    if not math.isnan(numbers.diverged_s):
-        return f"the compensator would have diverged after {numbers.diverged_s:.3g} s"
-    removed = 100 * numbers.dissipation_removed
-    if removed < 0.0:
-        return f"with a compensator the energy put in would have been {100 - removed:.0f} % of that without"
-    return f"a compensator would have removed {removed:.0f} % of the energy put in"
+def joint_words(one: JointReport) -> str:
+    """Return coefficients and verdict of a joint; why there is no estimate stands elsewhere."""
+    return verdict_word(one) if one.friction.reason else f"{friction_words(one.friction)}; {verdict_word(one)}"
 
 
 def lead_sentence(report: LogReport) -> str:
@@ -237,7 +226,6 @@ def _missing(found: JointDiagnosis) -> str:
 
 
 def _joints(joints: Sequence[JointReport], every: int) -> str:
-    """Return which joints are meant."""
     if MOST_LISTED < len(joints) < every:
         return count_of(len(joints), "joint")
     numbers = enumerate_words(one.joint for one in joints)
@@ -259,11 +247,8 @@ VERDICT = Record(
     NAME,
     joint_column(),
     Column("coulomb", Coefficient, get="friction.coulomb", unit="N m", title="Coulomb", on="p"),
-    Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", title="viscous", on="p"),
-    Column(
-        "verdict", str, "the verdict of the page", verdict_word,
-        title="verdict", tone=VERDICT_TONES.__getitem__, on="jfp",
-    ),
+    Column("viscous", Coefficient, get="friction.viscous", unit="N m s/rad", on="p"),
+    Column("verdict", str, "the verdict of the page", verdict_word, tone=VERDICT_TONES, on="jfp"),
     Column(
         "message", str, "cause, size, what to do; or why there is no answer",
         lambda one: one.answer or friction_words(one.friction),
@@ -281,35 +266,25 @@ REPORT = Document(
     "report/4",
     "All parts of a report, as on its page",
     Column("command", str, "the command that makes the report again", null=True),
-    CHAIN,
-    Column("message", str, "the lead of the page"),
+    replace(SOURCE, get="estimate.log"),
+    replace(SETTINGS, get=report_settings),
+    replace(WARNINGS, get=report_notices),
+    Column("message", str, "the lead of the page", lead_sentence),
     Column("sections", [str], "sections that were asked for"),
     Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
     Column("joints", [VERDICT], "per joint"),
-    Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
-    Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", null=True),
-    Column("replay", _part(REPLAY), "document of `replay` likewise", null=True),
-)
+    Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys", "estimate.friction"),
+    Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", "diagnosis.discrepancy", null=True),
+    Column(
+        "replay", _part(REPLAY), "document of `replay` likewise", lambda one: one.replay and replay_values(one.replay),
+        null=True,
+    ),
+)  # fmt: skip
 
 
 def report_document(report: LogReport) -> dict[str, Any]:
     """Return the document of a report."""
-    return REPORT.json(
-        {
-            "command": report.command,
-            "source": report.estimate.log,
-            "settings": report_settings(report),
-            "warnings": report_notices(report),
-            "message": lead_sentence(report),
-            "sections": report.sections,
-            "unanswered": report.unanswered,
-            "joints": report.joints,
-            "estimate": report.estimate.friction,
-            "diagnose": report.diagnosis and report.diagnosis.discrepancy,
-            "replay": report.replay and replay_values(report.replay),
-        },
-        report.unit,
-    )
+    return REPORT.json(report, report.unit)
 
 
 def report_tables(report: LogReport) -> tuple[TidyTable, ...]:

@@ -26,10 +26,12 @@ SENTENCES: Mapping[str, str] = {
     "there is none){remedy}",
     "inertia_in_torque": "inertial and Coriolis torques of the robot's own motion are in F_m: inertial coupling "
     "between moving joints biases the energy balance{remedy}",
-    "model_not_used": "{options}: not used: {formula} needs no model of the arm; remove the option{instead}",
+    "model_not_used": "{options}: not used: {formula} needs no model of the arm; remove the option, or ask for the "
+    "model (--torque tau_J --gravity model)",
     "sign_turned": "{how}",
-    "sign_contradicts_drive": "with {formula}{row} the net energy falls on most of the moving joints, which friction "
-    "cannot do{tried}; perhaps {causes}",
+    "sign_contradicts_drive": "with {formula} the net energy falls on most of the moving joints, which friction cannot "
+    "do; perhaps the other --drive is meant, tau_compensation has the wrong sign (it is positive towards positive "
+    "motion), or gravity or the payload is wrong",
     "sign_unproved": "the sign of {formula} is undecided: the net energy of most joints neither rises nor falls "
     "significantly; move back and forth more often, or give --drive",
     "sign_disagrees": "its net energy {verdict} ({torque:.2f} ± {error:.2f} N m against the motion), that of most "
@@ -39,22 +41,22 @@ SENTENCES: Mapping[str, str] = {
     "gravity_error": "gravity of at least {rms:.1f} N m rms over {moved:.2g} rad is left in the torque{cause}",
     # friction
     "not_determined": "{reason}",
-    "negative_coulomb": "negative coulomb coefficient: the torque contains more than friction; check gravity, "
-    "payload, delay and the range of speeds",
-    "negative_viscous": "negative viscous coefficient: the torque contains more than friction; check gravity, "
-    "payload, delay and the range of speeds",
     "coulomb_disagrees": "the coulomb coefficients of energy balance and torque regression differ significantly; the "
     "interval covers both; probable cause: Stribeck friction, position-dependent friction or a gravity error",
     "viscous_disagrees": "the viscous coefficients of energy balance and torque regression differ significantly; the "
     "interval covers both; probable cause: friction that is not linear in speed",
-    "coulomb_changes": "the coulomb coefficient changes within the log, from {early:.3f} (first {cycles} cycles) to "
-    "{late:.3f} (last); see the history",
-    "viscous_changes": "the viscous coefficient changes within the log, from {early:.3f} (first {cycles} cycles) to "
-    "{late:.3f} (last); see the history",
-    "coulomb_not_determined": "the coulomb coefficient is not determined: its interval exceeds {most:g} times the "
-    "torque in motion; move more often and at several speeds",
-    "viscous_not_determined": "the viscous coefficient is not determined: its interval exceeds {most:g} times the "
-    "torque in motion; move more often and at several speeds",
+    **{
+        code.replace("#", name): text.replace("#", name)
+        for name in ("coulomb", "viscous")
+        for code, text in {
+            "negative_#": "negative # coefficient: the torque contains more than friction; check gravity, payload, "
+            "delay and the range of speeds",
+            "#_changes": "the # coefficient changes within the log, from {early:.3f} (first {cycles} cycles) to "
+            "{late:.3f} (last); see the history",
+            "#_not_determined": "the # coefficient is not determined: its interval exceeds {most:g} times the torque "
+            "in motion; move more often and at several speeds",
+        }.items()
+    },
     "hardly_separable": "Coulomb and viscous coefficients are hardly separable (correlation above {most:g}): only "
     "their sum at the recorded speeds is reliable; vary the speed",
     "few_cycles": "fewer than {fewest} cycles: the intervals are wide and approximate",
@@ -132,39 +134,14 @@ def _remedy(one: Numbers) -> dict[str, str]:
     return {"remedy": one["command"] and f"; {one['lead']}{one['command']}"}
 
 
-def _unused(one: Numbers) -> dict[str, str]:
-    model = ", or ask for the model with --torque tau_J --gravity model" if one["has_tau_j"] else ""
-    return {"options": ", ".join(one["options"]), "instead": model}
-
-
-def _contradiction(one: Numbers) -> dict[str, str]:
-    """What may be wrong depends on what the user left open."""
-    known, asked = one["source"] == "interaction", one["asked"]
-    causes = {
-        "the other --drive is meant": asked,
-        "tau_compensation has the wrong sign (it is positive towards positive motion): flip it in the log": one[
-            "compensated"
-        ],
-        "gravity or the payload is wrong": one["source"] == "tau_J",
-    }
-    wrong = [text for text, holds in causes.items() if holds] or ["velocity and torque do not belong together"]
-    turned = "sign turned" if known else "other row of the balance"
-    return {
-        "row": "" if known else f" (drive {one['drive']})",
-        "tried": f"; {asked} is kept as asked" if asked else f", nor does it rise with the {turned}",
-        "causes": ", or ".join(wrong),
-    }
-
-
 # What the numbers of a caution are in words, where the sentence has some.
 WORDS: Mapping[str, Callable[[Numbers], dict[str, str]]] = {
     "dq_late": _lags,
     "dq_other_clock": _lags,
     "gravity_in_torque": _remedy,
     "inertia_in_torque": _remedy,
-    "model_not_used": _unused,
+    "model_not_used": lambda one: {"options": ", ".join(one["options"])},
     "sign_turned": lambda one: {"how": TURNED[one["source"] == "interaction"].format(**one)},
-    "sign_contradicts_drive": _contradiction,
     "gravity_error": lambda one: {
         "cause": GRAVITY_CAUSES.get(one["gravity"], "; check the gravity that was removed, and its direction")
     },

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, is_dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import JointRows, TidyTable, as_column
 from friction_audit.reporting.words import NEWTON_METRES, NOTHING, format_coefficient, in_unit, joint_label
 
-Form = Literal["j", "f", "t", "p"]
+Form = Literal["j", "f", "t", "p", "n", "w"]
 Tone = Literal["", "alert", "fine", "unsure", "off"]
 Row = Any
 Get = str | Callable[[Row], Any]
@@ -49,14 +49,16 @@ class Column:
     get: Get | None = None  # path of attributes, keys and places from a row, or a function of the row; the key if None
     _: KW_ONLY
     unit: str = ""  # unit of the value; its suffix ends the key
-    # head of the column for people, without the unit; ``short`` the same in the terminal, in narrow lines
+    # head of the column for people, without the unit, the name if empty; ``short`` the same in the terminal
     title: str = ""
     short: str = ""
-    form: str | Callable[[Any], str] = ".3g"  # format of a number, or a function from the value to its text
+    # format of a number, or what gives the text of a value
+    form: str | Callable[[Any], str] | Mapping[Any, str] = ".3g"
     sort: Get | None = None  # what the column is sorted by, like ``get``, if not by the value
-    on: str = "jf"  # forms in which the column appears, by letter: JSON document, file, terminal, page
+    # forms in which the column appears, by letter: JSON document, file, terminal, page; a further table of the page
+    on: str = "jf"
     null: bool = False  # whether the value may be missing in a document; an empty text is then null
-    tone: Callable[[str], Tone] | None = None  # tone of the badge around a text, by the text
+    tone: Mapping[str, Tone] | None = None  # tone of the badge around a text, by the text
     code: bool = False  # whether it is the name of a file or the like, which may break anywhere
     words: bool = False  # whether it is a phrase for which the page leaves room
     optional: bool = False  # whether a document has the key only where there is something
@@ -76,7 +78,7 @@ class Column:
     def head(self, torque_unit: str) -> str:
         """Return the head of the column on a page."""
         unit = in_unit(self.unit, torque_unit)
-        return f"{self.title} [{unit}]" if unit else self.title
+        return f"{self.title or self.name} [{unit}]" if unit else self.title or self.name
 
     @property
     def number(self) -> bool:
@@ -106,8 +108,8 @@ class Column:
         value = self.value(row)
         if value is None or value == "" or (isinstance(value, float) and math.isnan(value)):
             return NOTHING
-        if callable(self.form):
-            return self.form(value) or NOTHING
+        if not isinstance(self.form, str):
+            return (self.form[value] if isinstance(self.form, Mapping) else self.form(value)) or NOTHING
         if isinstance(value, Coefficient):
             return format_coefficient(value)
         if isinstance(value, bool):
@@ -123,18 +125,13 @@ class Column:
         return math.nan if value is None else float(value)
 
 
-class JointName(NamedTuple):
-    """Number and name of a joint."""
-
-    joint: int
-    name: str
-
-
 def joint_column(get: Get = lambda row: row, on: str = PEOPLE) -> Column:
     """Return the column that heads the rows of joints for people; ``get`` gives what has ``joint`` and ``name``."""
-    sort = lambda row: _found(row, get).joint  # noqa: E731
-    label = lambda one: joint_label(one.joint, one.name)  # noqa: E731
-    return Column("joint", str, get=get, title="joint", form=label, sort=sort, on=on)
+
+    def label(one: Any) -> str:  # noqa: ANN401 - whatever is of a joint
+        return joint_label(one.joint, one.name)
+
+    return Column("joint", str, get=get, form=label, sort=lambda row: _found(row, get).joint, on=on)
 
 
 JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str, "name in the log", on="j")
@@ -151,14 +148,10 @@ class Record:
         time: str | None = None,
         arrays: bool = False,
     ) -> None:
-        """Take the columns in order, also in groups.
+        """Take the columns in order, also in groups; in files the table has a name and a line on what a row is.
 
-        Args:
-            columns: The columns.
-            name: Name of the table in files.
-            summary: What a row is, in one line.
-            time: Key of the column that holds the moment at which a row was known, or None.
-            arrays: Whether a value is the whole column of a joint: an array instead of one cell.
+        The column with the key ``time`` holds the moment at which a row was known. With ``arrays`` a value is the whole
+        column of a joint instead of one cell.
         """
         groups = (one if isinstance(one, tuple) else (one,) for one in columns)
         self.columns = tuple(column for group in groups for column in group)
@@ -189,17 +182,11 @@ class Record:
         return self.file(((one.joint, one.name, _found(one, get)) for one in joints), torque_unit)
 
     def file(
-        self,
-        joints: Iterable[tuple[int, str, Any]],
-        torque_unit: str = NEWTON_METRES,
-        absent: Collection[str] = (),
+        self, joints: Iterable[tuple[int, str, Any]], torque_unit: str = NEWTON_METRES, absent: Collection[str] = ()
     ) -> TidyTable:
-        """Return the table for files.
+        """Return the table for files, without the columns with the names ``absent``.
 
-        Args:
-            joints: Of each joint number, name, and its rows (or what has its arrays); None for none.
-            torque_unit: Unit of the torque.
-            absent: Names of columns that this result does not have.
+        Of each joint there are number, name, and its rows (or what has its arrays; None for none).
         """
         columns = {one.key_in(torque_unit): one for one in self.file_columns() if one.name not in absent}
         return TidyTable(
@@ -217,15 +204,12 @@ class Record:
     def file_columns(self) -> list[Column]:
         """Return the columns of files: a coefficient is a value and the two ends of its interval."""
 
-        def end_of(column: Column, field: str) -> Get:
-            return lambda row: getattr(column.value(row), field, None)
+        def part(column: Column, end: str, field: str) -> Column:
+            get = lambda row: getattr(column.value(row), field, None)  # noqa: E731
+            return replace(column, name=column.name + end, kind=float, get=get)
 
-        def parts(column: Column) -> list[Column]:
-            if column.kind is not Coefficient:
-                return [column]
-            return [replace(column, name=column.name + end, kind=float, get=end_of(column, one)) for end, one in ENDS]
-
-        return [part for column in self.on("f") for part in parts(column)]
+        own = ([one] if one.kind is not Coefficient else [part(one, *end) for end in ENDS] for one in self.on("f"))
+        return [column for columns in own for column in columns]
 
     def _cells(self, column: Column, rows: Any) -> Any:  # noqa: ANN401
         if self.arrays:
@@ -238,9 +222,6 @@ class Record:
     def people(self, rows: Iterable[Row], form: Form = "p", **shown: Any) -> "Table":  # noqa: ANN401 - fields of Table
         """Return the table for people: on the terminal or on a page."""
         return Table(columns=self.on(form), rows=tuple(rows), **shown)
-
-
-LONG = 30  # rows of a table above which the page gives it a window of its own
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -256,11 +237,6 @@ class Table:
     def text(self, column: Column, row: Row) -> str:
         """Return the text of a cell."""
         return in_unit(column.text(row), self.unit)
-
-    @property
-    def long(self) -> bool:
-        """Whether it scrolls in a window of its own."""
-        return len(self.rows) > LONG
 
     def filled(self) -> "Table":
         """Return the table without the columns that hold nothing in any row."""

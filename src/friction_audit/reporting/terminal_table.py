@@ -24,7 +24,7 @@ def table_lines(table: Table, marked: Collection[int] = ()) -> list[str]:
 
     drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
     for column in table.columns:
-        title, unit = column.short or column.title, in_unit(column.unit, table.unit)
+        title, unit = column.short or column.title or column.name, in_unit(column.unit, table.unit)
         head = Text(f"{title}\n[{unit}]" if unit else title)
         drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
     for number, row in enumerate(table.rows):

@@ -51,10 +51,7 @@ def joint_label(joint: int, name: str) -> str:
 
 
 def format_coefficient(coefficient: Coefficient) -> str:
-    """Return value and 95 % interval with the digits that the interval leaves meaningful.
-
-    Examples: ``0.245 ± 0.006``; ``0.25 +0.01/-0.03`` where the interval is lopsided.
-    """
+    """Return value and interval with the digits that it leaves: ``0.245 ± 0.006``, lopsided ``0.25 +0.01/-0.03``."""
     if math.isnan(coefficient.value):
         return NOTHING
     up, down = coefficient.high - coefficient.value, coefficient.value - coefficient.low
@@ -76,10 +73,7 @@ def with_unit(value: Coefficient, unit: str) -> str:
 
 
 def format_quantity(number: Coefficient, unit: str) -> str:
-    """Return a value with its 95 % interval and unit, in thousandths where it is small.
-
-    Examples: ``0.150 ± 0.010 N m``; ``3.1 ± 0.2 ms``.
-    """
+    """Return a value with its 95 % interval and unit, in thousandths where it is small: ``3.1 ± 0.2 ms``."""
     if math.isnan(number.value):
         return NOTHING
     if math.isinf(number.high - number.low):
@@ -135,27 +129,21 @@ def format_p(p: float) -> str:
     return NOTHING if math.isnan(p) else f"< {SMALLEST_P}" if p < SMALLEST_P else f"{p:.2g}"
 
 
+def iso_start(start_s: float | None) -> str | None:
+    """Return when a recording began as ISO 8601, UTC; None where it is not known or no calendar has it."""
+    if start_s is None or not 0.0 <= start_s <= LAST_S:
+        return None
+    return datetime.fromtimestamp(start_s, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
 def format_start(start_s: float | None) -> str:
     """Return when a recording began, to the minute, UTC; a dash where that is not known."""
-    moment = moment_of(start_s)
-    return NOTHING if moment is None else f"{moment:%Y-%m-%d %H:%M}"
+    return (iso_start(start_s) or NOTHING)[:16].replace("T", " ")
 
 
 def format_date(start_s: float | None) -> str:
     """Return the day on which a recording began, UTC; a dash where that is not known."""
-    moment = moment_of(start_s)
-    return NOTHING if moment is None else f"{moment:%Y-%m-%d}"
-
-
-def iso_start(start_s: float | None) -> str | None:
-    """Return when a recording began as ISO 8601, UTC, or None."""
-    moment = moment_of(start_s)
-    return None if moment is None else moment.isoformat(timespec="milliseconds").replace("+00:00", "Z")
-
-
-def moment_of(start_s: float | None) -> datetime | None:
-    """Return a Unix time as a date of UTC, None where it is not known or no calendar has it."""
-    return None if start_s is None or not 0.0 <= start_s <= LAST_S else datetime.fromtimestamp(start_s, UTC)
+    return (iso_start(start_s) or NOTHING)[:10]
 
 
 def count_of(number: int, thing: str) -> str:

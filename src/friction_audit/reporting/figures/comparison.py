@@ -3,20 +3,17 @@
 from collections.abc import Sequence
 from itertools import pairwise, takewhile
 from textwrap import fill
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from friction_audit.compensation.comparison.methods import BEST, NONE, PAPER
 from friction_audit.compensation.comparison.result import Comparison, Curve, Interval, Row
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 
 # Colour and dashes of each method.
 LOOKS: dict[str, tuple[str, Any]] = {
@@ -31,7 +28,7 @@ LOOKS: dict[str, tuple[str, Any]] = {
 LOST: dict[str, Any] = {"color": theme.BORDER, "marker": "x", "ls": ""}  # where a loop was lost
 
 
-def draw_comparison(comparison: Comparison) -> "dict[str, Figure]":
+def draw_comparison(comparison: Comparison) -> dict[str, Figure]:
     """Return the figures by name; those that have nothing to show are left out."""
     figures = {"energy": draw_energies(comparison), "velocity-torque": draw_loops(comparison)}
     if comparison.curves:
@@ -40,7 +37,7 @@ def draw_comparison(comparison: Comparison) -> "dict[str, Figure]":
 
 
 @theme.figure_style(mathematics=True)
-def draw_energies(comparison: Comparison) -> "Figure":
+def draw_energies(comparison: Comparison) -> Figure:
     """Draw the net energies of all methods over time, in one panel as in the paper."""
     rows = comparison.of_role(PAPER)
     figure = parts.new_figure(theme.COLUMN_IN, 2.9)
@@ -65,7 +62,7 @@ GROUND = "#c8c8c8"  # colour of the curve without compensation, which all others
 
 
 @theme.figure_style(mathematics=True)
-def draw_loops(comparison: Comparison) -> "Figure":
+def draw_loops(comparison: Comparison) -> Figure:
     """Draw torque over velocity after the second cycle, a panel for every method over the curve without any."""
     rows, joint = comparison.of_role(PAPER), comparison.loaded_joint
     figure, panels = parts.grid([1.3] * len(rows), ACROSS, theme.COLUMN_IN, 0.3, sharex=True, sharey=True)
@@ -99,7 +96,7 @@ MILLI = 1000.0
 
 
 @theme.figure_style(mathematics=True)
-def draw_sweeps(comparison: Comparison) -> "Figure":
+def draw_sweeps(comparison: Comparison) -> Figure:
     """Draw the energy slope over the setting, a panel for every method, and shade where a loop was lost."""
     none = comparison.row(NONE, PAPER)
     methods = list(dict.fromkeys(curve.method for curve in comparison.curves))
@@ -117,7 +114,7 @@ def draw_sweeps(comparison: Comparison) -> "Figure":
     return figure
 
 
-def _draw_sweeps(axes: "Axes", sweeps: Sequence[Curve]) -> None:
+def _draw_sweeps(axes: Axes, sweeps: Sequence[Curve]) -> None:
     """Draw the stable points of each sweep, and a cross where the loop was lost first on either side of them."""
     values = [point.value for sweep in sweeps for point in sweep.points]
     logarithmic = max(values) > WIDE * min(values)
@@ -153,7 +150,7 @@ SHAPES = {PAPER: ("o", "full", "the setting of the paper's order"), BEST: ("D", 
 
 
 @theme.figure_style(mathematics=True)
-def draw_summary(comparison: Comparison) -> "Figure":
+def draw_summary(comparison: Comparison) -> Figure:
     """Draw the setting of the paper's order and the best one of every method, with 95 % intervals."""
     rows = [row for row in comparison.rows if row.role in SHIFTS]
     labels = list(dict.fromkeys(row.label for row in rows))
@@ -177,7 +174,7 @@ def draw_summary(comparison: Comparison) -> "Figure":
     return figure
 
 
-def _draw_interval(axes: "Axes", row: Row, place: float, shown: Interval) -> None:
+def _draw_interval(axes: Axes, row: Row, place: float, shown: Interval) -> None:
     """Draw a mean with its interval, and at the right how many loops were lost: those are not in the means."""
     shape, filling, _ = SHAPES[row.role]
     axes.errorbar(

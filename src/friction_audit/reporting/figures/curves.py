@@ -1,19 +1,19 @@
 """ArmDrift, TwoSides -> velocity-torque curves of sessions and of two sides, and the change of the friction law."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from friction_audit.drift.report import ArmDrift, JointDrift
 from friction_audit.drift.session import SpeedCurve
 from friction_audit.drift.two_sides import JointChange, TwoSides
 from friction_audit.joint_log import Float
+from friction_audit.reporting.drift_words import curve_sessions
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures.style import DASHED, DISSIPATED, FILTERED, FITTED, GREEN
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 SPREAD = "range of the reference"
 
@@ -27,14 +27,7 @@ class Mean(NamedTuple):
     high: Float
 
 
-def curve_sessions(arm: ArmDrift) -> tuple[int, tuple[int, ...], int]:
-    """Return the sessions whose curves are drawn: the first, those of the reference, the last."""
-    compared = arm.compared or tuple(range(len(arm.sessions)))
-    return compared[0], arm.reference, compared[-1]
-
-
-def _draw_curves(panels: "Sequence[Axes]", arm: ArmDrift, joint: JointDrift) -> None:
-    """Draw the first session, the mean of the reference and the last session of one joint."""
+def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     (axes,) = panels
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     first, reference, last = curve_sessions(arm)
@@ -57,10 +50,7 @@ def _draw_curves(panels: "Sequence[Axes]", arm: ArmDrift, joint: JointDrift) -> 
 
 
 def mean_curve(curves: list[SpeedCurve]) -> Mean | None:
-    """Return curves in one, on the speeds of the first that has any; a gap where the direction changes.
-
-    Where a curve does not reach, it does not count.
-    """
+    """Return curves, where they reach, in one, on the speeds of the first; a gap where the direction changes."""
     broken = [
         np.insert((one.speed_rad_s, one.torque_nm), np.searchsorted(one.speed_rad_s, 0.0), (0.0, np.nan), axis=1)
         for one in curves
@@ -80,19 +70,14 @@ def _has_curve(arm: ArmDrift, joint: JointDrift) -> bool:
 
 
 CURVES = parts.Layout(
-    joints=lambda arm: arm.joints,
-    has=_has_curve,
-    lacks="no curve",
-    draw=_draw_curves,
-    across=4,
-    x="Velocity [rad/s]",
-    y="Interaction torque [N m]",
-)
+    joints=lambda arm: arm.joints, has=_has_curve, lacks="no curve", draw=_draw_curves, across=4,
+    x="Velocity [rad/s]", y="Interaction torque [N m]",
+)  # fmt: skip
 
 COLOURS = {"before": FILTERED, "after": FITTED}
 
 
-def _draw_sides(panels: "Sequence[Axes]", _: TwoSides, joint: JointChange) -> None:
+def _draw_sides(panels: Sequence[Axes], _: TwoSides, joint: JointChange) -> None:
     """Draw the mean curve of each side; of a result, which holds none, the fitted friction."""
     (axes,) = panels
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
@@ -115,19 +100,10 @@ def _reach(joint: JointChange) -> float:
     return max(speeds, default=0.0 if joint.law is None else float(joint.law.speed_rad_s[-1]))
 
 
-SIDES = parts.Layout(
-    joints=lambda sides: sides.joints,
-    has=lambda _, joint: _reach(joint),
-    lacks="no curve and no estimate",
-    draw=_draw_sides,
-    across=4,
-    x="Velocity [rad/s]",
-    y="Interaction torque [N m]",
-)
+SIDES = replace(CURVES, has=lambda _, joint: _reach(joint), lacks="no curve and no estimate", draw=_draw_sides)
 
 
-def _draw_law_change(panels: "Sequence[Axes]", _: TwoSides, joint: JointChange) -> None:
-    """Draw the difference of the friction laws with its 95 % interval at each speed."""
+def _draw_law_change(panels: Sequence[Axes], _: TwoSides, joint: JointChange) -> None:
     (axes,), law = panels, joint.law
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     if law is None:
@@ -138,12 +114,4 @@ def _draw_law_change(panels: "Sequence[Axes]", _: TwoSides, joint: JointChange) 
     parts.mark_zero(axes)
 
 
-LAW_CHANGE = parts.Layout(
-    joints=SIDES.joints,
-    has=SIDES.has,
-    lacks=SIDES.lacks,
-    draw=_draw_law_change,
-    across=4,
-    x="Speed [rad/s]",
-    y="Friction torque, after less before [N m]",
-)
+LAW_CHANGE = replace(SIDES, draw=_draw_law_change, x="Speed [rad/s]", y="Friction torque, after less before [N m]")

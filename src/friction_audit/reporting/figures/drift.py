@@ -2,10 +2,13 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -16,45 +19,33 @@ from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.style import DASHED, FILTERED, FITTED, GREEN, MUTED, Look
 from friction_audit.reporting.words import NOTHING, count_of, format_date
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 MOST_MARKED = 150  # sessions in a panel above which markers would only be a blot; a line takes their place
 MOST_TICKS = 6
 COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 
 
-def _of_coefficient(joint: JointDrift, coefficient: str) -> CoefficientDrift | None:
-    """Return what became of a coefficient, or None if it was not estimated."""
-    return next((found for found in joint.coefficients if found.coefficient == coefficient), None)
+def _title(coefficient: str) -> str:
+    return drift_words.NAMES[coefficient].capitalize()
 
 
-def coefficient_title(coefficient: str) -> str:
-    """Return the name of a coefficient as a label begins."""
-    name = drift_words.NAMES[coefficient]
-    return name[:1].upper() + name[1:]
-
-
-def verdict_words(found: CoefficientDrift) -> str:
+def _verdict(found: CoefficientDrift) -> str:
     """Return the verdict on a coefficient in the few words that fit above a panel."""
-    word = drift_words.drift_verdict(found)
-    if word != drift_words.DRIFT:
-        return word
-    if len(found.change_points) == 1:
+    word, total = drift_words.drift_verdict(found), drift_words.total_text(found)
+    if word == drift_words.DRIFT and len(found.change_points) == 1:
         (change,) = found.change_points
         return f"{drift_words.format_change(change)} at session {change.session + 1}"
-    return f"{drift_words.total_text(found)} in all" if drift_words.total_text(found) != NOTHING else drift_words.DRIFT
+    return f"{total} in all" if word == drift_words.DRIFT and total != NOTHING else word
 
 
-def _draw_both(draw: Any, panels: "Sequence[Axes]", arm: ArmDrift, joint: JointDrift) -> None:
+def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     """Draw Coulomb above or left of viscous friction over the sessions, or say why there is nothing."""
+    known = {found.coefficient: found for found in joint.coefficients}
     for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
         second = axes is not panels[0] and parts.is_narrow(axes)
         parts.label_panel(axes, "" if second else parts.joint_title(joint.joint, joint.name))
-        number_sessions(axes, arm)
-        found = _of_coefficient(joint, coefficient)
-        axes.set_ylabel(coefficient_title(coefficient))
+        _number_sessions(axes, arm)
+        found = known.get(coefficient)
+        axes.set_ylabel(_title(coefficient))
         if found is not None and _estimated(found):
             words, alert = draw(axes, arm, joint, found)
             # No panel has ticks above; to look for them takes a third of the time, and a place given ends it.
@@ -73,9 +64,9 @@ def _has(_: ArmDrift, joint: JointDrift) -> bool:
     return any(map(_estimated, joint.coefficients))
 
 
-def number_sessions(axes: "Axes", arm: ArmDrift) -> None:
-    """Let an axis run over all sessions of an arm; ticks carry the number and, where known, the day or month."""
-    places = tick_places(len(arm.sessions))
+def _number_sessions(axes: Axes, arm: ArmDrift) -> None:
+    """Let an axis run over all sessions; at most MOST_TICKS ticks carry number and, where known, the day or month."""
+    places = list(range(1, len(arm.sessions) + 1, max(1, -(-len(arm.sessions) // MOST_TICKS))))
     axes.set_xlim(0.2, len(arm.sessions) + 0.8)
     dates = [format_date(arm.sessions[place - 1].start_s) for place in places]
     part = slice(None, 7) if len(_years(arm)) > 1 else slice(5, None)  # a tick has room for two of the three
@@ -84,24 +75,17 @@ def number_sessions(axes: "Axes", arm: ArmDrift) -> None:
     )
 
 
-def tick_places(count: int) -> list[int]:
-    """Return at most MOST_TICKS numbers from 1 to ``count``, evenly apart, the first among them."""
-    return list(range(1, count + 1, max(1, -(-count // MOST_TICKS))))
-
-
 def _years(arm: ArmDrift) -> set[str]:
     return {date[:4] for date in {format_date(session.start_s) for session in arm.sessions} - {NOTHING}}
 
 
-def session_label(arm: ArmDrift) -> str:
-    """Return the name of the axis of sessions."""
+def _session_label(arm: ArmDrift) -> str:
     years = _years(arm)
-    if not years:
-        return "Session"
-    return "Session (year-month)" if len(years) > 1 else f"Session (month-day, {years.pop()})"
+    when = "year-month" if len(years) > 1 else f"month-day, {min(years, default='')}"
+    return f"Session ({when})" if years else "Session"
 
 
-def _shade_reference(axes: "Axes", arm: ArmDrift) -> None:
+def _shade_reference(axes: Axes, arm: ArmDrift) -> None:
     """Shade each run of neighbouring sessions of the reference along the axis."""
     places = np.sort(np.array(arm.reference, np.int64)) + 1
     for run in np.split(places, np.flatnonzero(np.diff(places) > 1) + 1) if len(places) else ():
@@ -115,10 +99,10 @@ NEAR = 1.5  # times the range of the values that intervals may reach beyond it; 
 SMALLEST_SHARE = 0.1  # of the value: a panel is never higher resolved, so that noise does not look like drift
 
 
-def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
+def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
     """Draw values, levels or trend; return the verdict in words, and whether it is drift."""
     separator = " " if parts.is_narrow(axes) else "\n"
-    axes.set_ylabel(f"{coefficient_title(found.coefficient)}{separator}[{drift_words.UNITS[found.coefficient]}]")
+    axes.set_ylabel(f"{_title(found.coefficient)}{separator}[{drift_words.UNITS[found.coefficient]}]")
     _shade_reference(axes, arm)
     _draw_values(axes, found)
     _draw_left_out(axes, arm, joint, found)
@@ -126,14 +110,14 @@ def _draw_coefficient(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: Coe
         _draw_levels(axes, found)
     elif math.isfinite(found.trend_per_session.value):
         _draw_trend(axes, found)
-    axes.set_ylim(value_limits(found))
-    return verdict_words(found), found.drift
+    axes.set_ylim(_value_limits(found))
+    return _verdict(found), found.drift
 
 
-def _draw_values(axes: "Axes", found: CoefficientDrift) -> None:
+def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
     """Draw the sessions that were compared, each with its interval, and ring the isolated ones."""
     place = np.array([k + 1.0 for k in found.sessions])
-    value, low, high = columns(found.values)
+    value, low, high = _columns(found.values)
     # One path for all intervals: a file of a thousand sessions stays small.
     bars = np.full((len(place), 3), np.nan)
     bars[:, 0], bars[:, 1] = low, high
@@ -146,7 +130,7 @@ def _draw_values(axes: "Axes", found: CoefficientDrift) -> None:
         axes.plot(place[ringed], value[ringed], label=ISOLATED, **look)
 
 
-def _draw_left_out(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
+def _draw_left_out(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
     """Draw the sessions that were not compared, hollow, as they are without any correction."""
     values: dict[int, float] = {}
     for k in set(range(len(arm.sessions))).difference(found.sessions):
@@ -158,7 +142,7 @@ def _draw_left_out(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: Coeffi
         axes.plot(list(values), list(values.values()), label=ALONE, **look)
 
 
-def _draw_levels(axes: "Axes", found: CoefficientDrift) -> None:
+def _draw_levels(axes: Axes, found: CoefficientDrift) -> None:
     """Draw the level before and after each step, and the interval of its place."""
     for low, high, level in stretches(found):
         axes.plot((low, high), (level.value, level.value), color=FITTED, lw=1.2, label=HELD, zorder=4)
@@ -184,7 +168,7 @@ def _border(found: CoefficientDrift, session: int) -> float:
     return 0.5 * (before + session) + 1.0
 
 
-def _draw_trend(axes: "Axes", found: CoefficientDrift) -> None:
+def _draw_trend(axes: Axes, found: CoefficientDrift) -> None:
     """Draw the trend through the middle of the sessions, with the interval of its slope; thin without drift."""
     place, line, low, high = trend_line(found)
     lw, ls = (1.2, "-") if found.drift else (0.8, DASHED)
@@ -196,7 +180,7 @@ def _draw_trend(axes: "Axes", found: CoefficientDrift) -> None:
 def trend_line(found: CoefficientDrift) -> tuple[Float, Float, Float, Float]:
     """Return places, the trend, and both ends of its slope's interval, all through the median of the sessions."""
     number = np.array([k + 1.0 for k in found.sessions])
-    value, _, _ = columns(found.values)
+    value, _, _ = _columns(found.values)
     known = np.isfinite(value)
     slope = found.trend_per_session
     pivot = float(np.median(number[known]))
@@ -207,44 +191,36 @@ def trend_line(found: CoefficientDrift) -> tuple[Float, Float, Float, Float]:
     return place, level + slope.value * away, ends[0], ends[1]
 
 
-def columns(values: tuple[Coefficient, ...]) -> tuple[Float, Float, Float]:
-    """Return values, lower and upper ends, each of shape (m,)."""
+def _columns(values: tuple[Coefficient, ...]) -> tuple[Float, Float, Float]:
     table = np.array([(one.value, one.low, one.high) for one in values], np.float64).reshape(-1, 3)
     return table[:, 0], table[:, 1], table[:, 2]
 
 
-def value_limits(found: CoefficientDrift) -> tuple[float, float] | None:
+def _value_limits(found: CoefficientDrift) -> tuple[float, float] | None:
     """Return limits that show all values and levels, and of the intervals as much as is near."""
-    value, low, high = columns(found.values)
+    value, low, high = _columns(found.values)
     levels = [one for change in found.change_points for one in (change.before.value, change.after.value)]
     smallest = max(SMALLEST_SHARE * float(np.nanmax(np.abs(value))), 1e-9)
     return parts.limits(np.append(value, levels), np.concatenate([low, high]), near=NEAR, smallest=smallest)
 
 
 DRIFT = parts.Layout(
-    joints=lambda arm: arm.joints,
-    has=_has,
-    lacks="no estimate",
-    draw=partial(_draw_both, _draw_coefficient),
-    panels=2,
-    height_in=(1.15, 1.3),
-    head_in=0.6,
-    x=session_label,
-    shared=True,
+    joints=lambda arm: arm.joints, has=_has, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient), panels=2,
+    height_in=(1.15, 1.3), head_in=0.6, x=_session_label, shared=True,
     legend=(SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE),
-)
+)  # fmt: skip
 
 LEGEND = ("limits of a steady joint", "within the limits", "outside", "reference sessions")
 
 
-def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
+def _draw_chart(axes: Axes, arm: ArmDrift, _: JointDrift, found: CoefficientDrift) -> tuple[str, bool]:
     """Draw deviations and limits: in percent, or in the coefficient's unit near a level of zero."""
     control = found.control
     if not control:
         return "no reference", False
     relative = any(math.isfinite(point.relative.value) for point in control)
     unit = "%" if relative else drift_words.UNITS[found.coefficient]
-    axes.set_ylabel(f"{coefficient_title(found.coefficient)}\n[{unit}]")
+    axes.set_ylabel(f"{_title(found.coefficient)}\n[{unit}]")
     numbers = [point.relative if relative else point.deviation for point in control]
     scale = 100.0 if relative else 1.0
     value, low, high = (scale * np.array([getattr(one, end) for one in numbers]) for end in ("value", "low", "high"))
@@ -268,18 +244,7 @@ def _draw_chart(axes: "Axes", arm: ArmDrift, _: JointDrift, found: CoefficientDr
     return words, bool(outside.any())
 
 
-CONTROL = parts.Layout(
-    joints=DRIFT.joints,
-    has=_has,
-    lacks=DRIFT.lacks,
-    draw=partial(_draw_both, _draw_chart),
-    panels=2,
-    height_in=DRIFT.height_in,
-    head_in=DRIFT.head_in,
-    x=DRIFT.x,
-    shared=True,
-    legend=LEGEND,
-)
+CONTROL = replace(DRIFT, draw=partial(_draw_both, _draw_chart), legend=LEGEND)
 
 MARKS = {
     drift_words.DRIFT: (FITTED, "s", "changed"),
@@ -292,19 +257,19 @@ FARTHEST = 2.0  # times the changes and their intervals that the undetectable ma
 
 
 @theme.figure_style()
-def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> "Figure":
+def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
     joints, note = parts.choose(arm.joints, numbers, partial(_has, arm), DRIFT.lacks)
     width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
     figure = parts.new_figure(width, 0.85 + max(0.24 * len(joints), 0.6))
     both = figure.subplots(1, 2, sharey=True)
     for axes, coefficient in zip(both, COEFFICIENTS, strict=True):
-        parts.label_panel(axes, coefficient_title(coefficient))
+        parts.label_panel(axes, _title(coefficient))
         axes.tick_params(axis="y", length=0)
         parts.mark_zero(axes, x=True, y=False, lw=0.5, zorder=0)
         reach, undetectable = NARROWEST, [0.0]
         for place, one in enumerate(joints):
-            found = _of_coefficient(one, coefficient)
+            found = next((found for found in one.coefficients if found.coefficient == coefficient), None)
             verdict = drift_words.UNTESTED if found is None else drift_words.drift_verdict(found)
             if found is None or math.isnan(found.total.value) or verdict == drift_words.UNTESTED:
                 words = NOTHING if found is None else drift_words.total_text(found)
@@ -324,7 +289,10 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> "Figure":
     return figure
 
 
-def _draw_change(axes: "Axes", place: int, found: CoefficientDrift) -> None:
+CHANGES = draw_changes
+
+
+def _draw_change(axes: Axes, place: int, found: CoefficientDrift) -> None:
     """Draw the change with its interval over what would not be detected."""
     if math.isfinite(found.smallest_drift):
         width = 200.0 * found.smallest_drift

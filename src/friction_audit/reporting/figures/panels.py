@@ -2,56 +2,38 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from friction_audit.errors import UsageError, printable, shortened
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures.style import (
-    BORDER,
-    COLUMN_IN,
-    FILTERED,
-    MUTED,
-    RAW,
-    SHADE,
-    SHEET_IN,
-    Look,
-    figure_style,
-)
+from friction_audit.reporting.figures import style as theme
+from friction_audit.reporting.figures.style import COLUMN_IN, Look, figure_style
 from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit, joint_label, joints_label
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
 
 HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.5, 24  # room that a label of a legend takes; of formulas, less is seen
 TICKS_ON_SHEET, TICKS_IN_COLUMN = 4, 6
 
 
-class Numbered(Protocol):
-    """A part of a result that belongs to one joint."""
-
-    @property
-    def joint(self) -> int:
-        """Number of the joint, 1..n."""
-
-
-Joint = TypeVar("Joint", bound=Numbered)
+Joint = Any  # a part of a result that belongs to one joint, whose number it has
 Drawn = TypeVar("Drawn", bound="Figure | Axes")
 Numbers = int | tuple[int, ...] | None  # of one joint at column width, of the joints of a sheet, or None for all
 Text = str | Callable[[Any], str]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Layout(Generic[Joint]):
+class Layout:
     """A figure of the joints of a result: the panels of each joint, and what stands around them."""
 
     joints: Callable[[Any], Sequence[Joint]]  # of a result
     has: Callable[[Any, Joint], object]  # whether there is something to show of a joint of a result
     lacks: str  # what a joint without it has not, for the line that stands for it
-    draw: Callable[[Sequence["Axes"], Any, Joint], None]  # draws a joint of a result into its panels
+    draw: Callable[[Sequence[Axes], Any, Joint], None]  # draws a joint of a result into its panels
     # Panels of a joint: below each other in a column, next to each other on a sheet (the last argument is True).
     panels: int | Callable[[Any, Joint, bool], int] = 1
     across: int | None = None  # panels side by side on a sheet; those of one joint if None
@@ -63,13 +45,9 @@ class Layout(Generic[Joint]):
     legend: Sequence[str] = ()  # labels that stand first in the legend
 
     @figure_style()
-    def __call__(self, result: Any, numbers: Numbers = None) -> "Figure":
-        """Draw one joint at column width, or those of a sheet that have something to show; one alone is no sheet.
-
-        Raises:
-            UsageError: If the result does not hold the joint.
-        """
-        drawn, note = choose(self.joints(result), numbers, lambda one: self.has(result, one), self.lacks)
+    def __call__(self, result: Any, numbers: Numbers = None) -> Figure:
+        """Draw one joint at column width, or those of a sheet that have something to show; one alone is no sheet."""
+        drawn, note = choose(self.joints(result), numbers, partial(self.has, result), self.lacks)
         sheet = len(drawn) > 1
         counts = [self.panels if isinstance(self.panels, int) else self.panels(result, one, sheet) for one in drawn]
         height = self.height_in
@@ -79,7 +57,7 @@ class Layout(Generic[Joint]):
         ]
         across = (self.across or counts[0]) if sheet else 1
         shared = self.shared if sheet or not self.shared else "all"
-        figure, axes = grid(sum(heights, ()), across, SHEET_IN if sheet else COLUMN_IN, self.head_in, shared)
+        figure, axes = grid(sum(heights, ()), across, theme.SHEET_IN if sheet else COLUMN_IN, self.head_in, shared)
         panels = iter(axes)
         for one, count in zip(drawn, counts, strict=True):
             self.draw([next(panels) for _ in range(count)], result, one)
@@ -89,7 +67,7 @@ class Layout(Generic[Joint]):
         figure.supylabel(_written(self.y, result))
         return figure
 
-    def into(self, axes: "Axes", result: Any, number: int) -> None:
+    def into(self, axes: Axes, result: Any, number: int) -> None:
         """Draw one joint, whose one panel it is, into axes, and name them."""
         (one,) = chosen_joints(self.joints(result), number)
         self.draw([axes], result, one)
@@ -103,11 +81,7 @@ def _written(text: Text, result: Any) -> str:
 def choose(
     joints: Sequence[Joint], numbers: Numbers, has: Callable[[Joint], object], lacks: str
 ) -> tuple[Sequence[Joint], str]:
-    """Return the joints to be drawn, and a line on those that are left out because they have nothing to show.
-
-    Raises:
-        UsageError: If the result does not hold the joint.
-    """
+    """Return the joints to be drawn, and a line on those that are left out because they have nothing to show."""
     if isinstance(numbers, int):
         return chosen_joints(joints, numbers), ""
     every = [one for one in joints if numbers is None or one.joint in numbers]
@@ -117,11 +91,7 @@ def choose(
 
 
 def chosen_joints(joints: Sequence[Joint], joint: int) -> Sequence[Joint]:
-    """Return the joint of a number (1..n), alone.
-
-    Raises:
-        UsageError: If the result does not hold that joint.
-    """
+    """Return the joint of a number (1..n), alone; a UsageError if the result does not hold it."""
     chosen = [one for one in joints if one.joint == joint]
     if not chosen:
         held = ", ".join(str(one.joint) for one in joints)
@@ -134,7 +104,7 @@ def joint_title(joint: int, name: str) -> str:
     return f"joint {joint_label(joint, shortened(printable(name), SHORTEST_NAME))}"
 
 
-def new_figure(width_in: float, height_in: float) -> "Figure":
+def new_figure(width_in: float, height_in: float) -> Figure:
     """Return an empty figure that is unknown to pyplot and needs no screen."""
     from matplotlib.figure import Figure
 
@@ -143,7 +113,7 @@ def new_figure(width_in: float, height_in: float) -> "Figure":
 
 def grid(
     heights_in: Sequence[float], across: int, width_in: float, head_in: float, sharex: Any = False, sharey: Any = False
-) -> "tuple[Figure, list[Axes]]":
+) -> tuple[Figure, list[Axes]]:
     """Return a figure and its panels, ``across`` of them side by side, each row as high as its highest panel."""
     count = len(heights_in)
     across = min(across, count)
@@ -157,13 +127,13 @@ def grid(
     return figure, list(panels[:count])
 
 
-def is_narrow(axes: "Axes | Figure") -> bool:
+def is_narrow(axes: Axes | Figure) -> bool:
     """Return True for a figure, or a panel of one, that is one column of a paper wide."""
     figure = axes.get_figure(root=True)
     return figure is not None and figure.get_figwidth() <= COLUMN_IN
 
 
-def label_panel(axes: "Axes", title: str = "", *, y: str | None = None, across: int | None = None) -> None:
+def label_panel(axes: Axes, title: str = "", *, y: str | None = None, across: int | None = None) -> None:
     """Write a panel's title above its left corner and name its y axis; keep the ticks few, ``across`` of them on x."""
     from matplotlib.ticker import MaxNLocator
 
@@ -175,37 +145,37 @@ def label_panel(axes: "Axes", title: str = "", *, y: str | None = None, across: 
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
 
 
-def write_message(axes: "Axes", sentence: str, *, characters: int = 44, instead: bool = False) -> None:
+def write_message(axes: Axes, sentence: str, *, characters: int = 44, instead: bool = False) -> None:
     """Write a sentence, if any, into a panel, wrapped; without ticks where it stands ``instead`` of curves."""
     if not sentence:
         return
     if instead:
         axes.set_xticks([])
         axes.set_yticks([])
-    box: Look = {"facecolor": "white", "edgecolor": MUTED, "linewidth": 0.4, "pad": 2.5, "alpha": 0.92}
+    box: Look = {"facecolor": "white", "edgecolor": theme.MUTED, "linewidth": 0.4, "pad": 2.5, "alpha": 0.92}
     axes.text(
         0.5, 0.5, fill(sentence, characters), transform=axes.transAxes, ha="center", va="center", fontsize=6.5,
-        color=BORDER, bbox=box, zorder=10,
+        color=theme.BORDER, bbox=box, zorder=10,
     )  # fmt: skip
 
 
-def mark_zero(axes: "Axes", *, x: bool = False, y: bool = True, **look: Any) -> None:
+def mark_zero(axes: Axes, *, x: bool = False, y: bool = True, **look: Any) -> None:
     """Draw thin lines at zero: along the x axis (``y`` = 0) and along the y axis (``x`` = 0)."""
-    look = {"color": MUTED, "lw": 0.4, "zorder": 1, **look}
+    look = {"color": theme.MUTED, "lw": 0.4, "zorder": 1, **look}
     if y:
         axes.axhline(0.0, **look)
     if x:
         axes.axvline(0.0, **look)
 
 
-def shade_stretches(axes: "Axes", starts: Iterable[float], stops: Iterable[float], t: Float) -> None:
+def shade_stretches(axes: Axes, starts: Iterable[float], stops: Iterable[float], t: Float) -> None:
     """Shade every other stretch of time and end the axis with the signals."""
     for start, stop in list(zip(starts, stops, strict=False))[::2]:
-        axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0)
+        axes.axvspan(start, stop, facecolor=theme.SHADE, linewidth=0, zorder=0)
     axes.set_xlim(t[0], t[-1])
 
 
-def add_legend(figure: "Figure", order: Sequence[str] = ()) -> None:
+def add_legend(figure: Figure, order: Sequence[str] = ()) -> None:
     """Write one legend above all panels with every label of them once, those of ``order`` first."""
     from matplotlib.patches import Patch
 
@@ -224,17 +194,16 @@ def add_legend(figure: "Figure", order: Sequence[str] = ()) -> None:
         text.set_parse_math(True)  # no name from a log stands there
 
 
-def band(axes: "Axes", x: Float, low: Float, high: Float, colour: str, label: str, **look: Any) -> None:
+def band(axes: Axes, x: Float, low: Float, high: Float, colour: str, label: str, **look: Any) -> None:
     """Fill the space between two curves; arrays of shape (n,)."""
     look = {"color": colour, "alpha": 0.2, "lw": 0, "label": label, **look}
     axes.fill_between(x, low, high, **look)
 
 
 def limits(shown: Float, others: Float, *, near: float, smallest: float) -> tuple[float, float] | None:
-    """Return the ends of an axis that hold all numbers shown and of others what is near; None without any number.
+    """Return the ends of an axis that hold all numbers shown; others extend it by at most ``near`` times their range.
 
-    Others may extend the axis by ``near`` times the range of what is shown, which is at least ``smallest``: one wild
-    number of them must not flatten the panel. NaN is no number.
+    That range is at least ``smallest``. NaN is no number; None without any.
     """
     shown, others = (values[np.isfinite(values)] for values in (shown, others))
     if not len(shown):
@@ -298,19 +267,19 @@ def break_at_gaps(t: Float, signal: Float, longest_s: float) -> Float:
     return broken
 
 
-def draw_curve(axes: "Axes", t: Float, signal: Float, points: int, **look: Any) -> None:
+def draw_curve(axes: Axes, t: Float, signal: Float, points: int, **look: Any) -> None:
     """Draw a signal over time, thinned to its extremes."""
     axes.plot(*thin_extremes(t, signal, points), **look)
 
 
-def draw_raw_and_filtered(axes: "Axes", t: Float, signal: Float, points: int, **filtered: Any) -> None:
+def draw_raw_and_filtered(axes: Axes, t: Float, signal: Float, points: int, **filtered: Any) -> None:
     """Draw a signal over time as measured and filtered."""
-    draw_curve(axes, t, signal, points, color=RAW, lw=0.5, label="raw", rasterized=True)
-    look: Look = {"color": FILTERED, "lw": 0.7, "label": f"filtered, {cutoff_hz(t):.3g} Hz", **filtered}
+    draw_curve(axes, t, signal, points, color=theme.RAW, lw=0.5, label="raw", rasterized=True)
+    look: Look = {"color": theme.FILTERED, "lw": 0.7, "label": f"filtered, {cutoff_hz(t):.3g} Hz", **filtered}
     draw_curve(axes, t, smooth(t, signal), points, **look)
 
 
-def draw_dots(axes: "Axes", x: Float, y: Float, colour: str, label: str, **look: Any) -> None:
+def draw_dots(axes: Axes, x: Float, y: Float, colour: str, label: str, **look: Any) -> None:
     """Draw a cloud of dots as an image; in the legend they are large enough to be seen."""
     axes.plot(x, y, ".", color=colour, ms=1.2, mew=0, rasterized=True, **look)
     axes.plot([], [], ".", color=colour, ms=5, mew=0, label=label)
@@ -319,9 +288,10 @@ def draw_dots(axes: "Axes", x: Float, y: Float, colour: str, label: str, **look:
 ARROWS_AT, ARROW_LENGTH = 0.6, 0.06  # share of a stroke's peak speed at which an arrow stands; share of both ranges
 
 
-def draw_arrows(axes: "Axes", dq: Float, torque: Float) -> None:
+def draw_arrows(axes: Axes, dq: Float, torque: Float) -> None:
     """Add arrows in the direction of time to a smooth curve, shape (n,): two to the fastest stroke each way."""
-    look: Look = {"arrowstyle": "-|>", "color": FILTERED, "lw": 0.9, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
+    look: Look = {"arrowstyle": "-|>", "color": theme.FILTERED, "lw": 0.9, "mutation_scale": 9}
+    look |= {"shrinkA": 0, "shrinkB": 0}
     across, up = (float(np.nanmax(one) - np.nanmin(one)) or 1.0 for one in (dq, torque))
     for fastest in (int(np.nanargmax(dq)), int(np.nanargmin(dq))):
         slow = ~(np.sign(dq[fastest]) * dq >= ARROWS_AT * abs(dq[fastest]))

@@ -3,18 +3,15 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-    from numpy.typing import NDArray
 
 DRAWN, DRAWN_ON_SHEET = 4000, 1500  # points of a curve: more than a column has pixels
 VISCOUS = "Viscous\n[N m s/rad]"
@@ -34,19 +31,18 @@ class Course:
     ends_s: Float  # when cycles end, shape (m,) [s]
     ends_j: Float  # net energy then, shape (m,) [J]
 
-    def part(self, kept: "NDArray[np.bool_]") -> "Course":
+    def part(self, kept: NDArray[np.bool_]) -> "Course":
         """Return the samples of a mask of shape (n,), and the ends of cycles from the first of them on."""
         later = self.ends_s > self.t[kept][0]
         samples = {one.name: getattr(self, one.name)[kept] for one in fields(self) if not one.name.startswith("ends")}
         return replace(self, **samples, ends_s=self.ends_s[later], ends_j=self.ends_j[later])
 
 
-def _shade(axes: "Axes", course: Course) -> None:
+def _shade(axes: Axes, course: Course) -> None:
     parts.shade_stretches(axes, [course.t[0], *course.ends_s], [*course.ends_s, course.t[-1]], course.t)
 
 
-def _draw_energy(course: Course, title: str, axes: "Axes") -> None:
-    """Draw the net energy with the ends of its cycles marked."""
+def _draw_energy(course: Course, title: str, axes: Axes) -> None:
     _shade(axes, course)
     parts.mark_zero(axes)
     parts.draw_curve(axes, course.t, course.energy_j, DRAWN, color=theme.FILTERED, label="net energy $E_m$")
@@ -55,15 +51,13 @@ def _draw_energy(course: Course, title: str, axes: "Axes") -> None:
     parts.label_panel(axes, title, y="Energy [J]")
 
 
-def _draw_steps(course: Course, signal: Float, y: str, colour: str, title: str, axes: "Axes") -> None:
-    """Draw a coefficient or a damping of shape (n,)."""
+def _draw_steps(course: Course, signal: Float, y: str, colour: str, title: str, axes: Axes) -> None:
     _shade(axes, course)
     parts.draw_curve(axes, course.t, signal, DRAWN, color=colour)
     parts.label_panel(axes, title, y=y)
 
 
-def _draw_loop(course: Course, title: str, axes: "Axes") -> None:
-    """Draw interaction torque over velocity, as measured and filtered, with arrows in the direction of time."""
+def _draw_loop(course: Course, title: str, axes: Axes) -> None:
     parts.draw_dots(axes, course.dq, course.interaction_nm, theme.RAW, "raw", zorder=1)
     dq, torque = parts.smooth(course.t, course.dq), parts.smooth(course.t, course.interaction_nm)
     thin = parts.every_nth(len(course.t), DRAWN)
@@ -73,7 +67,7 @@ def _draw_loop(course: Course, title: str, axes: "Axes") -> None:
     axes.set_xlabel("Velocity [rad/s]")
 
 
-def _column(height_in: float, *draws: "Callable[[Axes], None]", ratios: Sequence[float] | None = None) -> "Figure":
+def _column(height_in: float, *draws: Callable[[Axes], None], ratios: Sequence[float] | None = None) -> Figure:
     """Return panels over time below each other, the time below the last one."""
     figure = parts.new_figure(theme.COLUMN_IN, height_in)
     panels = figure.subplots(len(draws), 1, squeeze=False, height_ratios=ratios).ravel()
@@ -89,11 +83,11 @@ def _column(height_in: float, *draws: "Callable[[Axes], None]", ratios: Sequence
 
 
 @theme.figure_style(mathematics=True)
-def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> "Figure":
+def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> Figure:
     """Draw the net energy input and its two parts, kinetic and dissipated energy, shape (n,) each (Fig. 3). [J]"""
     box: theme.Look = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
 
-    def draw(axes: "Axes") -> None:
+    def draw(axes: Axes) -> None:
         _draw_energy(course, "", axes)
         for energy_j, colour, dashes, label in (
             (kinetic_j, theme.FITTED, theme.DASHED, "kinetic $E_s$"),
@@ -108,11 +102,11 @@ def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> "Fig
 
 
 @theme.figure_style(mathematics=True)
-def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
+def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> Figure:
     """Draw the net energy, and the coefficient with the true one of shape (n,) (Fig. 6). [N m s/rad]"""
     truth: theme.Look = {"color": theme.FITTED, "ls": theme.DASHED, "label": "true friction"}
 
-    def below(axes: "Axes") -> None:
+    def below(axes: Axes) -> None:
         parts.draw_curve(axes, course.t, viscous_nms_per_rad, DRAWN, **truth)
         _draw_steps(course, course.viscous_nms_per_rad, VISCOUS, theme.FILTERED, "(b)", axes)
         axes.lines[-1].set_label("compensated")
@@ -121,7 +115,7 @@ def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
 
 
 @theme.figure_style(mathematics=True)
-def draw_overcompensation(bare: Course, guarded: Course) -> "Figure":
+def draw_overcompensation(bare: Course, guarded: Course) -> Figure:
     """Draw the net energy without and with the passivity controller, and its damping (Fig. 7)."""
     damping = guarded.damping_nms_per_rad
     return _column(
@@ -132,14 +126,14 @@ def draw_overcompensation(bare: Course, guarded: Course) -> "Figure":
     )
 
 
-def _draw_signal(course: Course, signal: Float, label: str, title: str, axes: "Axes") -> None:
+def _draw_signal(course: Course, signal: Float, label: str, title: str, axes: Axes) -> None:
     _shade(axes, course)
     parts.draw_raw_and_filtered(axes, course.t, signal, DRAWN, lw=0.8)
     parts.label_panel(axes, title, y=label)
 
 
 @theme.figure_style(mathematics=True)
-def draw_uncompensated(course: Course) -> "Figure":
+def draw_uncompensated(course: Course) -> Figure:
     """Draw velocity and torque, the net energy, and the torque over the velocity (Fig. 8)."""
     return _column(
         5.6,
@@ -152,7 +146,7 @@ def draw_uncompensated(course: Course) -> "Figure":
 
 
 @theme.figure_style(mathematics=True)
-def draw_plateaus(raw: Course, aided: Course) -> "Figure":
+def draw_plateaus(raw: Course, aided: Course) -> Figure:
     """Draw torque over velocity without and with compensation, dashed and solid as in the paper (Fig. 9)."""
     figure = parts.new_figure(theme.COLUMN_IN, 2.5)
     axes = figure.subplots()
@@ -166,10 +160,10 @@ def draw_plateaus(raw: Course, aided: Course) -> "Figure":
 
 
 @theme.figure_style(mathematics=True)
-def draw_compensated(course: Course) -> "Figure":
+def draw_compensated(course: Course) -> Figure:
     """Draw velocity and torque, the net energy, and both coefficients (Fig. 10)."""
 
-    def energy(axes: "Axes") -> None:
+    def energy(axes: Axes) -> None:
         _draw_energy(course, "(b)", axes)
         axes.axhline(course.ends_j[1], color=theme.FITTED, lw=0.7, ls=theme.DASHED, label="$E^2_{cyclic}$")
 
@@ -184,7 +178,7 @@ def draw_compensated(course: Course) -> "Figure":
 
 
 @theme.figure_style(mathematics=True)
-def draw_compensated_loop(course: Course, without: Course) -> "Figure":
+def draw_compensated_loop(course: Course, without: Course) -> Figure:
     """Draw torque over velocity on the axes of the uncompensated joint (Fig. 11)."""
     figure = parts.new_figure(theme.COLUMN_IN, 2.5)
     axes = figure.subplots()
@@ -196,7 +190,7 @@ def draw_compensated_loop(course: Course, without: Course) -> "Figure":
 
 
 @theme.figure_style(mathematics=True)
-def draw_whole_arm(courses: Sequence[Course]) -> "Figure":
+def draw_whole_arm(courses: Sequence[Course]) -> Figure:
     """Draw a row for every joint: velocity and torque, net energy, both coefficients (Fig. 12)."""
     figure = parts.new_figure(theme.SHEET_IN, 0.9 + 0.92 * len(courses))
     rows = figure.subplots(len(courses), 3, squeeze=False, sharex=True)

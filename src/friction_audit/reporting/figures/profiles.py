@@ -1,22 +1,20 @@
 """Diagnosis -> residuals along the quantity that shows an effect and by effect, effect curves, contact events."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from textwrap import fill
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from friction_audit.diagnosis.profiles import ORDER
-from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
+from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile
 from friction_audit.joint_log import Float
+from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import MOST_NUMBERS, effect_numbers, joint_message, plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from friction_audit.pipeline import Diagnosis
 
 NOMINAL, AUGMENTED = theme.FITTED, theme.GREEN
 CHARACTERS = 52  # of a line of a title
@@ -62,7 +60,7 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
     return found or [Row(joint.profiles[0] if joint.profiles else None, None)]
 
 
-def _draw_residual(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosis) -> None:
+def _draw_residual(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -> None:
     """Draw the residual before and after along every axis that shows an effect; on a sheet of the largest alone."""
     narrow, left = parts.is_narrow(panels[0]), iter(panels)
     for row in rows_of(joint) if narrow else rows_of(joint)[:1]:
@@ -71,7 +69,7 @@ def _draw_residual(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnos
         axes.set_axis_off()
 
 
-def _draw_row(panels: "list[Axes]", joint: JointDiagnosis, row: Row) -> None:
+def _draw_row(panels: list[Axes], joint: JointDiagnosis, row: Row) -> None:
     traces = joint.traces
     if row.before is None or traces is None:
         write_verdict(panels[0], joint)
@@ -91,26 +89,17 @@ def _draw_row(panels: "list[Axes]", joint: JointDiagnosis, row: Row) -> None:
         axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
 
 
-def _residual_panels(_: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
-    return 2 if sheet else sum(1 if row.after is None else 2 for row in rows_of(joint))
-
-
-def _residual_label(found: "Diagnosis") -> str:
+def _residual_label(found: Diagnosis) -> str:
     corners = [one.traces.corner_hz for one in found.discrepancy.joints if one.traces is not None]
     ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys(map(float, (min(corners), max(corners))))) if corners else ""
     return f"Residual torque{f', low-pass {ends} Hz' if corners else ''} [N m]"
 
 
 RESIDUAL = parts.Layout(
-    joints=lambda found: found.discrepancy.joints,
-    has=lambda _, joint: joint.traces is not None,
-    lacks="not testable",
-    draw=_draw_residual,
-    panels=_residual_panels,
-    height_in=(1.4, 1.55),
-    x="",
-    y=_residual_label,
-)
+    joints=lambda found: found.discrepancy.joints, has=lambda _, joint: joint.traces is not None, lacks="not testable",
+    draw=_draw_residual, height_in=(1.4, 1.55), x="", y=_residual_label,
+    panels=lambda _, joint, sheet: 2 if sheet else sum(1 if row.after is None else 2 for row in rows_of(joint)),
+)  # fmt: skip
 
 
 def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
@@ -123,7 +112,7 @@ def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
     return ends
 
 
-def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque: Float) -> None:
+def draw_profile(axes: Axes, profile: Profile, along: Float, dq: Float, torque: Float) -> None:
     """Draw samples of shape (m,) as dots over ``along`` and the means of the bins, each direction of motion apart."""
     parts.mark_zero(axes)
     reach = np.stack([profile.centre - profile.edges[:-1], profile.edges[1:] - profile.centre])
@@ -142,7 +131,7 @@ def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque
         )  # fmt: skip
 
 
-def name_axis(axes: "Axes", profile: Profile) -> None:
+def name_axis(axes: Axes, profile: Profile) -> None:
     """Name the axis; it is logarithmic beyond its first bin where the bins are of very different widths."""
     from matplotlib.ticker import FuncFormatter
 
@@ -154,7 +143,7 @@ def name_axis(axes: "Axes", profile: Profile) -> None:
         axes.set_xlim(0.0, float(profile.edges[-1]))
 
 
-def _draw_effects(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosis) -> None:
+def _draw_effects(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -> None:
     """Draw a panel per effect, of contacts a second one in a column; without any effect the residual and its noise."""
     left = iter(panels)
     if not joint.effects:
@@ -172,12 +161,7 @@ def _draw_effects(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosi
             _draw_contacts(next(left), joint, "the largest", (start - ASIDE_S, stop + ASIDE_S))
 
 
-def _effect_panels(_: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
-    contacts = joint.contacts is not None and any(effect.name == CONTACT_EVENT for effect in joint.effects)
-    return max(len(joint.effects), 1) + (contacts and not sheet)
-
-
-def _draw_nothing_missing(axes: "Axes", joint: JointDiagnosis) -> None:
+def _draw_nothing_missing(axes: Axes, joint: JointDiagnosis) -> None:
     """Draw what the nominal model leaves over the quantity that shows most of it, within the detection limit."""
     profile, traces, limit = next(iter(joint.profiles), None), joint.traces, joint.detection_limit_nm
     if profile is None or traces is None:
@@ -194,8 +178,8 @@ def _draw_nothing_missing(axes: "Axes", joint: JointDiagnosis) -> None:
     axes.set_ylim(*limits_for(residual, profile))
 
 
-def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> None:
-    """Draw the effect as the log shows it, and as it was fitted."""
+def _draw_effect(axes: Axes, joint: JointDiagnosis, effect: NamedEffect) -> None:
+    """Draw the effect as the log shows it, and as it was fitted, a line for each direction."""
     traces, own = joint.traces, wave_of(effect)
     assert traces is not None
     shown = traces.measured - traces.after + effect.torque
@@ -203,7 +187,9 @@ def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> No
     along = traces.along[effect.curve.axis] if own is None else own.values
     curve = effect.curve if own is None else own.curve
     draw_profile(axes, curve, along, traces.dq, shown)
-    _draw_fitted(axes, traces, effect, along)
+    for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, theme.DASHED, "backwards")):
+        x, y = mean_along(along[which], effect.torque[which])
+        axes.plot(x, y, color=theme.BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
     axes.set_ylim(*limits_for(shown, curve))
     name_axis(axes, curve)
     if parts.is_narrow(axes) and len(effect.parameters) <= MOST_NUMBERS:
@@ -211,13 +197,6 @@ def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> No
             fill(effect_numbers(effect), 56), (0.0, 0.0), (0.0, -28.0), xycoords="axes fraction",
             textcoords="offset points", va="top", fontsize=6.0, color=theme.MUTED,
         )  # fmt: skip
-
-
-def _draw_fitted(axes: "Axes", traces: Traces, effect: NamedEffect, along: Float) -> None:
-    """Draw the fitted torque along the axis, a line for each direction."""
-    for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, theme.DASHED, "backwards")):
-        x, y = mean_along(along[which], effect.torque[which])
-        axes.plot(x, y, color=theme.BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
 
 
 def mean_along(along: Float, torque: Float, points: int = POINTS) -> tuple[Float, Float]:
@@ -231,8 +210,7 @@ ASIDE_S = 1.0  # what is shown before and after the largest contact
 LEAST_WIDTH = 0.004  # share of a panel that a contact is drawn wide at least
 
 
-def _draw_contacts(axes: "Axes", joint: JointDiagnosis, title: str, ends: tuple[float, float]) -> None:
-    """Draw what the augmented model leaves over time, contacts shaded."""
+def _draw_contacts(axes: Axes, joint: JointDiagnosis, title: str, ends: tuple[float, float]) -> None:
     contacts, traces = joint.contacts, joint.traces
     assert contacts is not None
     assert traces is not None
@@ -249,28 +227,24 @@ def _draw_contacts(axes: "Axes", joint: JointDiagnosis, title: str, ends: tuple[
     axes.set_xlabel("Time [s]")
 
 
-def _has_effect(found: "Diagnosis", joint: JointDiagnosis) -> bool:
-    """Return whether an effect was named; where none was on any joint, whether there is a residual."""
-    none = not any(one.effects for one in found.discrepancy.joints)
-    return bool(joint.effects) or (none and joint.traces is not None)
+def _named(found: Diagnosis) -> bool:
+    return any(one.effects for one in found.discrepancy.joints)
 
 
-EFFECTS = parts.Layout(
-    joints=RESIDUAL.joints,
-    has=_has_effect,
-    lacks="no effect named",
-    draw=_draw_effects,
-    panels=_effect_panels,
-    across=3,
-    height_in=lambda joint, sheet: 1.55 if sheet else 2.3 if joint.effects else 1.8,
-    x="",
-    y=lambda found: (
-        f"{'Torque of the effect' if any(one.effects for one in found.discrepancy.joints) else 'Residual torque'} [N m]"
+# Where no effect was named on any joint, the residuals.
+EFFECTS = replace(
+    RESIDUAL, lacks="no effect named", draw=_draw_effects, across=3,
+    has=lambda found, joint: joint.effects or (not _named(found) and joint.traces is not None),
+    panels=lambda _, joint, sheet: (
+        max(len(joint.effects), 1)
+        + (not sheet and joint.contacts is not None and CONTACT_EVENT in [one.name for one in joint.effects])
     ),
-)
+    height_in=lambda joint, sheet: 1.55 if sheet else 2.3 if joint.effects else 1.8,
+    y=lambda found: f"{'Torque of the effect' if _named(found) else 'Residual torque'} [N m]",
+)  # fmt: skip
 
 
-def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
+def write_verdict(axes: Axes, joint: JointDiagnosis) -> None:
     """Fill a panel with the verdict on a joint that has nothing to draw there."""
     parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     sentence = plain_names(f"{joint.verdict.replace('_', ' ')}: {joint_message(joint).partition(';')[0]}")
@@ -280,7 +254,7 @@ def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
 ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
 
 
-def _draw_steps(panels: "Sequence[Axes]", _: "Diagnosis", joint: JointDiagnosis) -> None:
+def _draw_steps(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -> None:
     """Draw a bar per step, the largest on top, and a line at the noise floor."""
     (axes,) = panels
     if not joint.ladder or joint.gap is None:
@@ -315,12 +289,8 @@ def explained_words(joint: JointDiagnosis) -> str:
     return f"{100 * gap.shrink:.1f}{error} % explained\n{cycles}"
 
 
-LADDER = parts.Layout(
-    joints=RESIDUAL.joints,
-    has=lambda _, joint: joint.ladder,
-    lacks="not testable",
-    draw=_draw_steps,
-    across=2,
+LADDER = replace(
+    RESIDUAL, has=lambda _, joint: joint.ladder, draw=_draw_steps, panels=1, across=2, y="",
     height_in=lambda joint, _: 0.45 + 0.21 * max(len(joint.ladder), 3),
     x="Residual torque on held-out cycles, rms [N m]",
-)
+)  # fmt: skip

@@ -17,121 +17,81 @@ class Figure:
 
     name: str  # as ``--figures`` takes it, and the first part of its files' names
     result: str  # what it draws: ``estimate``, ``replay``, ``diagnosis``, ``drift`` or ``diff``
-    place: str  # module and what draws it there, with a dot between them
+    module: str  # whose ``Layout`` of this name, in capitals, draws it
     title: str  # what it shows, in a line
     caption: str = ""  # how to read it; empty if it stands on no page
     panel: bool = False  # whether one panel holds a joint, so that it can be drawn into given axes
 
     def draw(self, result: Any, joint: int | tuple[int, ...] | None = None) -> "MatplotlibFigure":
-        """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet.
-
-        Raises:
-            UsageError: If the result does not hold that joint.
-        """
+        """Draw one joint, given by its number (1..n), at column width, or some or all joints on a sheet."""
         drawing: MatplotlibFigure = self.layout()(result, joint)
         return drawing
 
     def layout(self) -> Any:
         """Return what draws it: a ``panels.Layout``, or a function like one."""
-        module, _, name = self.place.rpartition(".")
-        return getattr(import_module(f"{__package__}.{module}"), name)
+        return getattr(import_module(f"{__package__}.{self.module}"), self.name.replace("-", "_").upper())
 
 
 FIGURES = (
     Figure(
-        "coefficients",
-        "estimate",
-        "over_time.COEFFICIENTS",
-        "Coefficients over time",
+        "coefficients", "estimate", "estimate", "Coefficients over time",
         "Coefficients of a window of cycles that moves over the log, with their 95 % interval; dashed those of the "
         "whole log with theirs. Intervals that are far wider than the rest are clipped.",
     ),
     Figure(
-        "velocity-torque",
-        "estimate",
-        "velocity_torque.VELOCITY_TORQUE",
-        "Velocity-torque curves",
+        "velocity-torque", "estimate", "estimate", "Velocity-torque curves",
         "Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest; the "
-        "fitted line is friction.",
-        panel=True,
+        "fitted line is friction.", panel=True,
     ),
     Figure(
-        "energy",
-        "estimate",
-        "over_time.ENERGY",
-        "Net energy and cycles",
+        "energy", "estimate", "estimate", "Net energy and cycles",
         "Energy put into the joint. At zero velocity nothing is stored in the inertia, so that the rise from dot to "
         "dot is what friction dissipated. Hatched cycles were rejected.",
     ),
-    Figure("signals", "estimate", "over_time.SIGNALS", "Velocity and interaction torque over time"),
+    Figure("signals", "estimate", "estimate", "Velocity and interaction torque over time"),
     Figure(
-        "replay",
-        "replay",
-        "replay.REPLAY",
-        "Torque, net energy and coefficients with the compensator",
+        "replay", "replay", "replay", "Torque, net energy and coefficients with the compensator",
         "Solid with the compensator, dashed without it; the coefficients are those that it would have applied. Flat "
         "energy means that friction is compensated.",
     ),
     Figure(
-        "replay-velocity-torque",
-        "replay",
-        "replay.REPLAY_VELOCITY_TORQUE",
-        "Velocity-torque curves with the compensator",
-        panel=True,
+        "replay-velocity-torque", "replay", "replay", "Velocity-torque curves with the compensator", panel=True,
     ),
-    Figure("ladder", "diagnosis", "profiles.LADDER", "Residual torque after each effect", panel=True),
+    Figure("ladder", "diagnosis", "profiles", "Residual torque after each effect", panel=True),
     Figure(
-        "residual",
-        "diagnosis",
-        "profiles.RESIDUAL",
-        "Where model and measurement disagree",
+        "residual", "diagnosis", "profiles", "Where model and measurement disagree",
         "Residual of the nominal model, and with the effects named, against the quantity that shows the largest "
         "effect; dots are samples, markers means of bins with two standard errors.",
     ),
     Figure(
-        "effects",
-        "diagnosis",
-        "profiles.EFFECTS",
-        "The effects named",
+        "effects", "diagnosis", "profiles", "The effects named",
         "Each effect as the log shows it, over the quantity that shows most of it, and the fitted effect.",
     ),
-    Figure("simulation", "diagnosis", "simulation.SIMULATION", "Measured and simulated"),
+    Figure("simulation", "diagnosis", "simulation", "Measured and simulated"),
     Figure(
-        "changes",
-        "drift",
-        "drift.draw_changes",
-        "Change of each joint",
+        "changes", "drift", "drift", "Change of each joint",
         "Change from the reference to the last sessions with its 95 % interval. The grey bar holds the changes that "
         "this many sessions would not have shown with 90 % power.",
     ),
     Figure(
-        "drift",
-        "drift",
-        "drift.DRIFT",
-        "Coefficients over the sessions",
+        "drift", "drift", "drift", "Coefficients over the sessions",
         "Each session with its 95 % interval, as compared (at like temperature where it is known). Solid lines are "
         "levels between steps or a significant trend; a dashed line is a trend that is not significant. Hollow "
         "circles are sessions that were not compared.",
     ),
     Figure(
-        "control",
-        "drift",
-        "drift.CONTROL",
-        "Control chart",
+        "control", "drift", "drift", "Control chart",
         "Deviation of each session from the level of the reference. The grey band holds all sessions of a joint "
         "that does not change, together with 95 % probability; the panel cuts the band of uncertain sessions.",
     ),
     Figure(
-        "curves",
-        "drift",
-        "curves.CURVES",
-        "Velocity-torque curves",
+        "curves", "drift", "curves", "Velocity-torque curves",
         "Mean interaction torque in bins of velocity: the first session, the mean of the reference with the range "
         "of its sessions, and the last session.",
     ),
-    Figure("sides", "diff", "curves.SIDES", "Velocity-torque curves before and after"),
-    Figure("law-change", "diff", "curves.LAW_CHANGE", "Change of the friction torque over the speed"),
-)
+    Figure("sides", "diff", "curves", "Velocity-torque curves before and after"),
+    Figure("law-change", "diff", "curves", "Change of the friction torque over the speed"),
+)  # fmt: skip
 
 
 def figures_of(*results: str) -> tuple[Figure, ...]:
@@ -147,11 +107,7 @@ def figure_names(*results: str) -> tuple[str, ...]:
 def draw_result(
     result: Any, of: str, kind: str | None, joint: int | None, axes: "Axes | None"
 ) -> "MatplotlibFigure | Axes":
-    """Draw a kind of figure of a result (of FIGURES; None: the first of one panel), or one joint of it into axes.
-
-    Raises:
-        UsageError: If there is no such figure or joint, or the axes do not suffice.
-    """
+    """Draw a kind of figure of a result (None: the first of one panel), or one joint of it into axes."""
     own = {figure.name: figure for figure in figures_of(of)}
     panels = [name for name, figure in own.items() if figure.panel]
     figure = own.get(kind or panels[0])

@@ -1,21 +1,18 @@
 """LogReplay -> the paper's Fig. 10 for any log: signals, net energy, coefficients, with and without a compensator."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 
-from friction_audit.joint_log import Float
+from friction_audit.compensation.result import JointReplay, Signals
+from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.over_time import MOST_SHADED
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from friction_audit.compensation.result import JointReplay, Signals
-    from friction_audit.pipeline import LogReplay
+from friction_audit.reporting.figures.estimate import MOST_SHADED
 
 POINTS = 4000  # of a curve: more than a column has pixels
 LEAST_COEFFICIENT = 0.05  # least height of the panel of the coefficients, which may all be zero [N m, N m s/rad]
@@ -25,8 +22,7 @@ MOST_OF_WITHOUT = 3.0  # times the largest speed and torque without a compensato
 WITHOUT: dict[str, Any] = {"color": theme.FITTED, "ls": theme.DASHED}
 
 
-def _draw_over_time(panels: "Sequence[Axes]", _: "LogReplay", joint: "JointReplay") -> None:
-    """Draw velocity, torque, energy and coefficients; on a sheet without the velocity."""
+def _draw_over_time(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> None:
     narrow, title = parts.is_narrow(panels[0]), parts.joint_title(joint.joint, joint.name)
     for axes, (name, draw) in zip(panels, list(PANELS.items())[-len(panels) :], strict=True):
         draw(axes, joint)
@@ -49,7 +45,7 @@ def _draw_over_time(panels: "Sequence[Axes]", _: "LogReplay", joint: "JointRepla
     parts.write_message(panels[len(panels) // 2], _reason(joint), characters=44 if narrow else 30)
 
 
-def _reason(joint: "JointReplay") -> str:
+def _reason(joint: JointReplay) -> str:
     return f"not replayed: {joint.reason.partition(';')[0]}" if joint.reason else ""
 
 
@@ -59,7 +55,7 @@ def _within(limits: tuple[float, float], least: float, most: float) -> tuple[flo
     return max(min(limits[0], -least), -most), min(max(limits[1], least), most)
 
 
-def _draw_velocity(axes: "Axes", joint: "JointReplay") -> None:
+def _draw_velocity(axes: Axes, joint: JointReplay) -> None:
     shown = joint.without if joint.replayed is None else joint.replayed
     if joint.simulated:
         parts.draw_curve(axes, joint.without.t, joint.without.dq, POINTS, lw=0.6, zorder=3, **WITHOUT)
@@ -68,8 +64,7 @@ def _draw_velocity(axes: "Axes", joint: "JointReplay") -> None:
     axes.set_ylim(*_within(axes.get_ylim(), 0.0, MOST_OF_WITHOUT * max(reach, SMALLEST_SPEED_RAD_S)))
 
 
-def _draw_torque(axes: "Axes", joint: "JointReplay") -> None:
-    """Draw the interaction torque with compensator raw and filtered, and without it filtered."""
+def _draw_torque(axes: Axes, joint: JointReplay) -> None:
     parts.mark_zero(axes)
     shown, without = joint.replayed, joint.without
     if shown is not None and len(shown.t):
@@ -80,8 +75,7 @@ def _draw_torque(axes: "Axes", joint: "JointReplay") -> None:
     axes.set_ylim(*_within(axes.get_ylim(), SMALLEST_TORQUE_NM, MOST_OF_WITHOUT * reach))
 
 
-def _draw_energy(axes: "Axes", joint: "JointReplay") -> None:
-    """Draw the net energy with and without the compensator, the ends of its cycles marked."""
+def _draw_energy(axes: Axes, joint: JointReplay) -> None:
     parts.mark_zero(axes)
     without, shown, history = joint.without, joint.replayed, joint.history
     if shown is None or history is None:
@@ -93,13 +87,17 @@ def _draw_energy(axes: "Axes", joint: "JointReplay") -> None:
     axes.plot(history.stop_s, energy[history.stop], "o", **dots)
 
 
-def _draw_coefficient(axes: "Axes", joint: "JointReplay", name: str, colour: str) -> None:
-    """Draw the coefficient compensated over time."""
+def _draw_coefficient(axes: Axes, joint: JointReplay, name: str, colour: str) -> None:
+    """Draw the coefficient compensated over time: steps, the last one up to where the replay ends."""
     parts.mark_zero(axes)
-    if joint.history is not None and joint.replayed is not None:
-        t, value = applied(joint, name)
-        axes.update_datalim([(t[0], LEAST_COEFFICIENT)])
-        axes.step(t, value, where="post", color=colour, lw=0.9, zorder=3)
+    if joint.history is None or joint.replayed is None or joint.last is None:
+        return
+    kind, _, unit = name.partition("_")
+    t, last = joint.replayed.t, getattr(joint.last, name)
+    ends = np.concatenate([t[:1], joint.history.stop_s, t[-1:]])
+    value = np.concatenate([getattr(joint.history, f"{kind}_applied_{unit}"), [last, last]])
+    axes.update_datalim([(t[0], LEAST_COEFFICIENT)])
+    axes.step(ends, value, where="post", color=colour, lw=0.9, zorder=3)
 
 
 PANELS: dict[str, Callable[..., None]] = {
@@ -111,37 +109,17 @@ PANELS: dict[str, Callable[..., None]] = {
 }
 
 
-def applied(joint: "JointReplay", name: str) -> tuple[Float, Float]:
-    """Return times [s] and values of a coefficient compensated: steps, the last one up to where the replay ends."""
-    assert joint.history is not None
-    assert joint.replayed is not None
-    assert joint.last is not None
-    kind, _, unit = name.partition("_")
-    value = getattr(joint.history, f"{kind}_applied_{unit}")
-    t = joint.replayed.t
-    ends = np.concatenate([t[:1], joint.history.stop_s, t[-1:]])
-    last = getattr(joint.last, name)
-    return ends, np.concatenate([value, [last, last]])
-
-
 REPLAY = parts.Layout(
-    joints=lambda found: found.replay.joints,
-    has=lambda _, joint: not joint.reason,
-    lacks="not replayed",
-    draw=_draw_over_time,
-    panels=lambda _, __, sheet: 4 if sheet else 5,
-    height_in=(1.0, 0.95),
-    head_in=0.9,
-    x=lambda found: f"Time [s], {found.replay.counterfactual.title}",
-    shared="all",
-)
+    joints=lambda found: found.replay.joints, has=lambda _, joint: not joint.reason, lacks="not replayed",
+    draw=_draw_over_time, panels=lambda _, __, sheet: 4 if sheet else 5, height_in=(1.0, 0.95), head_in=0.9,
+    x=lambda found: f"Time [s], {found.replay.counterfactual.title}", shared="all",
+)  # fmt: skip
 
 RAW_WITHOUT = "#f6cfb0"  # as pale to FITTED as RAW is to FILTERED
 DOTS, LOOP_POINTS, POINTS_PER_PERIOD = 8000, 12_000, 10
 
 
-def _draw_loops(panels: "Sequence[Axes]", _: "LogReplay", joint: "JointReplay") -> None:
-    """Draw torque over velocity, with and without the compensator."""
+def _draw_loops(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> None:
     (axes,) = panels
     parts.mark_zero(axes, x=True, zorder=0)
     without, shown = joint.without, joint.replayed
@@ -164,8 +142,7 @@ def _draw_loops(panels: "Sequence[Axes]", _: "LogReplay", joint: "JointReplay") 
         axes.annotate("diverges", (0.03, 0.03), xycoords="axes fraction", fontsize=6.5)
 
 
-def _draw_loop(axes: "Axes", signals: "Signals", start: int, colours: tuple[str, str], name: str) -> None:
-    """Draw torque over velocity from a sample on, raw and filtered."""
+def _draw_loop(axes: Axes, signals: Signals, start: int, colours: tuple[str, str], name: str) -> None:
     t, dq, torque = signals.t[start:], signals.dq[start:], signals.interaction_nm[start:]
     if len(t) < 2:  # noqa: PLR2004
         return
@@ -177,14 +154,7 @@ def _draw_loop(axes: "Axes", signals: "Signals", start: int, colours: tuple[str,
     axes.plot(*curve, color=colours[1], lw=0.4, rasterized=True, label=label)
 
 
-REPLAY_VELOCITY_TORQUE = parts.Layout(
-    joints=REPLAY.joints,
-    has=REPLAY.has,
-    lacks=REPLAY.lacks,
-    draw=_draw_loops,
-    across=4,
-    height_in=(1.75, 2.3),
-    head_in=0.6,
-    x=lambda found: f"Velocity [rad/s], {found.replay.counterfactual.title}",
-    y="Interaction torque [N m]",
-)
+REPLAY_VELOCITY_TORQUE = replace(
+    REPLAY, draw=_draw_loops, panels=1, across=4, height_in=(1.75, 2.3), head_in=0.6, shared=False,
+    x=lambda found: f"Velocity [rad/s], {found.replay.counterfactual.title}", y="Interaction torque [N m]",
+)  # fmt: skip

@@ -1,23 +1,21 @@
 """Diagnosis -> measured against simulated torque and motion, with and without the effects, on a few held-out cycles."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap, Traces
 from friction_audit.joint_log import Float
+from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import plain_names
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.over_time import series_of
-from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, write_verdict
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from friction_audit.pipeline import Diagnosis
+from friction_audit.reporting.figures.estimate import series_of
+from friction_audit.reporting.figures.profiles import AUGMENTED, NOMINAL, RESIDUAL, write_verdict
 
 SHOWN = 4  # held-out cycles in a panel
 GAP = 0.04  # of the time shown, between one cycle and the next
@@ -39,8 +37,7 @@ class Piece(NamedTuple):
     place: float
 
 
-def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -> None:
-    """Draw torque, residual and, where it was simulated, motion."""
+def _draw(panels: Sequence[Axes], found: Diagnosis, joint: JointDiagnosis) -> None:
     motion, traces, alone = joint.simulation, joint.traces, parts.is_narrow(panels[0])
     drawn = panels[: 1 if traces is None else 2 if motion is None else 3]
     for axes in panels[len(drawn) :]:
@@ -82,7 +79,7 @@ def _draw(panels: "Sequence[Axes]", found: "Diagnosis", joint: JointDiagnosis) -
     _label_cycles(panels[1], pieces, length_s)
 
 
-def _label_cycles(axes: "Axes", pieces: Sequence[Piece], length_s: float) -> None:
+def _label_cycles(axes: Axes, pieces: Sequence[Piece], length_s: float) -> None:
     """Write above each cycle when it began, where there is room."""
     look: theme.Look = {"xycoords": ("data", "axes fraction"), "ha": "center", "va": "bottom", "fontsize": 6}
     labelled = -np.inf
@@ -110,14 +107,7 @@ def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int 
 
 
 def lay_out(pieces: Sequence[Piece], t: Float, signal: Float, usual_s: float) -> tuple[Float, Float]:
-    """Return place in the panel and signal of the samples that are shown, NaN between cycles and over gaps.
-
-    Args:
-        pieces: The cycles.
-        t: Ascending; NaN where a curve is interrupted, shape (n,). [s]
-        signal: Shape (n,).
-        usual_s: Usual step of time; samples were left out where it is much longer. [s]
-    """
+    """Return places and signal, shape (n,), of what is shown, NaN between cycles and over far longer steps."""
     x: list[Float] = []
     y: list[Float] = []
     for piece in pieces:
@@ -127,14 +117,14 @@ def lay_out(pieces: Sequence[Piece], t: Float, signal: Float, usual_s: float) ->
     return np.concatenate(x), np.concatenate(y)
 
 
-def _draw_curve(axes: "Axes", pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
+def _draw_curve(axes: Axes, pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
     x, y = lay_out(pieces, t, signal, float(np.nanmedian(np.diff(t))) if len(t) > 1 else 0.0)
     axes.plot(x, y, **look)  # type: ignore[arg-type]
     return y
 
 
 def _draw_models(
-    axes: "Axes", pieces: Sequence[Piece], t: Float, curves: tuple[Float, Float], with_effects: str
+    axes: Axes, pieces: Sequence[Piece], t: Float, curves: tuple[Float, Float], with_effects: str
 ) -> list[Float]:
     """Draw a curve of the nominal model and, where effects were added, of the augmented one; return what is drawn."""
     look: theme.Look = {"color": NOMINAL, "lw": 0.8, "ls": theme.DASHED, "label": "nominal model", "zorder": 3}
@@ -144,17 +134,9 @@ def _draw_models(
     return drawn
 
 
-def _panels(found: "Diagnosis", joint: JointDiagnosis, sheet: bool) -> int:
-    return 3 if any(one.simulation for one in (found.discrepancy.joints if sheet else [joint])) else 2
-
-
-SIMULATION = parts.Layout(
-    joints=lambda found: found.discrepancy.joints,
-    has=lambda _, joint: joint.traces is not None,
-    lacks="not testable",
-    draw=_draw,
-    panels=_panels,
-    height_in=(1.25, 1.3),
-    x="Time within the held-out cycles shown [s]",
-    shared="row",
-)
+SIMULATION = replace(
+    RESIDUAL, draw=_draw, height_in=(1.25, 1.3), x="Time within the held-out cycles shown [s]", y="", shared="row",
+    panels=lambda found, joint, sheet: (
+        3 if any(one.simulation for one in (found.discrepancy.joints if sheet else [joint])) else 2
+    ),
+)  # fmt: skip

@@ -34,34 +34,14 @@ MUTED = "#555555"
 DASHED = (0, (4, 1.5))
 
 RC: dict[str, Any] = {
-    "font.size": 7.5,
-    "axes.labelsize": 7.5,
-    "axes.titlesize": 7.5,
-    "axes.titlelocation": "left",
-    "axes.titlepad": 3.0,
-    "axes.linewidth": 0.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "xtick.major.width": 0.5,
-    "ytick.major.width": 0.5,
-    "xtick.major.size": 2.5,
-    "ytick.major.size": 2.5,
-    "legend.fontsize": 7,
-    "legend.frameon": False,
-    "legend.handlelength": 1.6,
-    "legend.columnspacing": 1.2,
-    "lines.linewidth": 0.8,
-    "hatch.linewidth": 0.4,
-    "figure.labelsize": 7.5,
-    "figure.constrained_layout.h_pad": 0.02,
-    "figure.constrained_layout.w_pad": 0.02,
-    "savefig.dpi": 300,
-    "pdf.fonttype": 42,
-    "svg.hashsalt": "friction-audit",
-}
-
+    "font.size": 7.5, "figure.labelsize": 7.5, "figure.constrained_layout.h_pad": 0.02,
+    "figure.constrained_layout.w_pad": 0.02, "axes.labelsize": 7.5, "axes.titlesize": 7.5, "axes.titlelocation": "left",
+    "axes.titlepad": 3.0, "axes.linewidth": 0.5, "axes.spines.top": False, "axes.spines.right": False,
+    "xtick.labelsize": 7, "ytick.labelsize": 7, "xtick.major.width": 0.5, "ytick.major.width": 0.5,
+    "xtick.major.size": 2.5, "ytick.major.size": 2.5, "legend.fontsize": 7, "legend.frameon": False,
+    "legend.handlelength": 1.6, "legend.columnspacing": 1.2, "lines.linewidth": 0.8, "hatch.linewidth": 0.4,
+    "savefig.dpi": 300, "pdf.fonttype": 42, "svg.hashsalt": "friction-audit",
+}  # fmt: skip
 SERIF = {"font.family": "serif", "font.size": 8, "axes.labelsize": 8, "axes.titlesize": 8}
 STYLES: dict[str, dict[str, Any]] = {
     "sans": {},
@@ -76,11 +56,7 @@ LONGEST_FAULT = 120  # characters of what matplotlib says of a style sheet
 
 
 def load_style(name: str) -> Mapping[str, Any]:
-    """Return the rcParams of a style: by its name here or in matplotlib, or of a style sheet.
-
-    Raises:
-        UsageError: If there is no such style, or the sheet cannot be read or has a line that is no setting.
-    """
+    """Return the rcParams of a style: by its name here or in matplotlib, or of a style sheet."""
     if name in STYLES:
         return STYLES[name]
     from matplotlib import rc_params_from_file, style
@@ -119,11 +95,7 @@ def style_in_force() -> Mapping[str, Any]:
 
 @contextmanager
 def figure_style(*, mathematics: bool = False) -> Iterator[None]:
-    """Use the figures' style inside the block, or in the function that this decorates.
-
-    Args:
-        mathematics: Whether words between dollar signs are formulas, where no word comes from a log.
-    """
+    """Use the figures' style; ``mathematics``: words between dollar signs are formulas, and none is from a log."""
     import warnings
 
     from matplotlib import rc_context, rcParamsDefault
@@ -149,11 +121,6 @@ def load_matplotlib(formats: Iterable[str]) -> None:
     """Load what it takes to draw figures in these formats, before the process is copied."""
     for kind in formats:
         import_module(f"matplotlib.backends.backend_{BACKENDS[kind]}")
-
-
-def save_figure(figure: "Figure", path: Path) -> None:
-    """Write a figure in the format that the suffix names, one of FORMATS."""
-    path.write_bytes(figure_bytes(figure, path.suffix[1:]))
 
 
 def figure_bytes(figure: "Figure", kind: str) -> bytes:

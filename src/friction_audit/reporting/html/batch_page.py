@@ -1,23 +1,18 @@
-"""BatchSummary -> one HTML page: verdicts, figures, every session, every setting."""
+"""BatchSummary -> its figures and one HTML page: verdicts, figures, every session, every setting."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from friction_audit.drift.report import ArmDrift
-from friction_audit.reporting import drift_words
-from friction_audit.reporting.batch_drawings import draw, page_drawings
-from friction_audit.reporting.drift import (
-    COEFFICIENT,
-    FAILED,
-    BatchSummary,
-    CoefficientRow,
-    coefficient_rows,
-    sessions_text,
-)
+from friction_audit.reporting import drift as tables
+from friction_audit.reporting import drift_words as phrases
+from friction_audit.reporting.drift_sessions import LEFT_OUT, SESSION_NUMBER, SHOWN, SessionRow, coefficient_column
+from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
-from friction_audit.reporting.html import batch_tables
 from friction_audit.reporting.html import page as html
 from friction_audit.reporting.table import Record, Table
-from friction_audit.reporting.words import count_of, enumerate_words, joints_label
+from friction_audit.reporting.words import count_of, enumerate_words, joint_label, joints_label
 
 # Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
@@ -41,67 +36,49 @@ WORDS = {
 """What the words of the page mean."""
 
 
-def write_page(summary: BatchSummary, drawn: Mapping[str, html.Figure] | None = None) -> str:
-    """Return the page of a batch as HTML text, the same bytes for the same batch.
-
-    Args:
-        summary: The batch.
-        drawn: Figures that are drawn already, by their anchors; the others are drawn here.
-    """
+def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure] | None = None) -> str:
+    """Return the page of a batch as HTML text; figures that are not given, by their anchors, are drawn here."""
+    verdicts = tables.ARM.people(summary.arms, caption="Drift of each arm")
+    limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
+    limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
+    lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
+    files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
+    failed = html.Section(anchor="failed", title="Files that failed", parts=(lead, files))
+    span = phrases.span_of(summary.sessions)
     page = html.Page(
         title="Friction over sessions",
         lead=_lead(summary),
-        facts=_facts(summary),
+        facts=(
+            ("Sessions", str(len(summary.sessions))),
+            ("Arms", str(len(summary.arms))),
+            *([("Recorded (UTC)", span)] if span else []),
+            ("Files that failed", str(len(summary.failed))),
+        ),
         sections=(
-            _verdict_section(summary),
+            html.Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *html.noted(limits, "alert"))),
             *_arm_sections(summary, drawn or {}),
-            *_failed_section(summary),
-            html.Section(
-                anchor="words",
-                title="How to read it",
-                parts=(html.Terms(pairs=tuple(WORDS.items()), words=True),),
-                folded=True,
-            ),
-            html.settings_section(summary.settings, summary.command),
-            html.citation_section(),
+            *([failed] if summary.failed else ()),
+            *html.closing_sections(WORDS, summary.settings, summary.command),
         ),
     )
     return html.render_page(page)
 
 
-def _lead(summary: BatchSummary) -> str:
+def _lead(summary: tables.BatchSummary) -> str:
     if not summary.arms:
         return "No session could be read: no statement on drift is possible."
     drifting, arms = [arm for arm in summary.arms if arm.drift], count_of(len(summary.arms), "arm")
     if len(drifting) > 1:
         return f"Friction drifts on {len(drifting)} of {arms}: {enumerate_words(arm.robot for arm in drifting)}."
     if drifting:
-        return f"{drifting[0].robot}: {drift_words.arm_sentence(drifting[0])}."
+        return f"{drifting[0].robot}: {phrases.arm_sentence(drifting[0])}."
     return f"No drift of the friction was found on {arms}."
 
 
-def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
-    span = drift_words.span_of(summary.sessions)
-    return (
-        ("Sessions", str(len(summary.sessions))),
-        ("Arms", str(len(summary.arms))),
-        *([("Recorded (UTC)", span)] if span else []),
-        ("Files that failed", str(len(summary.failed))),
-    )
-
-
-def _verdict_section(summary: BatchSummary) -> html.Section:
-    verdicts = batch_tables.ARM.people(summary.arms, caption="Drift of each arm")
-    limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
-    limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
-    parts = (html.Text(lines=limits, listed=True, tone="alert"),) if limits else ()
-    return html.Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *parts))
-
-
-def _arm_sections(summary: BatchSummary, drawn: Mapping[str, html.Figure]) -> Iterator[html.Section]:
+def _arm_sections(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> Iterator[html.Section]:
     """Yield a section per arm; figures first of the arms that drift, as long as there is room."""
     pictures = _pictures(summary.arms, drawn)
-    cells = sum(len(drift_words.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
+    cells = sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
     most = max(1, MOST_CELLS // max(cells, 1))
     for number, arm in enumerate(summary.arms, start=1):
         yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()), most)
@@ -123,13 +100,11 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
 
 
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], most: int) -> html.Section:
-    notes: list[html.Part] = [html.Text(lines=arm.warnings, listed=True, tone="unsure")] if arm.warnings else []
-    no_room = html.Text(
-        lines=(f"This page has no room for more figures; those of {arm.robot} are in files next to it.",)
-    )
-    rows = coefficient_rows(arm)
-    within = batch_tables.WITHIN.people(
+    no_room = f"This page has no room for more figures; those of {arm.robot} are in files next to it."
+    rows = tables.coefficient_rows(arm)
+    within = tables.COEFFICIENT.people(
         rows,
+        "w",
         caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
         "sessions it is significant; the change with temperature that was taken out, and the temperature of the "
         "comparison; the scatter between sessions",
@@ -137,10 +112,10 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
     return html.Section(
         anchor=anchor,
         title=arm.robot,
-        parts=(html.Text(lines=(f"{sessions_text(arm)}.",)), *notes),
+        parts=(html.Text(lines=(f"{phrases.sessions_text(arm)}.",)), *html.noted(arm.warnings)),
         sections=(
-            html.Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(arm, rows))),
-            html.Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (no_room,)),
+            html.Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(rows))),
+            html.Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (html.Text(lines=(no_room,)),)),
             html.Section(anchor=f"{anchor}-within", title="Within a session", parts=(within,)),
             *_diagnosis(arm, anchor),
             html.Section(anchor=f"{anchor}-sessions", title="Sessions", parts=tuple(_session_tables(arm, most))),
@@ -148,23 +123,14 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[html.Figure, ...], m
     )
 
 
-def _joint_tables(arm: ArmDrift, rows: list[CoefficientRow]) -> Iterator[Table]:
-    """Yield verdicts, steps, and the numbers that they rest on."""
-    yield COEFFICIENT.people(
+def _joint_tables(rows: list[tables.CoefficientRow]) -> Iterator[Table]:
+    yield tables.COEFFICIENT.people(
         rows, caption="Change of each coefficient from the reference to the last sessions; intervals are 95 %"
     )
-    steps = [
-        batch_tables.StepRow(row.joint, row.found, change, arm.sessions[change.session].start_s)
-        for row in rows
-        for change in row.found.change_points
-    ]
-    if steps:
-        yield batch_tables.STEPS.people(
-            steps,
-            caption="Steps: the first session after each (with the range that holds it with 95 % confidence), and the "
-            "levels",
-        )
-    yield batch_tables.NUMBERS.people(rows, caption="Levels, trends and control charts in numbers", folded=True)
+    if steps := [row._replace(change=change) for row in rows for change in row.found.change_points]:
+        after = "the first session after each (with the range that holds it with 95 % confidence)"
+        yield tables.STEPS.people(steps, caption=f"Steps: {after}, and the levels")
+    yield tables.COEFFICIENT.people(rows, "n", caption="Levels, trends and control charts in numbers", folded=True)
 
 
 def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
@@ -174,39 +140,103 @@ def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[html.Section]:
         own = [one for session in arm.sessions for one in session.joints if one.joint == joint.joint and one.verdict]
         verdicts = [(one.verdict or "").replace("_", " ") for one in own]
         if own:
-            rows.append(batch_tables.DiagnosisRow(joint, verdicts, [effect for one in own for effect in one.effects]))
+            rows.append((joint, verdicts, [effect for one in own for effect in one.effects]))
     if rows:
         caption = "Verdicts and effects of the diagnosis, with the number of sessions"
-        table = batch_tables.DIAGNOSED.people(rows, caption=caption)
+        table = tables.DIAGNOSED.people(rows, caption=caption)
         yield html.Section(anchor=f"{anchor}-diagnosis", title="What the model misses", parts=(table,))
 
 
 def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
     """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
-    left_out = [batch_tables.SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    left_out = [SessionRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
     if left_out:
-        yield batch_tables.LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
+        yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
     count = len(arm.sessions)
-    rows = [batch_tables.SessionRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
+    part = dict.fromkeys(arm.compared, "compared") | dict.fromkeys(arm.reference, "reference")
+    rows = [SessionRow(k, arm.sessions[k], part.get(k, "left out")) for k in range(max(0, count - most), count)]
     cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
     caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
-    yield batch_tables.SESSIONS.people(rows, caption=caption, folded=count > ACROSS)
-    for name, unit in drift_words.UNITS.items():
+    yield SHOWN.people(rows, caption=caption, folded=count > ACROSS)
+    for name, unit in phrases.UNITS.items():
         for first in range(0, len(arm.joints), ACROSS):
             joints = arm.joints[first : first + ACROSS]
-            kind = f"{drift_words.NAMES[name]} coefficient"
-            which = f"{kind[:1].upper()}{kind[1:]} of each session, {joints_label(one.joint for one in joints)}"
-            columns = (batch_tables.SESSION_NUMBER, *(batch_tables.coefficient_column(joint, name) for joint in joints))
-            caption = f"{which}, with its 95 % interval [{unit}]{cut}"
+            which = f"of each session, {joints_label(one.joint for one in joints)}, with its 95 % interval [{unit}]"
+            columns = (SESSION_NUMBER, *(coefficient_column(joint, name) for joint in joints))
+            caption = f"{phrases.NAMES[name].capitalize()} coefficient {which}{cut}"
             yield Record(columns).people(rows, caption=caption, folded=True)
 
 
-def _part(arm: ArmDrift, k: int) -> str:
-    return "reference" if k in arm.reference else "compared" if k in arm.compared else "left out"
+ON_A_SHEET = 8
+"""Joints of one figure of the page."""
 
 
-def _failed_section(summary: BatchSummary) -> Iterator[html.Section]:
-    if summary.failed:
-        lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
-        table = FAILED.people(summary.failed, caption="Files that gave no session")
-        yield html.Section(anchor="failed", title="Files that failed", parts=(lead, table))
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Drawing:
+    """A figure to be drawn; it can be given to another process."""
+
+    kind: FigureKind
+    arm: ArmDrift  # the arm, with the joints to be drawn, and no more of it than is drawn
+    anchor: str = ""  # what its names in the page begin with; empty if it is for the files alone
+    which: str = ""  # joints of a sheet of some, for its title on the page; empty for all
+    name: str = ""  # of its files, without the suffix; empty if it is for the page alone
+    formats: Sequence[str] = ()  # suffixes of its files
+
+
+class Drawn(NamedTuple):
+    """Content of the files by their names, and what stands on the page, or None."""
+
+    files: Mapping[str, bytes]
+    figure: html.Figure | None
+
+
+def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: Sequence[str]) -> Iterator[Drawing]:
+    """Yield what is to be drawn of the arms that have joints; their files begin with the prefix of its name."""
+    for number, arm in enumerate(arms, start=1):
+        for kind in figures_of("drift"):
+            name = f"{prefixes.get(arm.robot, '')}{kind.name}"
+            match list(page_drawings(arm, f"arm-{number}", kind)):
+                case [alone]:
+                    yield replace(alone, name=name, formats=formats)
+                case [*sheets] if sheets:
+                    yield from sheets
+                    yield Drawing(kind=kind, arm=as_drawn(arm), name=name, formats=formats)
+
+
+def page_drawings(arm: ArmDrift, anchor: str, kind: FigureKind) -> Iterator[Drawing]:
+    """Yield the figures of a kind on the page; more joints than fit on a sheet of paper make several."""
+    for first in range(0, len(arm.joints), ON_A_SHEET):
+        joints = arm.joints[first : first + ON_A_SHEET]
+        which = "" if len(joints) == len(arm.joints) else f", joints {joints[0].joint} to {joints[-1].joint}"
+        part = as_drawn(replace(arm, joints=joints))
+        yield Drawing(kind=kind, arm=part, anchor=f"{anchor}-{kind.name}-{first + 1}", which=which)
+
+
+def as_drawn(arm: ArmDrift) -> ArmDrift:
+    """Return an arm with no more of its sessions than figures show: it goes to another process."""
+    first, reference, last = phrases.curve_sessions(arm)
+    shown = {first, *reference, last}
+    for found in (found for one in arm.joints for found in one.coefficients if found.sessions):
+        shown.update(set(range(len(arm.sessions))).difference(found.sessions))  # not compared: drawn as they are
+    bare = (replace(one, joints=one.joints if k in shown else (), warnings=()) for k, one in enumerate(arm.sessions))
+    return replace(arm, sessions=tuple(bare))
+
+
+def draw(drawing: Drawing) -> Drawn:
+    """Draw a figure, and save it in all its forms."""
+    from friction_audit.reporting.figures.style import figure_bytes
+
+    kind, arm = drawing.kind, drawing.arm
+    figure = kind.draw(arm)
+    files = {}
+    for suffix in drawing.formats:
+        files[f"{drawing.name}.{suffix}"] = figure_bytes(figure, suffix)
+        figure.set_layout_engine("none")  # it has its place now; finding it takes half of the time
+    if not drawing.anchor:
+        return Drawn(files, None)
+    every = "; ".join(
+        f"joint {joint_label(one.joint, one.name)}: {phrases.joint_sentence(arm, one)}" for one in arm.joints
+    )
+    words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
+    title = f"{kind.title}{drawing.which}"
+    return Drawn(files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words))

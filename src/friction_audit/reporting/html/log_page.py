@@ -1,53 +1,48 @@
 """LogReport -> one HTML page: the answer and the velocity-torque sheet first, details by joint and by topic folded."""
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import lru_cache
+from types import SimpleNamespace
+from typing import NamedTuple
 
-from friction_audit.preprocessing.interaction import TorqueChoice
-from friction_audit.reporting.diagnosis import data_tables
-from friction_audit.reporting.diagnosis_tables import (
-    COMPETITOR,
-    EFFECT,
-    JOINT_DIAGNOSIS,
-    UNTESTABLE,
-    effect_rows,
-    untestable_rows,
-)
-from friction_audit.reporting.diagnosis_words import (
-    decide_words,
-    names_of,
-    negligible_words,
-    nominal_model,
-    plain_names,
-    remainder_words,
-)
-from friction_audit.reporting.estimate import FRICTION, sign_text
-from friction_audit.reporting.html.log_figures import Drawn, draw_figures
-from friction_audit.reporting.html.page import (
-    Page,
-    Part,
-    Section,
-    Terms,
-    Text,
-    citation_section,
-    settings_section,
-    terms_of,
-)
-from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
+import numpy as np
+from matplotlib.figure import Figure as Drawing
+from matplotlib.lines import Line2D
+
+from friction_audit.parallel import in_processes, workers_for
+from friction_audit.reporting import diagnosis_tables as tables
+from friction_audit.reporting import diagnosis_words as words
+from friction_audit.reporting import report as made
+from friction_audit.reporting.documents import write_document
+from friction_audit.reporting.estimate import FRICTION
+from friction_audit.reporting.figures.panels import label_in_unit, thin_extremes
+from friction_audit.reporting.figures.registry import Figure as FigureKind
+from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.html import page as html
+from friction_audit.reporting.info import MOTION, facts_of, summarize_log
 from friction_audit.reporting.notices import estimate_notices, notice_lines, notices, physics_of, reason_lines
 from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
-from friction_audit.reporting.report import (
-    VERDICT,
-    JointReport,
-    LogReport,
-    friction_words,
-    lead_sentence,
-    report_notices,
-    report_settings,
-    verdict_word,
-)
-from friction_audit.reporting.table import Column, JointName, Record, Table, joint_column
-from friction_audit.reporting.words import MARK, count_of, format_start, in_unit, joint_label, joints_label
+from friction_audit.reporting.table import Column, Record, Row, Table, joint_column
+from friction_audit.reporting.words import MARK, format_start, in_unit, joint_label, joints_label
+
+FIRST = "velocity-torque"  # stands next to the answer
+SECTION_OF = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagnosis"}  # by the result that is drawn
+LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.caption)
+MOST_BYTES = 2_500_000  # figures of one page together
+ON_A_SHEET = 8  # joints of one figure
+CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
+COARSE_PT = 0.5  # invisible deviation of a drawn line
+MOST_POINTS = 1500  # points of a curve over time: more than a panel has dots of a screen, also enlarged
+
+
+class Drawn(NamedTuple):
+    """The figures of a page by section, in order, and titles of those that found no room."""
+
+    by_section: Mapping[str, list[html.Figure]]
+    left_out: Mapping[str, list[str]]
+
 
 NO_FIGURES = Drawn({}, {})
 WORDS = {
@@ -82,53 +77,42 @@ RECORD = (
     "more, with nothing touching the arm where it moves by itself."
 )
 CHANNEL = Record(
-    (
-        Column("channel", str, get="0", title="channel", on="p"),
-        Column("name", str, get="1", title="name in the log", code=True, on="p"),
-    )
+    Column("channel", str, get="0", on="p"), Column("name", str, get="1", title="name in the log", code=True, on="p")
 )
 SIGN = Record(
-    (
-        joint_column("0"),
-        Column("energy", str, get="1.verdict", title="energy", on="p"),
-        Column("moving", float, get="1.moving_s", unit="s", title="moving", on="p"),
-        Column("path", float, get="1.path_rad", unit="rad", title="path", on="p"),
-        Column("with_motion", get="1.against_motion_nm", unit="N m", title="torque with the motion", on="p"),
-        Column("error", get="1.standard_error_nm", form=".2g", unit="N m", title="standard error", on="p"),
-    )
+    joint_column("0"),
+    Column("energy", str, get="1.verdict", on="p"),
+    Column("moving", float, get="1.moving_s", unit="s", on="p"),
+    Column("path", float, get="1.path_rad", unit="rad", on="p"),
+    Column("with_motion", get="1.against_motion_nm", unit="N m", title="torque with the motion", on="p"),
+    Column("error", get="1.standard_error_nm", form=".2g", unit="N m", title="standard error", on="p"),
 )
 
 
-def log_page(report: LogReport, *, figures: bool = True) -> Page:
+def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     """Return what the page of a log is made of, with figures or without."""
     drawn = draw_figures(report) if figures else NO_FIGURES
-    topics = {"friction": _friction, "diagnosis": _missing, "compensator": _compensator, "recording": _recording}
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
-    warnings = notice_lines(report_notices(report))
-    listed = Text(lines=warnings or ("There are none.",), listed=bool(warnings), tone="unsure" if warnings else "")
-    joints = Section(
+    warnings = notice_lines(made.report_notices(report))
+    listed = html.noted(warnings) or [html.Text(lines=("There are none.",))]
+    joints = html.Section(
         anchor="joints", title="Joints", sections=[_joint(report, one) for one in answered], on_paper=False
     )
-    return Page(
+    return html.Page(
         title=f"Joint friction: {report.file_name}",
-        lead=in_unit(lead_sentence(report), report.unit),
+        lead=in_unit(made.lead_sentence(report), report.unit),
         facts=tuple(_facts(report)),
         sections=(
-            Section(anchor="verdicts", title="Friction and verdict", parts=tuple(_answer(report, answered, drawn))),
+            html.Section(anchor="verdicts", title="Friction and verdict", parts=[*_answer(report, answered, drawn)]),
             *([joints] if answered else ()),
-            *(topics[name](report, drawn) for name in report.sections if answered or name == "recording"),
-            Section(anchor="warnings", title="Warnings", parts=(listed,), folded=True, note=str(len(warnings))),
-            Section(
-                anchor="words", title="How to read it", parts=(Terms(pairs=tuple(WORDS.items()), words=True),),
-                folded=True, on_paper=False,
-            ),
-            settings_section(report_settings(report), report.command),
-            citation_section(),
+            *(_topic(report, name, drawn) for name in report.sections if answered or name == "recording"),
+            html.Section(anchor="warnings", title="Warnings", parts=listed, folded=True, note=str(len(warnings))),
+            *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
         ),
     )  # fmt: skip
 
 
-def _facts(report: LogReport) -> Iterator[tuple[str, str]]:
+def _facts(report: made.LogReport) -> Iterator[tuple[str, str]]:
     log = report.estimate.log
     yield "Robot", log.source.robot
     if log.source.start_s is not None:
@@ -139,84 +123,80 @@ def _facts(report: LogReport) -> Iterator[tuple[str, str]]:
     yield "Cycles", str(sum(one.friction.cycles for one in report.joints))
 
 
-def _answer(report: LogReport, answered: list[JointReport], drawn: Drawn) -> Iterator[Part]:
+def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Drawn) -> Iterator[html.Part]:
     """Yield the table of the answers, why the other joints have none, and the velocity-torque sheet."""
     if answered:
         caption = "Friction over the whole log with 95 % intervals, and what the nominal model misses"
-        yield VERDICT.people(answered, caption=caption, unit=report.unit).filled()
+        yield made.VERDICT.people(answered, caption=caption, unit=report.unit).filled()
     # Warnings about the replay stand in its section.
     joints = [one.friction for one in report.joints]
     _, physics = physics_of(estimate_notices(report.estimate), joints)
-    if physics:
-        yield Text(lines=[line.removeprefix(f"{MARK} ") for line in physics], listed=True, tone="unsure")
+    yield from html.noted([line.removeprefix(f"{MARK} ") for line in physics])
     without = [in_unit(line, report.unit) for line in reason_lines(joints)]
     if without:
-        yield Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
+        yield html.Text(lines=[f"No estimate on {line}." for line in without], tone="off" if answered else "unsure")
     if all(one.friction.reason for one in report.joints):
-        yield Text(lines=(RECORD,))
+        yield html.Text(lines=(RECORD,))
     yield from _pictures(drawn, "verdicts")
 
 
-def _joint(report: LogReport, one: JointReport) -> Section:
+def _joint(report: made.LogReport, one: made.JointReport) -> html.Section:
     label, unit, found = joint_label(one.joint, one.name), report.unit, one.discrepancy
-    pairs = dict(terms_of(FRICTION, one.friction, unit).pairs)
+    pairs = dict(html.terms_of(FRICTION, one.friction, unit).pairs)
     if found is not None:
-        pairs |= terms_of(JOINT_DIAGNOSIS, found, unit).pairs
-        pairs |= {"negligible": negligible_words(found)} if found.negligible else {}
-        pairs |= {"unexplained": remainder_words(found)} if found.checks else {}
+        pairs |= html.terms_of(tables.JOINT_DIAGNOSIS, found, unit).pairs
+        pairs |= {"negligible": words.negligible_words(found)} if found.negligible else {}
+        pairs |= {"unexplained": words.remainder_words(found)} if found.checks else {}
     if one.replay is not None:
-        pairs |= terms_of(JOINT_REPLAY, one.replay, unit).pairs
-    own = [notice.message for notice in report_notices(report) if notice.joint == one.joint]
-    return Section(
+        pairs |= html.terms_of(JOINT_REPLAY, one.replay, unit).pairs
+    own = list(dict.fromkeys(notice.message for notice in made.report_notices(report) if notice.joint == one.joint))
+    return html.Section(
         anchor=f"joint-{one.joint}",
         title=f"Joint {label}",
-        # Why there is no estimate stands below the table of the answers.
-        note=verdict_word(one)
-        if one.friction.reason
-        else in_unit(f"{friction_words(one.friction)}; {verdict_word(one)}", unit),
+        note=in_unit(made.joint_words(one), unit),
         parts=(
-            Terms(pairs=[(name, in_unit(plain_names(text), unit)) for name, text in pairs.items()]),
+            html.Terms(pairs=[(name, in_unit(words.plain_names(text), unit)) for name, text in pairs.items()]),
             *_effects(report, one),
-            *([Text(lines=own, listed=True, tone="unsure")] if own else ()),
+            *html.noted(own),
         ),
         folded=True,
     )
 
 
-def _effects(report: LogReport, one: JointReport) -> Iterator[Part]:
-    """Yield the tables of the diagnosis of a joint that have rows."""
+def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Part]:
     if one.discrepancy is None:
         return
-    rows, joint = effect_rows([one.discrepancy]), f"joint {one.joint}"
+    rows, joint, unit = tables.effect_rows([one.discrepancy]), f"joint {one.joint}", report.unit
     competing = [(row, other) for row in rows for other in row.effect.evidence if other.name != row.effect.name]
-    tables = (
-        EFFECT.people(rows, caption=f"Missing effects of {joint}, the largest first", unit=report.unit),
-        COMPETITOR.people(
-            competing,
-            caption=f"Effects competing with those of {joint}: from 6 on the evidence against them is strong",
-            folded=True,
-        ),
-        UNTESTABLE.people(
-            untestable_rows([one.discrepancy]), caption=f"Effects that this log cannot show on {joint}",
-            folded=True, unit=report.unit,
-        ),
-    )  # fmt: skip
-    for table in tables[: 1 if rows else 0]:
-        yield _of_one_joint(table)
-    undecided = [row for row in rows if row.effect.alternatives]
-    if undecided:
-        separate = (
-            f"To separate {names_of(row.effect, row.joint.effects)}: {decide_words(row.effect)}." for row in undecided
-        )
-        yield Text(lines=[plain_names(line).replace(" or ", " from ", 1) for line in separate])
-    yield from (_of_one_joint(table) for table in tables[1:] if table.rows)
+    untestable = tables.untestable_rows([one.discrepancy])
+    strong = "from 6 on the evidence against them is strong"
+    if rows:
+        yield _of_one_joint(tables.EFFECT, rows, f"Missing effects of {joint}, the largest first", unit)
+    separate = [f"{row.names}: {words.decide_words(row.effect)}." for row in rows if row.effect.alternatives]
+    if separate:
+        lines = [f"To separate {words.plain_names(line)}".replace(" or ", " from ", 1) for line in separate]
+        yield html.Text(lines=lines)
+    if competing:
+        caption = f"Effects competing with those of {joint}: {strong}"
+        yield _of_one_joint(tables.COMPETITOR, competing, caption, unit, folded=True)
+    if untestable:
+        caption = f"Effects that this log cannot show on {joint}"
+        yield _of_one_joint(tables.UNTESTABLE, untestable, caption, unit, folded=True)
 
 
-def _of_one_joint(table: Table) -> Table:
-    return replace(table, columns=[column for column in table.filled().columns if column.name != "joint"])
+def _of_one_joint(record: Record, rows: Iterable[Row], caption: str, unit: str, *, folded: bool = False) -> Table:
+    table = record.people(rows, caption=caption, folded=folded, unit=unit).filled()
+    return replace(table, columns=[column for column in table.columns if column.name != "joint"])
 
 
-def _friction(report: LogReport, drawn: Drawn) -> Section:
+def _topic(report: made.LogReport, name: str, drawn: Drawn) -> html.Section:
+    title, parts_of = TOPICS[name]
+    folded = name != "recording" or any(not one.friction.reason for one in report.joints)
+    parts = (*parts_of(report), *_pictures(drawn, name))
+    return html.Section(anchor=name, title=title, folded=folded, parts=parts)
+
+
+def _friction(report: made.LogReport) -> Iterator[html.Part]:
     found, settings = report.estimate.friction, report.estimate.settings.friction
     lines = [
         f"Estimator {found.estimator}, {settings.model} model.",
@@ -226,100 +206,140 @@ def _friction(report: LogReport, drawn: Drawn) -> Section:
     short = [one.joint for one in fitted if one.cycles < 2 * one.window]
     if short:
         lines.append(f"Too few cycles for a change within the log to show: {joints_label(short)}.")
-    parts = (Text(lines=lines), *_pictures(drawn, "friction"))
-    return Section(anchor="friction", title="Friction over time", parts=parts, folded=True)
+    yield html.Text(lines=lines)
 
 
-def _compensator(report: LogReport, drawn: Drawn) -> Section:
-    title = "What a compensator would have done"
+def _compensator(report: made.LogReport) -> Iterator[html.Part]:
     if report.replay is None:
-        return Section(anchor="compensator", title=title, parts=_unanswered(report, "replay"), folded=True)
+        yield _unanswered(report, "replay")
+        return
     found = report.replay.replay
-    lines = (
-        f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}.",
-        f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}.",
-    )
-    warnings = notice_lines(notices(found.warnings))
-    cautions = [Text(lines=warnings, listed=True, tone="unsure")] if warnings else []
-    parts = (Text(lines=lines), *cautions, *_pictures(drawn, "compensator"))
-    return Section(anchor="compensator", title=title, parts=parts, folded=True)
+    compensator = f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}."
+    yield html.Text(lines=(compensator, f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}."))
+    yield from html.noted(notice_lines(notices(found.warnings)))
 
 
-def _missing(report: LogReport, drawn: Drawn) -> Section:
-    title = "What the model misses"
+def _missing(report: made.LogReport) -> Iterator[html.Part]:
     if report.diagnosis is None:
-        return Section(anchor="diagnosis", title=title, parts=_unanswered(report, "diagnose"), folded=True)
-    model = Text(lines=(f"Nominal model: {nominal_model(report.diagnosis.settings.model)}.",))
-    rows = effect_rows(report.diagnosis.discrepancy.joints)
-    effects = EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
-    parts = (model, *([effects] if rows else ()), *_pictures(drawn, "diagnosis"))
-    return Section(anchor="diagnosis", title=title, parts=parts, folded=True)
+        yield _unanswered(report, "diagnose")
+        return
+    yield html.Text(lines=(f"Nominal model: {words.nominal_model(report.diagnosis.settings.model)}.",))
+    if rows := tables.effect_rows(report.diagnosis.discrepancy.joints):
+        yield tables.EFFECT.people(rows, caption="Missing effects, the largest of a joint first", unit=report.unit)
 
 
-def _unanswered(report: LogReport, part: str) -> tuple[Text, ...]:
+def _unanswered(report: made.LogReport, part: str) -> html.Text:
     why = [one.message for one in report.unanswered if one.part == part]
-    return (Text(lines=why or ["No joint has an estimate."], tone="unsure"),)
+    return html.Text(lines=why or ["No joint has an estimate."], tone="unsure")
 
 
-def _pictures(drawn: Drawn, section: str) -> Iterator[Part]:
+def _pictures(drawn: Drawn, section: str) -> Iterator[html.Part]:
     """Yield the figures of a section, and the names of those that found no room."""
     yield from drawn.by_section.get(section, ())
     left_out = drawn.left_out.get(section, ())
     if left_out:
         more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
-        yield Text(lines=(f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
+        yield html.Text(lines=(f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
 
 
-def _recording(report: LogReport, drawn: Drawn) -> Section:  # noqa: ARG001 - as of the sections with figures
-    estimate = report.estimate
-    summary = summarize_log(estimate.log, estimate.interaction, estimate.cycles)
-    channels = CHANNEL.people(
-        estimate.log.source.channels.items(),
-        caption="Channels as they are called in the log; {i} is the number of the joint",
-        folded=True,
-    )
-    return Section(
-        anchor="recording",
-        title="What was recorded",
-        folded=any(not one.friction.reason for one in report.joints),
-        parts=(
-            Terms(pairs=[*_source(summary), *_torque(estimate.interaction.choice, report.unit)]),
-            MOTION.people(summary.joints, caption="How the joints moved"),
-            channels,
-            *_sign(report),
-            *data_tables(report.diagnosis),
-        ),
-    )
+def _recording(report: made.LogReport) -> Iterator[html.Part]:
+    estimate, unit, log = report.estimate, report.unit, report.estimate.log
+    summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
+    source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
+    facts = (pair for pair in facts_of(summary) if pair[0] != "channel")
+    pairs = [*source.items(), *facts, ("why so", choice.reason)]
+    yield html.Terms(pairs=[(name, in_unit(text, unit)) for name, text in pairs if text])
+    yield MOTION.people(summary.joints, caption="How the joints moved")
+    caption = "Channels as they are called in the log; {i} is the number of the joint"
+    yield CHANNEL.people(log.source.channels.items(), caption=caption, folded=True)
+    signs = [
+        (SimpleNamespace(joint=one.joint, name=log.joint_names[one.joint - 1]), one) for one in choice.sign_evidence
+    ]
+    if signs:
+        caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
+        yield SIGN.people(signs, caption=caption, folded=True, unit=unit)
+    checks = tables.finding_rows(() if report.diagnosis is None else report.diagnosis.discrepancy.joints)
+    bad = [row for row in checks if row[1].verdict != "fine"]
+    for caption, rows in (("Limits and faults of the data", bad), ("Every check of the data", checks)):
+        if rows:
+            yield tables.FINDING.people(rows, caption=caption, folded=True)
 
 
-def _source(summary: LogSummary) -> Iterator[tuple[str, str]]:
-    log, source = summary.log, summary.log.source
-    yield "File", source.path
-    yield "SHA-256", source.sha256
-    yield "Format", f"{source.format}, topic {source.topic}" if source.topic else source.format
-    yield "Robot", f"{source.robot}, serial number {source.serial}" if source.serial else source.robot
-    yield "Samples", f"{len(log.t)} in {log.duration_s:.6g} s, {log.rate_hz:.6g} Hz"
-    yield "Clock", f"{source.clock}, {summary.steps_text}, {summary.clock_text}"
-    yield "Repeated", f"{count_of(summary.stale_samples, 'repeated sample')} left out"
+TOPICS: Mapping[str, tuple[str, Callable[[made.LogReport], Iterator[html.Part]]]] = {
+    "friction": ("Friction over time", _friction),
+    "diagnosis": ("What the model misses", _missing),
+    "compensator": ("What a compensator would have done", _compensator),
+    "recording": ("What was recorded", _recording),
+}
+"""Sections that can be left out."""
+REPORT_FORMATS: Mapping[str, tuple[str, Callable[[made.LogReport], bytes]]] = {
+    "html": (".html", lambda report: html.render_page(log_page(report)).encode()),
+    "pdf": (".pdf", lambda report: html.write_pdf(log_page(report))),
+    "markdown": (".md", lambda report: html.write_markdown(log_page(report, figures=False)).encode()),
+    "json": (".json", lambda report: write_document(made.report_document(report)).encode()),
+}
+"""Formats: the ending of a file, and what is in it."""
 
 
-def _torque(choice: TorqueChoice, unit: str) -> Iterator[tuple[str, str]]:
-    yield "Interaction torque", in_unit("; ".join(filter(None, (choice.formula, choice.reason))), unit)
-    yield "Torque source", choice.source
-    yield "Driven by", "a hand on the arm" if choice.drive == "hand" else "the robot itself"
-    yield "Gravity", choice.gravity
-    yield "Inertia", choice.inertia
-    model = "" if choice.model_rate_hz is None else f", evaluated at {choice.model_rate_hz:g} Hz"
-    yield "Rigid-body model", f"{choice.robot}{model}"
-    payload = choice.payload
-    yield "Payload", "none" if payload is None else f"{payload[0]:g} kg at {', '.join(f'{x:g}' for x in payload[1:])} m"
-    turned = "; turned against the first reading" if choice.sign_turned else ""
-    yield "Sign", f"{choice.sign:+d}, {sign_text(choice).removeprefix('sign ')}{turned}"
+@lru_cache(maxsize=1)  # a page and its PDF have the same figures
+def draw_figures(report: made.LogReport) -> Drawn:
+    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room."""
+    from friction_audit.reporting.figures.style import load_matplotlib
+
+    drawn, left = Drawn(defaultdict(list), defaultdict(list)), MOST_BYTES
+    sheets = list(_sheets(report))
+    load_matplotlib(["svg", "png"] if sheets else [])  # once, and not by every copy
+    work = in_processes(lambda k: _figure(report, *sheets[k]), len(sheets), workers_for(len(sheets)))
+    for kind, _, title in sheets:
+        figure = next(work) if left > 0 else None
+        left -= 0 if figure is None else len(figure.svg)
+        if figure is None or left < 0:
+            drawn.left_out[_section(kind)].append(title)
+        else:
+            drawn.by_section[_section(kind)].append(figure)
+    return drawn
 
 
-def _sign(report: LogReport) -> tuple[Table, ...]:
-    """Return what the energy of each joint says about the sign of its torque, if that was looked at."""
-    choice, names = report.estimate.interaction.choice, report.estimate.log.joint_names
-    rows = [(JointName(one.joint, names[one.joint - 1]), one) for one in choice.sign_evidence]
-    caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
-    return (SIGN.people(rows, caption=caption, folded=True, unit=report.unit),) if rows else ()
+def _section(kind: FigureKind) -> str:
+    return "verdicts" if kind.name == FIRST else SECTION_OF[kind.result]
+
+
+def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.JointReport, ...], str]]:
+    """Yield kind, joints and title of every figure of the sections asked for."""
+    shown = {}
+    for kind in LOG_FIGURES:
+        result = getattr(report, kind.result)
+        if result is not None and _section(kind) in ("verdicts", *report.sections):
+            layout = kind.layout()
+            shown[kind] = {one.joint for one in layout.joints(result) if layout.has(result, one)}
+    every = [one for one in report.joints if any(one.joint in numbers for numbers in shown.values())]
+    for first in range(0, len(every), ON_A_SHEET):
+        own = every[first : first + ON_A_SHEET]
+        which = "" if len(every) <= ON_A_SHEET else f", joints {own[0].joint} to {own[-1].joint}"
+        for kind, numbers in shown.items():
+            joints = tuple(one for one in own if one.joint in numbers)
+            if joints:
+                yield kind, joints, f"{kind.title}{which}"
+
+
+def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointReport, ...], title: str) -> html.Figure:
+    numbers = tuple(one.joint for one in joints)
+    drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
+    _make_small(drawing)
+    words = [f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints]
+    words_in_unit = in_unit(f"{title}. {'; '.join(words)}.", report.unit)
+    prefix = f"{kind.name}-{numbers[0]}"
+    return html.draw_inline(drawing, prefix, title=title, caption=kind.caption, description=words_in_unit)
+
+
+def _make_small(drawing: Drawing) -> None:
+    """Let clouds of dots be images, and leave of curves what is visible."""
+    for line in drawing.findobj(Line2D):
+        assert isinstance(line, Line2D)
+        x, y = (np.asarray(data, dtype=np.float64) for data in line.get_data())
+        dots = line.get_linestyle() == "None"
+        line.set_rasterized(dots and len(x) > CLOUD)
+        long = len(x) > MOST_POINTS and not dots and line.get_drawstyle() == "default"
+        if long and bool((np.diff(x) > 0.0).all() and np.isfinite(y).all()):
+            line.set_data(*thin_extremes(x, y, MOST_POINTS))
+        line.get_path().simplify_threshold = COARSE_PT

@@ -1,4 +1,4 @@
-"""What a page is made of, its HTML and its drawings; every word in it is text, escaped when the page is written."""
+"""What a page is made of, as HTML, PDF and Markdown, and its drawings; every word in it is text, and escaped."""
 
 import base64
 import hashlib
@@ -6,16 +6,15 @@ import io
 import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
 
 from friction_audit import __version__
-from friction_audit.errors import printable
+from friction_audit.errors import UsageError, printable
 from friction_audit.reporting.figures.style import figure_style
 from friction_audit.reporting.table import Column, Record, Row, Table, Tone
 
@@ -25,8 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Figure:
+class Figure(NamedTuple):
     """A figure that can be enlarged."""
 
     title: str  # what it shows, in a line
@@ -36,8 +34,7 @@ class Figure:
     description: str  # what it shows, for those who do not see it
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """Sentences, a paragraph each, or the points of a list."""
 
     lines: Sequence[str]
@@ -45,15 +42,13 @@ class Text:
     tone: Tone = ""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Command:
+class Command(NamedTuple):
     """A command to be typed, which can be copied."""
 
     line: str
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Terms:
+class Terms(NamedTuple):
     """Names and values, side by side where there is room, or words and what they mean, a line each."""
 
     pairs: Sequence[tuple[str, str]]
@@ -63,8 +58,7 @@ class Terms:
 Part = Table | Figure | Text | Command | Terms
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Section:
+class Section(NamedTuple):
     """A section with a heading, and sections in it."""
 
     anchor: str  # unique: ASCII letters, digits and hyphens
@@ -76,8 +70,7 @@ class Section:
     on_paper: bool = True  # whether paper has it
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Page:
+class Page(NamedTuple):
     """A page: its title, its answer in a sentence or two, names and values of what it is about, and its sections."""
 
     title: str
@@ -93,27 +86,27 @@ METHOD = (
 PROGRAM = f"friction-audit {__version__}. The program is not by the authors of the method."
 
 
-def citation_section() -> Section:
-    """Return how to cite."""
-    lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
-    parts = (Text(lines=(lead,)), Text(lines=(METHOD, PROGRAM), listed=True))
-    return Section(anchor="cite", title="How to cite", parts=parts, folded=True)
-
-
 UNSET = "not set"
-SETTING = Record(
-    (
-        Column("setting", str, get="0", title="setting", code=True, on="p"),
-        Column("value", str, get="1", title="value", code=True, on="p"),
-    )
-)
+SETTING = Record(Column("setting", str, get="0", code=True, on="p"), Column("value", str, get="1", code=True, on="p"))
 
 
-def settings_section(settings: Mapping[str, object], command: str) -> Section:
-    """Return every setting, defaults included, and the command."""
+def noted(lines: Sequence[str], tone: Tone = "unsure") -> list[Text]:
+    """Return a list of sentences, if there are some."""
+    return [Text(lines=lines, listed=True, tone=tone)] if lines else []
+
+
+def closing_sections(
+    words: Mapping[str, str], settings: Mapping[str, object], command: str, *, paper: bool = True
+) -> Iterator[Section]:
+    """Yield what the words of a page mean, on paper too, every setting and the command, and how to cite."""
+    terms = (Terms(pairs=tuple(words.items()), words=True),)
+    yield Section(anchor="words", title="How to read it", parts=terms, folded=True, on_paper=paper)
     table = SETTING.people(flattened(settings), caption="Every setting, defaults included", folded=True)
     again = (Text(lines=("This command makes the page again:",)), Command(line=command)) if command else ()
-    return Section(anchor="settings", title="Settings", parts=(*again, table), folded=True)
+    yield Section(anchor="settings", title="Settings", parts=(*again, table), folded=True)
+    lead = "Friction is estimated from the energy balance between two moments of rest. When you publish, cite"
+    parts = (Text(lines=(lead,)), Text(lines=(METHOD, PROGRAM), listed=True))
+    yield Section(anchor="cite", title="How to cite", parts=parts, folded=True)
 
 
 def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
@@ -147,12 +140,7 @@ def terms_of(record: Record, row: Row, unit: str) -> Terms:
 
 
 def render_page(page: Page, *, paper: bool = False) -> str:
-    """Return the page as HTML; the same page gives the same bytes.
-
-    Args:
-        page: The page.
-        paper: Whether it is to be printed: sections open, no script, without the long tables that a screen folds.
-    """
+    """Return the page as HTML; for paper with sections open, without script and the long tables that a screen folds."""
     script = "" if paper else _resource("page.js")
     text = _environment().get_template("page.html.j2").render(
         page=page,
@@ -168,21 +156,52 @@ def render_page(page: Page, *, paper: bool = False) -> str:
 
 @cache
 def _environment() -> "Environment":
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
     environment = Environment(
         loader=PackageLoader("friction_audit.reporting.html"),
-        autoescape=True,
+        autoescape=select_autoescape(("html.j2",)),  # in Markdown a filter escapes the words
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     environment.tests["kind"] = lambda part, name: type(part).__name__ == name
+    # A fence of Markdown is longer than any run of backticks in the command.
+    environment.filters["fence"] = lambda line: "`" * max(3, *(len(run) + 1 for run in re.findall("`+", line)), 0)
+    environment.filters["plain"] = _plain
     return environment
 
 
 def _resource(name: str) -> str:
     return files("friction_audit.reporting.html").joinpath("templates", name).read_text(encoding="utf-8")
+
+
+# Characters that Markdown, its tables, its formulas or the HTML in it may take for something: an underscore, a hash or
+# a plus only where no letter is before it.
+SPECIAL = re.compile(r"([\\`*{}\[\]<>|~&$]|(?<!\w)[_#+]|_(?!\w))")
+
+
+def write_pdf(page: Page) -> bytes:
+    """Return a page as PDF: the page, printed."""
+    try:
+        from weasyprint import HTML
+    except (ImportError, OSError) as error:  # OSError: without the library pango
+        raise UsageError(
+            f"--format pdf: WeasyPrint cannot be loaded ({error}); install it with: pip install 'friction-audit[pdf]' "
+            "(on Debian and Ubuntu also: apt install libpango-1.0-0 libpangoft2-1.0-0); or print the HTML page"
+        ) from error
+    found: bytes = HTML(string=render_page(page, paper=True)).write_pdf(pdf_identifier=b"friction-audit")
+    return found
+
+
+def write_markdown(page: Page) -> str:
+    """Return a page as Markdown, the same words and tables without drawings; names from the log stay text."""
+    return printable(_environment().get_template("page.md.j2").render(page=page, version=__version__) + "\n")
+
+
+def _plain(text: str) -> str:
+    """Return text in one line that Markdown takes for nothing else."""
+    return SPECIAL.sub(r"\\\1", " ".join(text.split()))
 
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"

@@ -1,21 +1,17 @@
-"""Estimate -> the series of a joint, and its figures over time: signals, net energy, friction coefficients."""
+"""Estimate -> the series of a joint; signals, net energy and coefficients over time, torque over velocity."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
 
 import numpy as np
+from matplotlib.axes import Axes
 
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
+from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
-    from friction_audit.pipeline import Estimate
 
 MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey
 
@@ -34,12 +30,12 @@ class JointSeries:
     not_determined: str  # the words for a panel without an estimate, without advice; empty if there is one
 
 
-def moved(_: "Estimate", friction: JointFriction) -> bool:
+def moved(_: Estimate, friction: JointFriction) -> bool:
     """Return whether there is motion to draw."""
     return friction.moving_s > 0.0 or not friction.reason
 
 
-def series_of(estimate: "Estimate", friction: JointFriction) -> JointSeries:
+def series_of(estimate: Estimate, friction: JointFriction) -> JointSeries:
     """Return the series of a joint."""
     interaction = estimate.interaction
     column = interaction.joint_numbers.index(friction.joint)
@@ -56,7 +52,7 @@ def series_of(estimate: "Estimate", friction: JointFriction) -> JointSeries:
     )
 
 
-def shade_cycles(axes: "Axes", series: JointSeries) -> None:
+def shade_cycles(axes: Axes, series: JointSeries) -> None:
     """Shade every other cycle of a joint and hatch the rejected ones; end the axis with the signals."""
     cycles = series.cycles
     axes.set_xlim(series.t[0], series.t[-1])
@@ -65,13 +61,8 @@ def shade_cycles(axes: "Axes", series: JointSeries) -> None:
         return
     for row, (start, stop, reason) in enumerate(zip(cycles.start_s, cycles.stop_s, cycles.reason, strict=True)):
         if reason:
-            look: theme.Look = {
-                "facecolor": "none",
-                "edgecolor": theme.REJECTED,
-                "hatch": "/////",
-                "label": "rejected cycle",
-            }
-            axes.axvspan(start, stop, linewidth=0, zorder=0, **look)
+            look: theme.Look = {"facecolor": "none", "edgecolor": theme.REJECTED, "hatch": "/////"}
+            axes.axvspan(start, stop, linewidth=0, zorder=0, label="rejected cycle", **look)
         elif row % 2 == 0:
             axes.axvspan(start, stop, facecolor=theme.SHADE, linewidth=0, zorder=0, label="every other cycle")
 
@@ -80,8 +71,7 @@ POINTS = 6000  # of a curve: a page is 2100 dots wide at 300 dots per inch, so n
 GAP_PERIODS = 20  # sampling periods without a sample after which no line is drawn
 
 
-def _draw_signals(panels: "Sequence[Axes]", estimate: "Estimate", friction: JointFriction) -> None:
-    """Draw velocity and torque raw and filtered, with gaps where the log has some."""
+def _draw_signals(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
     series = series_of(estimate, friction)
     t = series.t
     signals = ((series.dq, "Velocity [rad/s]", series.title), (series.torque, "Torque [N m]", ""))
@@ -99,30 +89,27 @@ def _draw_signals(panels: "Sequence[Axes]", estimate: "Estimate", friction: Join
 
 
 SIGNALS = parts.Layout(
-    joints=lambda estimate: estimate.friction.joints,
-    has=moved,
-    lacks="did not move",
-    draw=_draw_signals,
-    panels=2,
-    height_in=(1.15, 1.3),
-    head_in=0.6,
-    x="Time [s]",
-    shared=True,
-)
+    joints=lambda estimate: estimate.friction.joints, has=moved, lacks="did not move", draw=_draw_signals, panels=2,
+    height_in=(1.15, 1.3), head_in=0.6, x="Time [s]", shared=True,
+)  # fmt: skip
 
 SMALLEST_ENERGY_J = 0.01  # half height of the panel of a joint that stands still
 
 
-def _draw_energy(panels: "Sequence[Axes]", estimate: "Estimate", friction: JointFriction) -> None:
-    """Draw the net energy, shade the cycles and mark their borders."""
+def _draw_energy(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
+    from scipy.integrate import cumulative_trapezoid
+
     (axes,), series = panels, series_of(estimate, friction)
     shade_cycles(axes, series)
-    energy, cycles = net_energy_j(series), series.cycles
+    cycles = series.cycles
+    power = cumulative_trapezoid(series.torque * series.dq, series.t, initial=0)
+    energy = power - power[cycles.start[0] if len(cycles.start) else 0]  # zero at the first cycle's start
     if np.ptp(energy) < SMALLEST_ENERGY_J:
         axes.set_ylim(-SMALLEST_ENERGY_J, SMALLEST_ENERGY_J)
     parts.draw_curve(axes, series.t, energy, 20_000, color=theme.FILTERED, lw=0.9, label="net energy")
     if len(cycles.start):
-        edges, stairs = dissipated_stairs(series)
+        edges = np.concatenate([cycles.start_s[:1], cycles.stop_s])
+        stairs = np.concatenate([[0.0], np.cumsum(cycles.dissipated_j)])
         # The last step holds until the log ends.
         held = np.append(edges, max(series.t[-1], edges[-1])), np.append(stairs, stairs[-1])
         axes.step(*held, where="post", color=theme.DISSIPATED, lw=0.9, label="dissipated, per cycle")
@@ -133,33 +120,10 @@ def _draw_energy(panels: "Sequence[Axes]", estimate: "Estimate", friction: Joint
     parts.write_message(axes, series.not_determined)
 
 
-def net_energy_j(series: JointSeries) -> Float:
-    """Return the integral of F_m dq dt, zero at the first cycle's start (at t = 0 without one), shape (n,). [J]"""
-    from scipy.integrate import cumulative_trapezoid
-
-    energy = cumulative_trapezoid(series.torque * series.dq, series.t, initial=0)
-    return np.asarray(energy - energy[series.cycles.start[0] if len(series.cycles.start) else 0], dtype=np.float64)
-
-
-def dissipated_stairs(series: JointSeries) -> tuple[Float, Float]:
-    """Return the borders of the cycles [s] and what friction took up to each of them [J]."""
-    cycles = series.cycles
-    edges = np.concatenate([cycles.start_s[:1], cycles.stop_s])
-    return edges, np.concatenate([np.zeros(min(len(edges), 1)), np.cumsum(cycles.dissipated_j)])
-
-
-ENERGY = parts.Layout(
-    joints=SIGNALS.joints,
-    has=moved,
-    lacks=SIGNALS.lacks,
-    draw=_draw_energy,
-    across=2,
-    height_in=(1.4, 1.8),
-    head_in=0.6,
-    x="Time [s]",
-    y="Net energy [J]",
+ENERGY = replace(
+    SIGNALS, draw=_draw_energy, panels=1, across=2, height_in=(1.4, 1.8), y="Net energy [J]", shared=False,
     legend=("net energy", "dissipated, per cycle", "zero velocity"),
-)
+)  # fmt: skip
 
 UNSETTLED = 10.0  # times the median width beyond which an interval, of early windows of one speed, stretches no panel
 NEAR = 1.5  # times the range of the values that bands may reach beyond it; there they are cut
@@ -167,7 +131,7 @@ SMALLEST_SHARE, SMALLEST_RANGE = 0.02, 1e-6  # of the value, and of all: a panel
 WINDOW, INTERVAL = "moving window", "95 % interval"
 
 
-def _draw_coefficients(panels: "Sequence[Axes]", estimate: "Estimate", friction: JointFriction) -> None:
+def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
     """Draw Coulomb and viscous friction as steps that hold until the next, with their bands, and of the whole log."""
     series, history = series_of(estimate, friction), friction.history
     coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
@@ -199,10 +163,7 @@ def _draw_coefficients(panels: "Sequence[Axes]", estimate: "Estimate", friction:
 
 
 def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple[float, float] | None:
-    """Return limits that show the values after each cycle, NaN where there is none, and the whole-log interval.
-
-    Of the bands, shape (m,) like the values, they show as much as is near.
-    """
+    """Return limits that show the values, NaN for none, the whole-log interval, and of the bands what is near."""
     width = high - low
     known = width[np.isfinite(width)]
     settled = ~(width > UNSETTLED * np.median(known)) if len(known) else np.isfinite(value)
@@ -212,15 +173,90 @@ def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple
     return parts.limits(shown, np.concatenate([low, high]), near=NEAR, smallest=smallest)
 
 
-COEFFICIENTS = parts.Layout(
-    joints=SIGNALS.joints,
-    has=lambda _, friction: not friction.reason,
-    lacks="no estimate",
-    draw=_draw_coefficients,
-    panels=2,
-    height_in=SIGNALS.height_in,
-    head_in=SIGNALS.head_in,
-    x="Time [s]",
-    shared=True,
+COEFFICIENTS = replace(
+    SIGNALS, has=lambda _, friction: not friction.reason, lacks="no estimate", draw=_draw_coefficients,
     legend=(WINDOW, INTERVAL),
-)
+)  # fmt: skip
+
+NEAR_REST = 0.2  # share of the peak speed below which the torque of a reversal hides an offset
+POINTS_PER_PERIOD = 10  # of the filtered curve, per period of its highest frequency: enough for a smooth line
+SMALLEST_CENTRE_NM = 0.0005  # the label's three decimals would round less to nothing
+MOST_LOOPS = 60  # cycles of the filtered curve above which it would be a blot
+SMALLEST_SPEED_RAD_S = 0.1  # half width of the panel of a joint that stands still
+
+
+def _draw_loop(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
+    (axes,), series = panels, series_of(estimate, friction)
+    alone = len(axes.figure.axes) == 1
+    thinned = parts.every_nth(len(series.t))
+    raw = "raw" if thinned.step == 1 else f"raw, 1 sample in {thinned.step}"
+    parts.draw_dots(axes, series.dq[thinned], series.driving[thinned], theme.RAW, raw)
+    dq, torque, every = filtered_loop(series)
+    filtered = f"filtered, {parts.cutoff_hz(series.t):.3g} Hz{'' if every == 1 else f', 1 cycle in {every}'}"
+    axes.plot(dq, torque, color=theme.FILTERED, lw=0.35, rasterized=True, label=filtered)
+    if alone:  # on a sheet there is no room for arrows
+        parts.draw_arrows(axes, dq, torque)
+    reach = float(np.abs(series.dq).max())
+    # Two points next to zero on each side make the step of the Coulomb term upright.
+    speed = np.array([-reach, -1e-9, 1e-9, reach])
+    fitted = fitted_torque(friction, speed)
+    if fitted is not None:
+        centre = centre_nm(series)
+        # The numbers differ from panel to panel, so the sheet's legend cannot show them.
+        label = fitted_label(friction, centre) if alone else "fitted friction"
+        axes.plot(speed, fitted + centre, color=theme.FITTED, lw=1.3, zorder=4, label=label)
+    axes.set_xlim(*np.array([-1.0, 1.0]) * max(SMALLEST_SPEED_RAD_S, 1.05 * reach))
+    parts.label_panel(axes, series.title, across=None if alone else 3)
+    parts.write_message(axes, series.not_determined, characters=40 if alone else 24)
+
+
+def filtered_loop(series: JointSeries) -> tuple[Float, Float, int]:
+    """Return filtered velocity and torque, thinned; of a long log every k-th cycle, gaps between them as NaN; and k."""
+    step = max(1, int(parts.median_rate_hz(series.t) / (POINTS_PER_PERIOD * parts.CUTOFF_HZ)))
+    dq, torque = (parts.smooth(series.t, signal)[::step] for signal in (series.dq, series.driving))
+    every = max(-(-len(dq) // parts.MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
+    if every <= 1:
+        return dq, torque, 1
+    every |= 1  # odd, so that strokes there and strokes back are both shown
+    shown = np.zeros(len(series.t), dtype=np.bool_)
+    for start, stop in zip(series.cycles.start[::every], series.cycles.stop[::every], strict=True):
+        shown[start:stop] = True
+    return np.where(shown[::step], dq, np.nan), torque, every
+
+
+def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
+    """Return the friction torque [N m] of the whole-log estimate at velocities of shape (n,); None without estimate."""
+    coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
+    viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
+    torque = coulomb * np.sign(dq) + viscous * dq
+    return None if friction.reason or np.isnan(coulomb + viscous) else torque
+
+
+def centre_nm(series: JointSeries) -> float:
+    """Return the constant around which the fitted curve is drawn. [N m]
+
+    It is the median of what friction leaves while the joint moves: an offset of the torque sensor or an error of
+    gravity shifts the measured curve; friction itself has no constant.
+    """
+    moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
+    friction = fitted_torque(series.friction, series.dq[moving])
+    return 0.0 if friction is None else float(np.median(series.driving[moving] - friction))
+
+
+def fitted_label(friction: JointFriction, centre: float) -> str:
+    """Return the fitted curve's formula with its numbers, drawn around a constant [N m], for the legend."""
+    terms = []
+    if friction.model != "viscous":
+        terms.append(rf"{friction.coulomb.value:.3f}\,\mathrm{{sgn}}\,\dot{{q}}")
+    if friction.model != "coulomb":
+        terms.append(rf"{friction.viscous.value:+.3f}\,\dot{{q}}")
+    if abs(centre) >= SMALLEST_CENTRE_NM:
+        terms.append(f"{centre:+.3f}")
+    return f"fitted: ${''.join(terms).removeprefix('+')}$"
+
+
+VELOCITY_TORQUE = replace(
+    SIGNALS, draw=_draw_loop, panels=1, across=4, height_in=(1.75, 2.4), head_in=0.5, shared=False,
+    x="Velocity [rad/s]",
+    y=lambda of: f"Interaction{'' if of.interaction.compensation is None else ' and compensator'} torque [N m]",
+)  # fmt: skip
