@@ -1,11 +1,15 @@
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from friction_audit.cli import main
+from friction_audit.joint_log import JointLog
+from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.pipeline import Estimate, estimate_log
 from tests.cli.conftest import Run
 
 
@@ -31,6 +35,24 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     assert joint["limits"] == {"torque_nm": 50.0, "rate_nm_s": None}
     assert joint["cycles"] == len(joint["history"])
     assert joint["energy_with_j"] < joint["energy_without_j"]
+
+
+def test_a_long_log_is_read_in_blocks_unless_files_are_asked_for(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[bool] = []
+
+    def watched(log: JointLog, *arguments: Any) -> Estimate:
+        read.append(isinstance(log, LogInBlocks))
+        return estimate_log(log, *arguments)
+
+    monkeypatch.setattr("friction_audit.pipeline.estimate_log", watched)
+    monkeypatch.setattr("friction_audit.io.readers.table.IN_BLOCKS_BYTES", 0)
+    log = Path(__file__).parents[2] / "sample_logs" / "hand_guided.parquet"
+    table = run("replay", log).out
+    assert run("replay", log, "-o", tmp_path / "whole", "--figures", "none").out == table
+    assert run("replay", log, "--assume", "same-torque").code == 0
+    assert read == [True, False, False]
 
 
 def test_what_moves_otherwise_is_said_with_its_intervals(run: Run, logs: Path) -> None:

@@ -90,6 +90,7 @@ def cycle_table(t: Float, dq: Float, torque: Float, borders: list[list[int]]) ->
         speed_unit="rad/s",
         standstill_rad_s=np.full(len(borders), 0.05),
         moving_s=np.array([15.0 if edges else 0.0 for edges in borders]),
+        peak_power_w=np.full(len(borders), 1.0),
     )
 
 
