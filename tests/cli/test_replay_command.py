@@ -50,7 +50,7 @@ def test_a_long_log_is_read_in_blocks_unless_files_are_asked_for(
     monkeypatch.setattr("friction_audit.io.readers.table.IN_BLOCKS_BYTES", 0)
     log = Path(__file__).parents[2] / "sample_logs" / "hand_guided.parquet"
     table = run("replay", log).out
-    assert run("replay", log, "-o", tmp_path / "whole", "--figures", "none").out == table
+    assert run("replay", log, "-o", tmp_path / "whole", "--figures", "replay").out == table
     assert run("replay", log, "--assume", "same-torque").code == 0
     assert read == [True, False, False]
 
