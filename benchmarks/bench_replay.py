@@ -37,13 +37,12 @@ def main() -> None:
             for name, command in COMMANDS.items():
                 taken[name].append(run([sys.executable, "-m", "friction_audit", command, str(path), "-q"]))
     base = statistics.median(one.cpu_s for one in taken["`estimate`"][1:])
-    print("| command | wall [s] | CPU [s] | CPU, times `estimate` | peak [MB] |")
-    print("|---|---:|---:|---:|---:|")
+    print("| command | CPU [s] | times `estimate` | peak [MB] |")
+    print("|---|---:|---:|---:|")
     for name, (_, *runs) in taken.items():  # the first run of each compiles what no cache holds
-        middle, cpu = statistics.median(one.wall_s for one in runs), statistics.median(one.cpu_s for one in runs)
+        cpu = statistics.median(one.cpu_s for one in runs)
         goal = f" (goal {GOAL:g})" if name == "`replay`" else ""
-        peak = max(one.peak_mb for one in runs)
-        print(f"| {name} | {middle:.2f} | {cpu:.2f} | {cpu / base:.2f}{goal} | {peak:.0f} |")
+        print(f"| {name} | {cpu:.2f} | {cpu / base:.2f}{goal} | {max(one.peak_mb for one in runs):.0f} |")
 
 
 if __name__ == "__main__":

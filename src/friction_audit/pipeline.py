@@ -20,7 +20,7 @@ from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
 from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from friction_audit.compensation.result import Replay
     from friction_audit.compensation.settings import ReplaySettings
@@ -77,6 +77,14 @@ class Estimate(Shown):
     cycles: EnergyCycles
     friction: FrictionHistory
     settings: AuditSettings
+    port: PortTorque | None = None  # of a log that is read in blocks, whose ``interaction`` has no samples
+
+    def parts(self) -> "Iterator[Interaction]":
+        """Yield motion and torque in parts that follow each other; those of a log in memory are one."""
+        if self.port is None:
+            yield self.interaction
+        else:
+            yield from map(self.port.interaction, self.port.log.blocks())
 
     def __repr__(self) -> str:
         unit = f"torque in {self.log.source.torque_unit}, velocity in rad/s, 95 % intervals"
@@ -132,7 +140,14 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     friction = friction_of(part, [one.gathered for one in joints], cycles_of, settings.friction, dead_torque)
     interaction = part.rows(part.first, part.first) if in_blocks else part
     cycles = join_cycles([found[column] for column in range(len(joints))])
-    return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+    return Estimate(
+        log=log,
+        interaction=interaction,
+        cycles=cycles,
+        friction=friction,
+        settings=settings,
+        port=port if in_blocks else None,
+    )
 
 
 def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]":
@@ -229,12 +244,17 @@ def replay_estimate(
     if estimate.settings.cycles.cycles_from == "hand":
         # As a controller saw it: from each sample alone. The smooth one of the interaction torque knows the future.
         hand_speed = arm_for_hand(log, estimate.settings.torque).hand_speed(log.q, log.dq)
+    if isinstance(log, LogInBlocks):
+        release_memory()
+    if settings.needs_whole and isinstance(log, LogInBlocks):
+        return replay_estimate(estimate_log(log.read_whole(), estimate.settings), settings, joints=joints)
     found = replay(
+        log,
         estimate.interaction,
+        estimate.parts(),
         estimate.cycles,
         estimate.friction,
         settings,
-        robot=log.source.robot,
         joints=joints,
         hand_speed=hand_speed,
     )
@@ -297,4 +317,4 @@ def without_samples(estimate: Estimate) -> Estimate:
     interaction = replace(
         seen, t=np.zeros(0), q=nothing, dq=nothing, torque=nothing, compensation=None, hand_speed=None
     )
-    return replace(estimate, log=cast("JointLog", bare), interaction=interaction)
+    return replace(estimate, log=cast("JointLog", bare), interaction=interaction, port=None)

@@ -1,12 +1,16 @@
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from friction_audit.cli import main
+from friction_audit.joint_log import JointLog
+from friction_audit.log_in_blocks import LogInBlocks
+from friction_audit.pipeline import Estimate, estimate_log
 from tests.cli.conftest import Run
 
 
@@ -18,6 +22,24 @@ def test_options_reach_the_compensator(run: Run, logs: Path) -> None:
     assert joint["limits"] == {"torque_nm": 50.0, "rate_nm_s": None}
     assert joint["cycles"] == len(joint["history"])
     assert joint["energy_with_j"] < joint["energy_without_j"]
+
+
+def test_a_long_log_is_read_in_blocks_unless_files_are_asked_for(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read: list[bool] = []
+
+    def watched(log: JointLog, *arguments: Any) -> Estimate:
+        read.append(isinstance(log, LogInBlocks))
+        return estimate_log(log, *arguments)
+
+    monkeypatch.setattr("friction_audit.pipeline.estimate_log", watched)
+    monkeypatch.setattr("friction_audit.io.readers.table.IN_BLOCKS_BYTES", 0)
+    log = Path(__file__).parents[2] / "sample_logs" / "hand_guided.parquet"
+    table = run("replay", log).out
+    assert run("replay", log, "-o", tmp_path / "whole", "--figures", "replay").out == table
+    assert run("replay", log, "--assume", "same-torque").code == 0
+    assert read == [True, False, False]
 
 
 @pytest.mark.usefixtures("sketched")

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.measures import dissipation_removed, find_step, first_right, sum_up
+from friction_audit.compensation.measures import dissipation_removed, find_step, first_right, rms_nm
 from friction_audit.compensation.records import ESTIMATED
 from friction_audit.compensation.result import ReplayHistory, Signals
 from friction_audit.joint_log import Float
@@ -15,7 +16,6 @@ def history(friction: list[float], left: list[float], status: list[int] | None =
     edges = np.arange(m + 1)
     nothing = np.zeros(m)
     return ReplayHistory(
-        start=edges[:-1],
         stop=edges[1:],
         start_s=edges[:-1].astype(np.float64),
         stop_s=edges[1:].astype(np.float64),
@@ -94,9 +94,11 @@ def test_the_hand_ends_cycles_when_all_joints_have_moved() -> None:
 
 def test_sums_by_hand() -> None:
     t, dq, torque = np.array([0.0, 1.0, 3.0]), np.array([1.0, 1.0, 1.0]), np.array([0.0, 2.0, -4.0])
-    work, rms, peak = sum_up(t, dq, torque)
-    assert (work, peak) == (-1.0, 4.0)
-    assert rms == pytest.approx(np.sqrt((2.0 + 20.0) / 3.0))
+    sums = np.zeros(1, SUMS)[0]
+    for piece in (slice(0, 0), slice(0, 1), slice(1, 3)):
+        add_torque(sums, t[piece], dq[piece], torque[piece])
+    assert (sums["work_j"], sums["largest_nm"]) == (-1.0, 4.0)
+    assert rms_nm(sums) == pytest.approx(np.sqrt((2.0 + 20.0) / 3.0))
     idle = dict.fromkeys(("compensation_nm", "passivity_nm", "limited_nm"), 0.0 * t)
     signals = Signals(t=t, dq=dq, interaction_nm=torque, **idle)
     np.testing.assert_array_equal(signals.net_energy_j, [0.0, 1.0, -1.0])

@@ -140,7 +140,11 @@ def command(
     out.check(log, (DOCUMENT, HISTORY), "replay")
     with voice.stages(3 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
-            recorded = chain.read(log, reading, stages)
+            from friction_audit.io.readers.reader import InBlocks
+
+            # Figures and exports take all samples at once, and so does a joint that moves otherwise.
+            in_blocks = folder is None and not settings.needs_whole
+            recorded = chain.read(log, InBlocks.of(reading) if in_blocks else reading, stages)
         if settings.joint_model is not None:
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
         estimated = chain.estimate(recorded, audit, stages)

@@ -42,10 +42,21 @@ def cautions_of(joint: JointReplay) -> Iterator[Caution]:
         yield caution("torque_limited", torque=joint.limits.torque_nm, rate=joint.limits.rate_nm_s, percent=percent)
 
 
+def square_in_cycles(part: Interaction, cycles: EnergyCycles, column: int) -> float:
+    """Return the sum of the squared interaction torque over those samples of a part that lie in cycles of a joint."""
+    own = cycles.joint == column
+    borders = np.clip(np.stack([cycles.start[own], cycles.stop[own]]) - part.first, 0, len(part.t))
+    start, stop = np.append(0.0, np.cumsum(part.torque[:, column] ** 2))[borders]
+    return float((stop - start).sum())
+
+
 def seems_compensated(
-    interaction: Interaction, cycles: EnergyCycles, friction: JointFriction, robot: str
+    interaction: Interaction, cycles: EnergyCycles, friction: JointFriction, robot: str, square: float
 ) -> Iterator[Caution]:
-    """Yield a caution where friction looks as if a compensator had been active, and no column has its torque."""
+    """Yield a caution where friction looks as if a compensator had been active, and no column has its torque.
+
+    ``square`` is the sum of the squared torque over the samples of all cycles.
+    """
     if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
         return
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
@@ -55,23 +66,19 @@ def seems_compensated(
     elif interaction.choice.sign_turned and interaction.choice.source == "interaction":
         found = {"sign": "sign"}
     else:
-        found = _vanishing(interaction, cycles, friction.joint) or _far_below(friction, robot)
+        found = _vanishing(interaction, cycles, friction.joint, square) or _far_below(friction, robot)
     if found:
         numbers = {"name": friction.name, "names": " and ".join(negative), **found}
         yield Caution(code="seems_compensated", joint=friction.joint, numbers=numbers)
 
 
-def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int) -> dict[str, object]:
+def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int, square: float) -> dict[str, object]:
     """Return that friction is gone, from the start or after the first cycles; nothing where it is not."""
-    column = interaction.joint_numbers.index(joint)
-    own = cycles.of_joint(column)
-    if len(own.start) < FEWEST_CYCLES or interaction.choice.gravity_in_torque:
+    own = cycles.joint == interaction.joint_numbers.index(joint)
+    work, path, samples = cycles.work_j[own], cycles.sums.path_rad[own], (cycles.stop - cycles.start)[own]
+    if len(work) < FEWEST_CYCLES or interaction.choice.gravity_in_torque:
         return {}
-    work, path = own.work_j, own.sums.path_rad
-    moving = np.concatenate(
-        [interaction.torque[start:stop, column] for start, stop in zip(own.start, own.stop, strict=True)]
-    )
-    little = NEXT_TO_NOTHING * np.sqrt(np.mean(moving**2))
+    little = NEXT_TO_NOTHING * np.sqrt(square / samples.sum())
     half = len(work) // 2
     before = float(work[:UNCOMPENSATED].sum() / path[:UNCOMPENSATED].sum())
     after = float(work[half:].sum() / path[half:].sum())

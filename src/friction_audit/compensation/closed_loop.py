@@ -21,7 +21,7 @@ from friction_audit.joint_log import Float, read_only
 CYCLE = np.dtype(
     [
         *((name, "i8") for name in ("stop", "acted", "status")),
-        *((name, "f8") for name in ("friction_j", "net_energy_j", "path_rad", "square_speed_rad2_s")),
+        *((name, "f8") for name in ("stop_s", "friction_j", "net_energy_j", "path_rad", "square_speed_rad2_s")),
         *((f"coulomb_{name}_nm", "f8") for name in ("applied", "estimated")),
         *((f"viscous_{name}_nms_per_rad", "f8") for name in ("applied", "estimated")),
     ]
@@ -29,7 +29,7 @@ CYCLE = np.dtype(
 
 TALLY = np.dtype(
     [
-        ("cycles", "i8"),
+        ("cycles", "i8"),  # that ended in this part of the recording
         ("friction_j", "f8"),  # what friction took
         ("net_j", "f8"),  # that less what the compensator gave, the rest being the person's
         ("path_rad", "f8"),
@@ -43,7 +43,7 @@ TALLY = np.dtype(
         ("lowest_active_j", "f8"),  # of the ledger since the compensator became active
         ("violations", "i8"),
         ("active_violations", "i8"),
-        ("activation", "i8"),  # sample at which it became active, -1 before
+        ("activation_s", "f8"),  # when it became active, NaN before
         ("reserve_j", "f8"),  # the ledger then
         ("active_friction_j", "f8"),  # what friction took since
         ("acting_s", "f8"),
@@ -52,7 +52,8 @@ TALLY = np.dtype(
         ("fastest_nm_s", "f8"),
         ("injected_j", "f8"),
         ("hidden", "i8"),  # 1 once the reserve from before hides over-compensation from the ledger
-        ("diverged", "i8"),
+        ("t_s", "f8"),  # time of the last tick
+        ("total_nm", "f8"),  # torque S at the last sample along a recording
     ]
 )
 
@@ -67,7 +68,7 @@ NEARLY = 1.0 - 1e-9
 def fresh_tally() -> np.ndarray[tuple[int], np.dtype[np.void]]:
     """Return the tally of a replay that has not begun, one record of TALLY."""
     tally = np.zeros(1, TALLY)
-    tally["activation"] = -1
+    tally["activation_s"] = math.nan
     return tally
 
 
@@ -82,20 +83,20 @@ def count_energy(tally: Record, settings: Record, friction_j: float, net_j: floa
     if abs(moved) > settings.rest_rad_s * dt:
         tally.path_rad += abs(moved)
         tally.square_rad2_s += moved * moved / dt
-    if tally.activation >= 0:
+    if not math.isnan(tally.activation_s):
         tally.active_friction_j += friction_j
 
 
 @compiled(inline=True)
-def count_tick(tally: Record, settings: Record, memory: Record, u_before: float, i: int) -> None:
-    """Look at ledger, controller and limits after the compensator's tick i."""
+def count_tick(tally: Record, settings: Record, memory: Record, u_before: float) -> None:
+    """Look at ledger, controller and limits after a tick of the compensator."""
     ledger = memory.observed_energy_j
     tally.lowest_j = min(tally.lowest_j, ledger)
     if ledger < -tally.tolerance_j:
         tally.violations += 1
     if memory.active == 1:
-        if tally.activation < 0:
-            tally.activation, tally.reserve_j = i, ledger
+        if math.isnan(tally.activation_s):
+            tally.activation_s, tally.reserve_j = tally.t_s, ledger
         tally.lowest_active_j = min(tally.lowest_active_j, memory.active_energy_j)
         if memory.active_energy_j < -tally.tolerance_j:
             tally.active_violations += 1
@@ -114,10 +115,10 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
 
 
 @compiled(inline=True)
-def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, acted: int, i: int, rows: Record) -> None:
-    """Write the row of the cycle that ended at sample i, during which these coefficients were applied."""
+def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, acted: int, rows: Record) -> None:
+    """Write the row of the cycle that ended at the last tick, during which these coefficients were applied."""
     row = rows[tally.cycles]
-    row.stop, row.acted, row.status = i, acted, memory.status
+    row.stop, row.stop_s, row.acted, row.status = memory.ticks - 1, tally.t_s, acted, memory.status
     row.friction_j, row.net_energy_j = tally.friction_j - tally.cycle_friction_j, tally.net_j - tally.cycle_net_j
     row.path_rad = tally.path_rad - tally.cycle_path_rad
     row.square_speed_rad2_s = tally.square_rad2_s - tally.cycle_square_rad2_s
@@ -127,6 +128,38 @@ def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, act
     tally.cycle_friction_j, tally.cycle_net_j = tally.friction_j, tally.net_j
     tally.cycle_path_rad, tally.cycle_square_rad2_s = tally.path_rad, tally.square_rad2_s
     tally.cycles += 1
+
+
+SUMS = np.dtype(
+    [
+        *((name, "f8") for name in ("samples", "t_s", "dq_rad_s", "torque_nm")),  # so far, and the last of them
+        ("work_j", "f8"),
+        ("square_nm2s", "f8"),  # integral of the squared torque over the time
+        ("largest_nm", "f8"),
+    ]
+)
+
+
+@compiled(any_order=True)
+def add_torque(sums: Record, t: Float, dq: Float, torque: Float) -> None:
+    """Add the samples that follow, shape (n,), to a record of SUMS."""
+    if len(t) == 0:
+        return
+    first, work, square, largest = sums.samples == 0.0, 0.0, 0.0, abs(torque[0])
+    if not first:
+        dt = t[0] - sums.t_s
+        work = 0.25 * (sums.torque_nm + torque[0]) * (sums.dq_rad_s + dq[0]) * dt
+        square = 0.5 * (sums.torque_nm * sums.torque_nm + torque[0] * torque[0]) * dt
+    for i in range(1, len(t)):
+        dt = t[i] - t[i - 1]
+        work += 0.25 * (torque[i - 1] + torque[i]) * (dq[i - 1] + dq[i]) * dt
+        square += 0.5 * (torque[i - 1] * torque[i - 1] + torque[i] * torque[i]) * dt
+        largest = max(largest, abs(torque[i]))
+    sums.samples += len(t)
+    sums.t_s, sums.dq_rad_s, sums.torque_nm = t[-1], dq[-1], torque[-1]
+    sums.work_j += work
+    sums.square_nm2s += square
+    sums.largest_nm = max(sums.largest_nm, largest)
 
 
 class Recorded(NamedTuple):
@@ -153,7 +186,7 @@ class Control(NamedTuple):
     # per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all
     cuts: NDArray[np.int64]
     torques: Float  # zeros that receive torques in force: person, law, passivity controller, limits, shape (4, n) [N m]
-    rows: Record  # receives a record of CYCLE for every cycle, shape (most,)
+    rows: Record  # receives a record of CYCLE for every cycle that ends in this part, shape (most,)
 
 
 class Joint(NamedTuple):
@@ -180,26 +213,26 @@ class Drive(NamedTuple):
 
 
 @compiled()
-def tick(  # noqa: PLR0913 - a tuple of arrays handed on at every tick costs three times the compensator
+def tick(
     settings: Record,
     memory: Record,
     tally: Record,
     rows: Record,
-    i: int,
-    dt: float,
+    t: float,
     v: float,
     interaction: float,
     cut: int,
 ) -> bool:
-    """Run the compensator on sample i and count what it does; return False once the loop has diverged."""
+    """Run the compensator on a sample and count what it does; return False once the loop has diverged."""
     u, cycle, acted = memory.u_nm, memory.cycle, memory.acted
     coulomb, viscous = memory.coulomb_nm, memory.viscous_nms_per_rad
-    step(settings, memory, v, interaction, dt, cut)
+    step(settings, memory, v, interaction, t - tally.t_s if memory.ticks > 0 else 0.0, cut)
     if memory.unstable == 1:
         return False
-    count_tick(tally, settings, memory, u, i)
+    tally.t_s = t
+    count_tick(tally, settings, memory, u)
     if memory.cycle > cycle:
-        close_row(tally, memory, coulomb, viscous, acted, i, rows)
+        close_row(tally, memory, coulomb, viscous, acted, rows)
     return True
 
 
@@ -215,7 +248,7 @@ def write_torques(torques: Float, memory: Record, i: int, interaction: float) ->
 
 @compiled()
 def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
-    """Run a compensator along a recording; return the number of samples, fewer than n once it has diverged.
+    """Run a compensator along a part of a recording; return the number of samples, fewer than n if it diverges.
 
     The total torque S = F_m + u that drives the inner side in the recording stays. A compensator that gives u' instead
     leaves F' = S - u' to the person, which is what the compensator then measures. The position q, shape (n,), may be
@@ -223,21 +256,20 @@ def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
     """
     settings, memory, tally, feed, cuts, torques, rows = control
     t, dq, torque, logged = recorded
-    before = needed_before = 0.0
     for i in range(len(t)):
-        dt = t[i] - t[i - 1] if i > 0 else 0.0
         total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
         needed = total - memory.u_nm
         write_torques(torques, memory, i, needed)
-        if i > 0:
-            moved = 0.5 * (dq[i - 1] + dq[i]) * dt
-            friction, exchange = 0.5 * (before + total) * moved, 0.5 * (needed_before + needed) * moved
+        if memory.ticks > 0:
+            dt = t[i] - tally.t_s
+            moved = 0.5 * (memory.dq + dq[i]) * dt
+            friction, exchange = 0.5 * (tally.total_nm + total) * moved, 0.5 * (memory.interaction_nm + needed) * moved
             count_energy(tally, settings, friction, exchange, moved, dt)
         if settings.kind == JOINT_MODEL:
             feed_friction(memory, feed, q[i], dq[i], i)
-        if not tick(settings, memory, tally, rows, i, dt, dq[i], needed, cuts[i] if len(cuts) > 1 else cuts[0]):
+        if not tick(settings, memory, tally, rows, t[i], dq[i], needed, cuts[i] if len(cuts) > 1 else cuts[0]):
             return i
-        before, needed_before = total, needed
+        tally.total_nm = total
     return len(t)
 
 
@@ -264,8 +296,7 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
             memory.active_energy_j -= surplus * memory.active
         if settings.kind == JOINT_MODEL:
             feed_friction(memory, feed, q, v, i)
-        dt, cut = t[i] - t[i - 1] if i > 0 else 0.0, cuts[i] if len(cuts) > 1 else cuts[0]
-        if not tick(settings, memory, tally, rows, i, dt, v, interaction, cut):
+        if not tick(settings, memory, tally, rows, t[i], v, interaction, cuts[i] if len(cuts) > 1 else cuts[0]):
             return i
         if again:
             q, v, starts = drive.q[i], drive.dq[i], starts + 1

@@ -1,7 +1,7 @@
 """A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
 
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass
+from math import isnan, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +9,12 @@ from numpy.typing import NDArray
 from friction_audit.compensation.closed_loop import (
     CYCLE,
     SAMPLES,
+    SUMS,
     Control,
     Drive,
     Joint,
     Recorded,
+    add_torque,
     fresh_tally,
     run_closed_loop,
     run_same_motion,
@@ -55,26 +57,61 @@ class MovedJoint:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Scene:
-    """One joint's recording, and what moves otherwise than recorded; None in the recorded motion."""
+    """One joint's recording or a part of it, n samples; and what moves otherwise than recorded, in all of it."""
 
-    recorded: Recorded  # the recording
+    recorded: Recorded
     cuts: NDArray[np.int64]  # per sample FIND, or where cycles end, shape (n,) or (1,)
     motion: Motion | None = None  # the recording as a model reads it; None where no model does
     joint: MovedJoint | None = None  # the joint that moves otherwise, or None
-    operator: FittedOperator | None = None  # the person's impedance, or None
-    # torque that its model lacks, shape (n,) or empty [N m]
-    lacking: Float = field(default_factory=lambda: np.empty(0))
-    # where the joint starts again from the recording, shape (n,) or empty
-    restart: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, np.bool_))
+    operator: FittedOperator | None = None  # the person's impedance, or None where the torque stays as recorded
+    lacking: Float | None = None  # torque that the joint's model lacks, shape (n,) [N m]
+    restart: NDArray[np.bool_] | None = None  # where the joint starts again from the recording, shape (n,)
 
 
-class Run(NamedTuple):
-    """What came out."""
+class Run:
+    """A compensator, or none, on its way through the scenes of a recording."""
 
-    signals: Signals  # up to where it diverged, if it did
-    rows: Record  # records of CYCLE, shape (m,)
-    tally: Record  # record of TALLY
-    last: Coefficients  # coefficients applied at the end, after the last whole cycle
+    def __init__(self, compensator: Compensator | None, step_s: float, peak_power_w: float) -> None:
+        """Take what runs, the step of the clock, and the largest power of the total torque in the recording."""
+        guard = guard_of(compensator)
+        self._compensator, self._settings, self._feed = compensator, pack([compensator], 1.0 / step_s)[0], no_feed()
+        self._memory, self._rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
+        self.tally, self.felt = fresh_tally()[0], np.zeros(1, SUMS)[0]
+        self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0))
+        self.diverged_s = nan
+
+    def take(self, scene: Scene) -> Signals:
+        """Run on through a scene; return what happens in it, up to where it diverges."""
+        recorded, motion, samples = scene.recorded, scene.motion, 0
+        dq, torques = recorded.dq, np.zeros((4, len(recorded.t)))
+        rows = np.zeros(len(recorded.t) // SHORTEST_CYCLE + 2, CYCLE)
+        if motion is not None and isinstance(self._compensator, JointModelCompensation):
+            self._feed = feed_of(self._compensator.terms, motion)
+        control = Control(self._settings, self._memory, self.tally, self._feed, scene.cuts, torques, rows)
+        if isnan(self.diverged_s):
+            if scene.joint is None:
+                samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
+            else:
+                dq = np.empty(len(recorded.t))
+                samples = run_closed_loop(control, *_joint_and_drive(scene), dq)
+            if samples < len(recorded.t):
+                self.diverged_s = float(recorded.t[samples])
+        self._rows.append(rows[: int(self.tally["cycles"])].copy())
+        self.tally["cycles"] = 0
+        signals = Signals(recorded.t[:samples], *map(read_only, (dq[:samples], *torques[:, :samples])))
+        add_torque(self.felt, signals.t, signals.dq, signals.interaction_nm)
+        return signals
+
+    @property
+    def rows(self) -> Record:
+        """Records of CYCLE of the cycles so far, shape (m,)."""
+        return np.concatenate(self._rows)
+
+    @property
+    def last(self) -> Coefficients:
+        """Coefficients applied now, after the last whole cycle."""
+        coulomb, viscous = self._memory["coulomb_nm"], self._memory["viscous_nms_per_rad"]
+        return Coefficients(coulomb_nm=float(coulomb), viscous_nms_per_rad=float(viscous))
 
 
 def recording_of(interaction: Interaction, column: int) -> Recorded:
@@ -140,20 +177,22 @@ def make_scene(
     cycles: EnergyCycles,
     friction: JointFriction,
     settings: ReplaySettings,
-    recorded: Recorded,
     cuts: NDArray[np.int64],
-    modelled: bool,  # whether the compensator goes by the joint's model
+    *,
+    modelled: bool,
 ) -> Scene | str:
-    """Return what the compensator meets, or why it is not known.
+    """Return what the compensator meets in a recording or a part of it, or why it is not known.
 
-    The torque is the recorded one, cycle by cycle, or with an operator that of the recorded intention. What the model
-    lacks of it is a constant for each cycle: offsets and errors of gravity are about constant over a stroke, and would
-    set the joint going by themselves.
+    ``modelled``: whether the compensator goes by the joint's model. The torque is the recorded one, cycle by cycle, or
+    with an operator that of the recorded intention. What the model lacks of it is a constant for each cycle: offsets
+    and errors of gravity are about constant over a stroke, and would set the joint going by themselves.
     """
     column = interaction.joint_numbers.index(friction.joint)
+    recorded, file = recording_of(interaction, column), settings.joint_model
     if settings.assume == SAME_MOTION.name:
-        return Scene(recorded=recorded, cuts=cuts, motion=recorded_motion(interaction, column) if modelled else None)
-    motion, file = recorded_motion(interaction, column), settings.joint_model
+        motion = recorded_motion(interaction, column) if modelled else None
+        return Scene(recorded=recorded, cuts=cuts, motion=motion)
+    motion = recorded_motion(interaction, column)
     joint = fitted_joint(friction, motion) if file is None else modelled_joint(file.joint(friction.joint), motion)
     if isinstance(joint, str):
         return joint
@@ -192,55 +231,20 @@ def _operator(
     return fit_operator(recorded, motion.q)
 
 
-def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
-    """Run a compensator in a scene."""
-    recorded, motion = scene.recorded, scene.motion
-    t, dq = recorded.t, recorded.dq
-    memory, tally = fresh_memory(1)[0], fresh_tally()[0]
-    guard, step_s = guard_of(compensator), median_step(t)
-    late_s = SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0)
-    tally["tolerance_j"] = late_s * np.max(np.abs(recorded.total * dq), initial=0.0)
-    feed = no_feed()
-    if isinstance(compensator, JointModelCompensation):
-        assert motion is not None
-        feed = feed_of(compensator.terms, motion)
-    control = Control(
-        settings=pack([compensator], 1.0 / step_s)[0],
-        memory=memory,
-        tally=tally,
-        feed=feed,
-        cuts=scene.cuts,
-        torques=np.zeros((4, len(t))),
-        rows=np.zeros(len(t) // SHORTEST_CYCLE + 2, CYCLE),
-    )
-    if scene.joint is None:
-        samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
-    else:
-        assert motion is not None
-        dq = np.empty(len(t))
-        samples = run_closed_loop(control, *_joint_and_drive(scene, scene.joint, motion), dq)
-    tally["diverged"] = samples < len(t)
-    torques = map(read_only, control.torques[:, :samples])
-    return Run(
-        signals=Signals(t[:samples], read_only(dq[:samples]), *torques),
-        rows=control.rows[: int(tally["cycles"])].copy(),
-        tally=tally,
-        last=Coefficients(
-            coulomb_nm=float(memory["coulomb_nm"]), viscous_nms_per_rad=float(memory["viscous_nms_per_rad"])
-        ),
-    )
-
-
-def _joint_and_drive(scene: Scene, joint: MovedJoint, motion: Motion) -> tuple[Joint, Drive]:
+def _joint_and_drive(scene: Scene) -> tuple[Joint, Drive]:
     """Return the joint held by its operator, driven by the recorded torque or by what the person intended."""
-    recorded, held = scene.recorded, scene.operator
+    recorded, motion, held, joint, restart = scene.recorded, scene.motion, scene.operator, scene.joint, scene.restart
+    assert motion is not None
+    assert joint is not None
+    assert restart is not None
+    assert scene.lacking is not None
     mass, damping, stiffness = 0.0, 0.0, 0.0
     push = recorded.torque - scene.lacking
     if held is not None:
         mass, damping, stiffness = held.inertia.value, held.damping.value, held.stiffness.value
         push += mass * motion.ddq + damping * recorded.dq + stiffness * motion.q
-    drive = Drive(recorded.t, push, scene.lacking, motion.q, recorded.dq, scene.restart)
-    starts = np.append(0, np.flatnonzero(scene.restart[1:]) + 1)
+    drive = Drive(recorded.t, push, scene.lacking, motion.q, recorded.dq, restart)
+    starts = np.append(0, np.flatnonzero(restart[1:]) + 1)
     step_s = median_step(recorded.t)
     tables = joint.tables._replace(inertia_kg_m2=joint.tables.inertia_kg_m2 + mass)
     tables = straighten(tables, damping_nms_per_rad=damping)

@@ -6,9 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.closed_loop import CYCLE, GIVEN_OUT, Recorded
+from friction_audit.compensation.counterfactual import Run
 from friction_audit.compensation.records import ESTIMATED
 from friction_audit.compensation.result import Numbers, Passivity, Recovery, ReplayHistory, Signals
-from friction_audit.compiled import Record, compiled
+from friction_audit.compiled import Record
 from friction_audit.joint_log import Float
 
 RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right
@@ -21,12 +22,10 @@ AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is
 TOO_ALIKE = 1e-6  # squared sine between the columns below which they are one
 
 
-def read_history(rows: Record, t: Float) -> ReplayHistory:
+def read_history(rows: Record) -> ReplayHistory:
     """Return records of CYCLE, shape (m,), by their names."""
-    stop = rows["stop"]
-    start = np.concatenate([[0], stop[:-1]]).astype(np.int64)[: len(stop)]
     columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
-    return ReplayHistory(start=start, start_s=t[start], stop_s=t[stop], **columns)
+    return ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
 
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
@@ -59,46 +58,35 @@ def first_right(history: ReplayHistory, first: int = 0) -> int | None:
     return first + int(np.argmax(runs)) if runs.any() else None
 
 
-@compiled(any_order=True)
-def sum_up(t: Float, dq: Float, torque: Float) -> tuple[float, float, float]:
-    """Return work [J], root mean square over the time [N m] and largest magnitude [N m] of a torque, shape (n,)."""
-    work, square, largest = 0.0, 0.0, abs(torque[0])
-    for i in range(1, len(t)):
-        dt = t[i] - t[i - 1]
-        work += 0.25 * (torque[i - 1] + torque[i]) * (dq[i - 1] + dq[i]) * dt
-        square += 0.5 * (torque[i - 1] * torque[i - 1] + torque[i] * torque[i]) * dt
-        largest = max(largest, abs(torque[i]))
-    return work, math.sqrt(square / (t[-1] - t[0])), largest
+def rms_nm(sums: Record) -> float:
+    """Return the root mean square of a torque over the time. [N m]"""
+    return math.sqrt(sums["square_nm2s"] / sums["t_s"])
 
 
-def measure(recorded: Recorded, without: Signals, replayed: Signals, history: ReplayHistory, tally: Record) -> Numbers:
-    """Return what a replay comes to."""
-    samples = len(replayed.t)
-    before = sum_up(without.t, without.dq, without.interaction_nm)
-    own = before if without.interaction_nm is recorded.torque else sum_up(recorded.t, recorded.dq, recorded.torque)
-    after = sum_up(replayed.t, replayed.dq, replayed.interaction_nm)
+def measure(recorded: Record, without: Record, run: Run, history: ReplayHistory) -> Numbers:
+    """Return what a run comes to, with the sums of the torque as recorded and without a compensator."""
+    felt, tally = run.felt, run.tally
     return Numbers(
-        energy_recorded_j=own[0],
-        energy_without_j=before[0],
-        energy_with_j=after[0],
-        dissipation_removed=share_removed(before[0], after[0]),
+        energy_recorded_j=float(recorded["work_j"]),
+        energy_without_j=float(without["work_j"]),
+        energy_with_j=float(felt["work_j"]),
+        dissipation_removed=share_removed(float(without["work_j"]), float(felt["work_j"])),
         dissipation_removed_updated=dissipation_removed(history, first_updated(history)),
-        peak_torque_without_nm=before[2],
-        peak_torque_with_nm=after[2],
-        rms_torque_without_nm=before[1],
-        rms_torque_with_nm=after[1],
+        peak_torque_without_nm=float(without["largest_nm"]),
+        peak_torque_with_nm=float(felt["largest_nm"]),
+        rms_torque_without_nm=rms_nm(without),
+        rms_torque_with_nm=rms_nm(felt),
         peak_compensation_nm=float(tally["largest_nm"]),
         peak_rate_nm_s=float(tally["fastest_nm_s"]),
-        limited_fraction=float(tally["limited"]) / samples,
+        limited_fraction=float(tally["limited"]) / float(felt["samples"]),
         cycles_to_converge=first_right(history),
-        diverged_s=float(recorded.t[samples]) if samples < len(recorded.t) else float("nan"),
+        diverged_s=run.diverged_s,
     )
 
 
-def measure_passivity(history: ReplayHistory, tally: Record, t: Float) -> Passivity:
+def measure_passivity(history: ReplayHistory, tally: Record) -> Passivity:
     """Return how passive the compensated joint stayed."""
     given_out = history.net_energy_j < -GIVEN_OUT * np.abs(history.friction_j)
-    activation = int(tally["activation"])
     return Passivity(
         violations=int(tally["violations"]),
         violations_since_activation=int(tally["active_violations"]),
@@ -106,9 +94,9 @@ def measure_passivity(history: ReplayHistory, tally: Record, t: Float) -> Passiv
         lowest_j=float(tally["lowest_j"]),
         lowest_since_activation_j=float(tally["lowest_active_j"]),
         reserve_j=float(tally["reserve_j"]),
-        activation_s=float(t[activation]) if activation >= 0 else float("nan"),
+        activation_s=float(tally["activation_s"]),
         injected_j=float(tally["injected_j"]),
-        active_fraction=float(tally["acting_s"]) / float(t[-1] - t[0]),
+        active_fraction=float(tally["acting_s"]) / float(tally["t_s"]),
         hidden=bool(tally["hidden"]),
     )
 

@@ -1,13 +1,15 @@
 """Interaction, EnergyCycles, FrictionHistory -> Replay."""
 
+from collections.abc import Iterable
 from dataclasses import replace
-from functools import partial
+from math import isnan
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.cautions import cautions_of, log_cautions, seems_compensated
+from friction_audit.compensation.cautions import cautions_of, log_cautions, seems_compensated, square_in_cycles
+from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.compensators import (
     Coefficients,
     Compensator,
@@ -20,7 +22,7 @@ from friction_audit.compensation.compensators import (
 )
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, step
-from friction_audit.compensation.counterfactual import make_scene, recording_of, run_scene
+from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
 from friction_audit.compensation.hand_cycles import hand_cuts
 from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error, read_history
@@ -37,7 +39,7 @@ from friction_audit.compensation.settings import (
 )
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import FrictionHistory, JointFriction
-from friction_audit.joint_log import Float, median_step, read_only
+from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
@@ -46,26 +48,28 @@ LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at
 
 
 def replay(
+    log: Recording,
     interaction: Interaction,
+    parts: Iterable[Interaction],
     cycles: EnergyCycles,
     friction: FrictionHistory,
     settings: ReplaySettings,
     *,
-    robot: str = "unknown",
     joints: tuple[int, ...] | None = None,
     hand_speed: Float | None = None,
 ) -> Replay:
     """Run a compensator on the joints of a recording, as a controller would have.
 
     Args:
-        interaction: Motion and torque at the friction port.
+        log: Its clock, and the robot whose limits hold unless the settings give others.
+        interaction: Motion and torque at the friction port; without samples where these are not to be kept.
+        parts: The same, in parts that follow each other.
         cycles: Its energy cycles, whose thresholds are the compensator's.
         friction: What the log says about friction.
-        settings: Assumption, compensator, limits.
-        robot: Whose limits hold unless the settings give others, as ``Source.robot`` names it.
+        settings: Assumption, compensator, limits. Only with some is more than one part allowed: ``needs_whole``.
         joints: Numbers of the joints to replay, or None for all.
         hand_speed: Speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,);
-            it then ends the cycles of all joints. None where each joint ends its own. [m/s]
+            it then ends the cycles of all joints, and there is one part. None where each joint ends its own. [m/s]
     """
     cuts = np.full(1, FIND)
     if hand_speed is not None:
@@ -74,12 +78,20 @@ def replay(
         t, hand, dq = map(read_only, (interaction.t, hand_speed, interaction.dq))
         thresholds = (float(cycles.initiation[0]), float(cycles.termination[0]))
         cuts = hand_cuts(t, hand, dq, thresholds, energy.dead_band_rad_s, energy.minimum_path_rad)
-    work = partial(_replay_joint, interaction, cycles, friction, settings, robot, cuts)
-    numbers = interaction.joint_numbers
-    columns = [column for column, number in enumerate(numbers) if joints is None or number in joints]
-    replays = tuple(per_joint(lambda place: work(columns[place]), len(columns)))
-    several = [friction.joints[column] for column in columns]
-    suspicions = [one for joint in several for one in seems_compensated(interaction, cycles, joint, robot)]
+    chosen = [one for one in friction.joints if joints is None or one.joint in joints]
+    runs = [_JointRun(log, interaction, cycles, one, settings) for one in chosen]
+    for part in parts:
+
+        def advance(place: int, part: Interaction = part) -> None:
+            runs[place].take(part, cuts)
+
+        per_joint(advance, len(runs))
+    replays = tuple(run.result() for run in runs)
+    suspicions = [
+        one
+        for run in runs
+        for one in seems_compensated(interaction, cycles, run.friction, log.source.robot, run.square)
+    ]
     found = [one for joint in replays for one in cautions_of(joint)]
     assumed = settings.counterfactual
     if interaction.choice.drive != "hand":
@@ -91,59 +103,89 @@ def replay(
     )
 
 
-def _replay_joint(
-    interaction: Interaction,
-    cycles: EnergyCycles,
-    friction: FrictionHistory,
-    settings: ReplaySettings,
-    robot: str,
-    cuts: NDArray[np.int64],
-    column: int,
-) -> JointReplay:
-    found, recorded = friction.joints[column], recording_of(interaction, column)
-    limits = settings.limits(limits_of(robot, found.joint))
-    model = None if settings.joint_model is None else settings.joint_model.joint(found.joint)
-    nothing = np.broadcast_to(0.0, len(recorded.t))
-    joint = JointReplay(
-        joint=found.joint,
-        name=found.name,
-        compensator=settings.compensator,
-        limits=limits,
-        model=model,
+class _JointRun:
+    """One joint on its way through the parts of a recording."""
+
+    def __init__(
+        self,
+        log: Recording,
+        interaction: Interaction,
+        cycles: EnergyCycles,
+        friction: JointFriction,
+        settings: ReplaySettings,
+    ) -> None:
+        step_s, robot = 1.0 / log.rate_hz, log.source.robot
+        self.friction, self.square, self._kept = friction, 0.0, len(interaction.t) > 0
+        self._cycles, self._settings, self._column = cycles, settings, interaction.joint_numbers.index(friction.joint)
+        recorded = recording_of(interaction, self._column)
+        limits = settings.limits(limits_of(robot, friction.joint))
+        model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
         # Without a compensator the same motion takes all of the total torque from outside.
-        without=Signals(recorded.t, recorded.dq, recorded.total, nothing, nothing, nothing),
-    )
-    wanted = settings.compensator if settings.competitor is None else tune(settings.competitor, found, robot, model)
-    if isinstance(wanted, str):
-        return replace(joint, reason=wanted)
-    chosen = _in_force(wanted, cycles, column, limits, median_step(recorded.t))
-    joint = replace(joint, compensator=chosen)
-    modelled = isinstance(chosen, JointModelCompensation)
-    scene = make_scene(interaction, cycles, found, settings, recorded, cuts, modelled)
-    if isinstance(scene, str):
-        return replace(joint, reason=scene)
-    run = run_scene(scene, chosen)
-    history = read_history(run.rows, recorded.t)
-    reason = "" if run.tally["diverged"] else missing_estimate(history, found, chosen)
-    if len(run.signals.t) <= 1:
-        reason = "the compensated loop diverges within a sample; lower its gain"
-    if reason:
-        return replace(joint, reason=reason)
-    without = joint.without if scene.joint is None else run_scene(scene, None).signals
-    return replace(
-        joint,
-        fitted=None if scene.joint is None else scene.joint.fitted,
-        operator=scene.operator,
-        simulated=scene.joint is not None,
-        model_error=float("nan") if scene.joint is None else model_error(recorded, without),
-        without=without,
-        replayed=run.signals,
-        history=history,
-        last=run.last,
-        numbers=measure(recorded, without, run.signals, history, run.tally),
-        passivity=measure_passivity(history, run.tally, run.signals.t),
-        recovery=find_recovery(history),
-    )
+        nothing = np.broadcast_to(0.0, len(recorded.t))
+        self._joint = JointReplay(
+            joint=friction.joint,
+            name=friction.name,
+            compensator=settings.compensator,
+            limits=limits,
+            model=model,
+            without=Signals(recorded.t, recorded.dq, recorded.total, nothing, nothing, nothing),
+        )
+        wanted = tune(settings.competitor, friction, robot, model) if settings.competitor else settings.compensator
+        if isinstance(wanted, str):
+            self._joint = replace(self._joint, reason=wanted)
+            return
+        chosen = _in_force(wanted, cycles, self._column, limits, step_s)
+        self._joint = replace(self._joint, compensator=chosen)
+        peak_power_w = float(cycles.peak_power_w[self._column])
+        self._run, self._idle = Run(chosen, step_s, peak_power_w), Run(None, step_s, peak_power_w)
+        self._recorded, self._total = np.zeros(2, SUMS)
+        self._changes: dict[str, Any] = {}  # of the joint, where it was replayed
+
+    def take(self, part: Interaction, cuts: NDArray[np.int64]) -> None:
+        """Take the samples that follow."""
+        self.square += square_in_cycles(part, self._cycles, self._column)
+        if self._joint.reason:
+            return
+        modelled = isinstance(self._joint.compensator, JointModelCompensation)
+        scene = make_scene(part, self._cycles, self.friction, self._settings, cuts, modelled=modelled)
+        if isinstance(scene, str):
+            self._joint = replace(self._joint, reason=scene)
+            return
+        recorded, found = scene.recorded, self._run.take(scene)
+        add_torque(self._recorded, recorded.t, recorded.dq, recorded.torque)
+        add_torque(self._total, recorded.t, recorded.dq, recorded.total)
+        self._changes = {"replayed": found if self._kept else self._joint.without}
+        if scene.joint is not None:
+            without = self._idle.take(scene)
+            self._changes |= {
+                "without": without,
+                "fitted": scene.joint.fitted,
+                "operator": scene.operator,
+                "simulated": True,
+                "model_error": model_error(recorded, without),
+            }
+
+    def result(self) -> JointReplay:
+        """Return the joint, after the last part."""
+        joint = self._joint
+        if joint.reason:
+            return joint
+        run, history = self._run, read_history(self._run.rows)
+        reason = missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
+        if run.felt["samples"] <= 1:
+            reason = "the compensated loop diverges within a sample; lower its gain"
+        if reason:
+            return replace(joint, reason=reason)
+        without = self._idle.felt if "without" in self._changes else self._total
+        return replace(
+            joint,
+            **self._changes,
+            history=history,
+            last=run.last,
+            numbers=measure(self._recorded, without, run, history),
+            passivity=measure_passivity(history, run.tally),
+            recovery=find_recovery(history),
+        )
 
 
 def tune(  # noqa: PLR0911 - one per compensator

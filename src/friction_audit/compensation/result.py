@@ -46,8 +46,7 @@ class Signals:
 class ReplayHistory:
     """What happened in each cycle of the compensator, m rows."""
 
-    start: NDArray[np.int64]  # first sample, shape (m,)
-    stop: NDArray[np.int64]  # sample at which the cycle ended
+    stop: NDArray[np.int64]  # sample at which the cycle ended, shape (m,)
     start_s: Float
     stop_s: Float
     friction_j: Float  # what friction took, which the person would have had to give without compensation [J]
@@ -120,7 +119,8 @@ class JointReplay:
     name: str  # name in the log
     compensator: Compensator  # what ran, thresholds and limits as in force
     limits: Limits  # limits in force
-    without: Signals  # the joint without a compensator
+    # the joint without a compensator; of a log that is read in blocks without samples, as ``replayed``
+    without: Signals
     # the joint with it, up to where it diverged, if it did; None where there is a reason, as below
     replayed: Signals | None = None
     history: ReplayHistory | None = None  # per cycle of the compensator

@@ -187,6 +187,11 @@ class ReplaySettings:
         one = COUNTERFACTUALS[self.assume]
         return one if self.joint_model is None else replace(one, assumes=one.assumes.replace(FITTED, MODELLED))
 
+    @property
+    def needs_whole(self) -> bool:
+        """Whether all samples are needed at once: where a joint moves otherwise, or a model of it is read."""
+        return self.assume != SAME_MOTION.name or self.joint_model is not None
+
     def limits(self, own: Limits) -> Limits:
         """Return the limits in force, where the arm has its own."""
         return Limits(

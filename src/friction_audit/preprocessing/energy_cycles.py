@@ -18,7 +18,7 @@ Int = NDArray[np.int64]
 # joint has moved enough, the joint never reversed, longer than energies can be compared over.
 KEPT, GAP, OPEN, SMALL, ONE_WAY, LONG = range(6)
 REASONS = ("", "gap", "open", "small", "one_way", "long")
-PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
+PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s", "peak_power_w")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -86,6 +86,7 @@ class EnergyCycles:
         standstill_rad_s: Speed of each joint itself below which its direction means nothing: its own termination
             threshold, also where the hand defines the cycles, shape (j,). [rad/s]
         moving_s: Time above the initiation threshold per joint of the Interaction, shape (j,). [s]
+        peak_power_w: Largest power of F_m + u in the log per joint, shape (j,). [W]
     """
 
     joint: Int
@@ -104,6 +105,7 @@ class EnergyCycles:
     speed_unit: str
     standstill_rad_s: Float
     moving_s: Float
+    peak_power_w: Float
 
     @property
     def work_j(self) -> Float:

@@ -100,7 +100,7 @@ class CycleSearch:
         # A cycle that has lasted too long already: its samples up to now are added up and forgotten; where it began.
         self._begun: tuple[EnergyCycles, Float] | None = None
         self._found: list[EnergyCycles] = []
-        self._above, self._fastest, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0
+        self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, signal: Float | None = None, *, more: bool = False) -> None:
         """Find the cycles that end in the samples that are new.
@@ -118,6 +118,9 @@ class CycleSearch:
         self._filtered = np.concatenate([self._filtered, filtered]) if old else filtered
         self._signal = self._filtered if self._hand is None else np.concatenate([self._signal, signal])
         shift = self.first - part.first
+        new = slice(shift + old, shift + len(self._signal)), self._column
+        driving = part.torque[new] if part.compensation is None else part.torque[new] + part.compensation[new]
+        self._peak_power_w = max(self._peak_power_w, float(np.abs(driving * part.dq[new]).max()))
         self._last_s = float(part.t[shift + len(self._signal) - 1])
         if not (old or self.first):
             self._begin_s = float(part.t[shift])
@@ -248,6 +251,7 @@ class CycleSearch:
             fastest=np.array([self._fastest]),
             standstill_rad_s=np.array([self.own[1]]),
             moving_s=np.array([self._above / samples * (self._last_s - self._begin_s)]),
+            peak_power_w=np.array([self._peak_power_w]),
         )
 
 
