@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +29,7 @@ class LogInBlocks(LogPart):
         gaps: Number of the sample before each gap, its time and that of the sample after it, shape (k, 3).
         read: Yields the clock of each block, and those of its channels that are asked for.
         read_whole: Reads the log into memory.
+        listener: What has taken every block while the log was checked, or None.
     """
 
     mean_of: int
@@ -36,6 +38,7 @@ class LogInBlocks(LogPart):
     gaps: Float
     read: Callable[[Collection[str]], Iterator[tuple[Float, dict[str, Float]]]]
     read_whole: Callable[[], JointLog]
+    listener: Any = None
 
     @property
     def samples(self) -> int:
@@ -102,6 +105,11 @@ class Means:
         self.channels = {name: np.empty((len(self.numbers), joints), order="F") for name in names}
         self._seen, self._kept = 0, 0
         self._rest: dict[str, Float] = {}  # the last rows, which are no whole mean yet
+
+    @property
+    def found(self) -> tuple[Float, dict[str, Float]]:
+        """Means of the time and of the channels so far."""
+        return self.t[: self._kept, 0], {name: means[: self._kept] for name, means in self.channels.items()}
 
     def take(self, t: Float, channels: dict[str, Float]) -> None:
         """Take the rows of a piece."""

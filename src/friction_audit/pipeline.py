@@ -1,15 +1,18 @@
 """The stages on one log: estimate, replay, diagnose. Each imports what it needs when it is called."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 import numpy as np
 
+from friction_audit.errors import FrictionAuditError
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.joint_log import Float, JointLog, Recording
+from friction_audit.io.recording import WholeLogError
+from friction_audit.joint_log import Float, JointLog, LogPart, Recording
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.parallel import per_joint, release_memory, sparing_memory
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
@@ -28,7 +31,11 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.diagnose_joint import Subject
     from friction_audit.diagnosis.result import Discrepancy
     from friction_audit.diagnosis.settings import DiagnosisSettings
+    from friction_audit.io.checks import Take
     from friction_audit.preprocessing.segmentation import Thresholds
+
+
+ENOUGH_MEANS = 50  # of the first block of a log, a second at least, that may show how its torque is made
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -115,19 +122,16 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
     port = choose_torque(log, settings.torque, joints=settings.joints)
     in_blocks = isinstance(port.log, LogInBlocks)
-    if in_blocks:  # what the checks and the model of the arm needed, before the blocks ask for more
-        release_memory()
-    joints = [_JointPass(port.log, settings, column, own) for column, own in enumerate(_thresholds(port, settings))]
-    part: Interaction | None = None
-    for block in port.log.blocks():
-        new = port.interaction(block)
-        part = new if part is None else part.followed_by(new, min(one.needed for one in joints))
-
-        def advance(column: int, part: Interaction = part) -> None:
-            joints[column].take(part)
-
-        per_joint(advance, len(joints))
-    assert part is not None
+    done = log.listener if isinstance(log, LogInBlocks) and port.log is log else None
+    if not (isinstance(done, _Pass) and done.is_of(port, settings)):
+        if in_blocks:  # what the checks and the model of the arm needed, before the blocks ask for more
+            release_memory()
+        done = _Pass(port, settings)
+        for block in port.log.blocks():
+            done.take(block)
+    assert done.part is not None
+    joints, part = done.joints, replace(done.part, choice=port.choice, warnings=port.warnings)
+    done.part = None  # what its joints have found is taken from them once
     found: dict[int, EnergyCycles] = {}
 
     def cycles_of(column: int) -> EnergyCycles:
@@ -148,6 +152,55 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         settings=settings,
         port=port if in_blocks else None,
     )
+
+
+def while_read(settings: AuditSettings) -> "Callable[[JointLog], Take | None]":
+    """Return what estimates a log in blocks while its checks look at them, to decode them once and not twice.
+
+    It takes the torque for what the first block shows: where the whole log says otherwise, ``estimate_log`` reads anew.
+    """
+
+    def listen(log: JointLog) -> "Take | None":
+        if not isinstance(log, LogInBlocks) or len(log.t) < ENOUGH_MEANS or settings.cycles.cycles_from == "hand":
+            return None
+        with suppress(FrictionAuditError, WholeLogError):  # refused, if it is, when all is known
+            port = choose_torque(replace(log, read=_not_yet), settings.torque, joints=settings.joints)
+            return _Pass(port, settings)
+        return None
+
+    return listen
+
+
+def _not_yet(_: object) -> "Iterator[tuple[Float, dict[str, Float]]]":
+    raise WholeLogError
+
+
+class _Pass:
+    """The joints of a log on their way through its blocks."""
+
+    def __init__(self, port: PortTorque, settings: AuditSettings) -> None:
+        own = enumerate(_thresholds(port, settings))
+        self.port, self._settings, self.part = port, settings, cast("Interaction | None", None)
+        self.joints = [_JointPass(port.log, settings, column, thresholds) for column, thresholds in own]
+
+    def take(self, block: LogPart) -> None:
+        """Take the samples of the next block."""
+        new = self.port.interaction(block)
+        part = new if self.part is None else self.part.followed_by(new, min(one.needed for one in self.joints))
+        self.part = part
+        per_joint(lambda column: self.joints[column].take(part), len(self.joints))
+
+    def __call__(self, first: int, t: Float, channels: dict[str, Float]) -> None:
+        """Take the samples of a block that is being checked."""
+        log = self.port.log
+        self.take(LogPart(t=t, **channels, joint_names=log.joint_names, source=log.source, first=first))
+
+    def is_of(self, port: PortTorque, settings: AuditSettings) -> bool:
+        """Return True if the torque was made as is now known to be right."""
+        mine, right = self.port.balance, port.balance
+        same = all(getattr(mine.plan, name) == getattr(right.plan, name) for name in ("source", "gravity", "inertia"))
+        same = same and (mine.plan.arm is None) == (right.plan.arm is None)
+        return same and mine.sign == right.sign and settings == self._settings and self.part is not None
 
 
 def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]":

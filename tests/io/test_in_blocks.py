@@ -13,7 +13,7 @@ from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers.reader import InBlocks
 from friction_audit.joint_log import JointLog
 from friction_audit.log_in_blocks import LogInBlocks
-from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.pipeline import AuditSettings, estimate_log, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
 from friction_audit.reporting.estimate import estimate_document
@@ -101,7 +101,8 @@ def test_the_estimate_is_the_same(
 
 def assert_same_log(path: Path, own: dict[str, Any], settings: AuditSettings | None = None) -> JointLog:
     """Compare what is read in blocks with what is read at once, and their estimates."""
-    usual, log = read_log(path, ReadOptions(**own)), read_log(path, InBlocks(**own))
+    settings = settings or AuditSettings(t_start_s=own.get("t_start_s"), t_stop_s=own.get("t_end_s"))
+    usual, log = read_log(path, ReadOptions(**own)), read_log(path, InBlocks(**own), while_read(settings))
     assert isinstance(log, LogInBlocks)
     assert replace(log.source, findings=()) == replace(usual.source, findings=())
     found, expected = ([asdict(one) for one in source.findings] for source in (log.source, usual.source))
@@ -111,9 +112,34 @@ def assert_same_log(path: Path, own: dict[str, Any], settings: AuditSettings | N
     np.testing.assert_allclose(np.concatenate([part.t for part in parts]), usual.t, rtol=0, atol=1e-12)
     for name, array in usual.channels().items():
         np.testing.assert_allclose(np.concatenate([getattr(part, name) for part in parts]), array, rtol=1e-12)
-    settings = settings or AuditSettings(t_start_s=own.get("t_start_s"), t_stop_s=own.get("t_end_s"))
     assert_same(estimate_document(estimate_log(log, settings)), estimate_document(estimate_log(usual, settings)))
     return log
+
+
+def turned_later(frame: pd.DataFrame) -> pd.DataFrame:
+    """Turn the torque of the first blocks: all else says that it has another sign than these."""
+    early = frame["time"] < 7.0
+    return frame.assign(**{name: frame[name].where(~early, -frame[name]) for name in torques(frame)})
+
+
+def torques(frame: pd.DataFrame) -> list[str]:
+    return [str(name) for name in frame if str(name).startswith("tau_interaction")]
+
+
+@pytest.mark.parametrize(
+    ("change", "passes"),
+    [(lambda frame: frame, 0), (lambda frame: frame.assign(time=frame["time"] + 5.0), 0), (turned_later, 1)],
+)
+def test_a_sound_log_is_estimated_while_it_is_checked(
+    frame: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Change, passes: int
+) -> None:
+    """Samples are decoded once more only where the torque is not what the first block shows."""
+    path, usual, counted = written(change(frame), tmp_path, "q", "dq", "tau_interaction"), LogInBlocks.blocks, []
+    monkeypatch.setattr(LogInBlocks, "blocks", lambda log: counted.append(1) or usual(log))
+    settings = AuditSettings()
+    found = estimate_document(estimate_log(read_log(path, InBlocks(), while_read(settings)), settings))
+    assert len(counted) == passes
+    assert_same(found, estimate_document(estimate_log(read_log(path), settings)))
 
 
 ROWS, JOINTS = [5000, 5003, 10006, 20001], range(1, 8)

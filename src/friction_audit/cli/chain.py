@@ -23,6 +23,7 @@ from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 if TYPE_CHECKING:
     from friction_audit.effects.joint_model import ArmModel
     from friction_audit.io.readers import ReadOptions
+    from friction_audit.io.readers.read import Listen
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
     from friction_audit.reporting.notices import Notice, Reasoned
@@ -41,12 +42,12 @@ def loading(*modules: str) -> Iterator[None]:
         yield
 
 
-def read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
+def read(path: Path, options: "ReadOptions", voice: Voice, listen: "Listen" = lambda _: None) -> "JointLog":
     """Read a log and, if asked to, say how its columns were understood."""
     from friction_audit.io.readers import read_log
 
     with voice.step(f"read {path}"):
-        log = read_log(path, options)
+        log = read_log(path, options, listen)
     if voice.verbose:
         for channel, name in log.source.channels.items():
             remark(f"channel {channel} = {name}")

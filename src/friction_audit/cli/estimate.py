@@ -38,9 +38,11 @@ def command(
     with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
             from friction_audit.io.readers.reader import InBlocks
+            from friction_audit.pipeline import while_read
 
             # Figures and exports take all joints at once.
-            recorded = chain.read(log, InBlocks.of(options) if folder is None else options, stages)
+            how = InBlocks.of(options) if folder is None else options
+            recorded = chain.read(log, how, stages, while_read(settings))
         result = chain.estimate(recorded, settings, stages)
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.estimate import estimate_document, estimate_lines, estimate_tables, history_table

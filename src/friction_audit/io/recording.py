@@ -27,7 +27,7 @@ class Blocks:
         read: Yields the clock of each block, and those of its channels that are asked for.
         since: Returns a number of a row at or before a given one, and how the rows from that one on are read; None
             where all is to be read to come to a row.
-        clock, gaps, mean_of, numbers: What the checks found, as in ``LogInBlocks``.
+        clock, gaps, mean_of, numbers, listener: What the checks found, as in ``LogInBlocks``.
     """
 
     rows: int
@@ -37,6 +37,7 @@ class Blocks:
     gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
     mean_of: int = 1
     numbers: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    listener: Any = None
 
 
 class Marks:

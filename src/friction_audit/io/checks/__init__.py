@@ -5,6 +5,7 @@ what these have found, in the order of ``examine``. Where one mends something, t
 mended pieces; a sound log takes no more than two.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 
@@ -36,13 +37,21 @@ from friction_audit.io.recording import Recording
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float
 from friction_audit.log_in_blocks import Means
 
+Take = Callable[[int, Float, dict[str, Float]], None]
+Listen = Callable[[Recording], Take | None]
+"""Given what is known of a recording at its first block: takes every block while it is checked, or is None."""
+
+
+def _nobody(_: Recording) -> None:
+    """Take no block."""
+
 
 class _Look:
     """What passes over a recording find, made when it is asked for."""
 
-    def __init__(self, recording: Recording, path: str) -> None:
+    def __init__(self, recording: Recording, path: str, listen: Listen) -> None:
         _refuse_short(recording, path)
-        self.recording, self.path = recording, path
+        self.recording, self.path, self._listen = recording, path, listen
 
     @cached_property
     def clock(self) -> Clock:
@@ -52,7 +61,7 @@ class _Look:
     @cached_property
     def survey(self) -> "_Survey":
         """What a pass over all columns finds."""
-        return _Survey(self.recording, self.clock)
+        return _Survey(self.recording, self.clock, self._listen)
 
     def after(self, recording: Recording) -> "_Look":
         """Return what is known after a check: all, unless it has mended something."""
@@ -60,13 +69,15 @@ class _Look:
         if recording.blocks is old.blocks and recording.t is old.t and recording.channels is old.channels:
             self.recording = recording
             return self
-        return _Look(recording, self.path)
+        return _Look(recording, self.path, self._listen)
 
 
 class _Survey:
     """What a pass over all columns finds; of a recording with a fault that hides others, that fault alone."""
 
-    def __init__(self, recording: Recording, clock: Clock) -> None:
+    def __init__(self, recording: Recording, clock: Clock, listen: Listen) -> None:
+        self._recording, self._clock, self._listen = recording, clock, listen
+        self.listener: Take | None = None
         joints, names, rows = len(recording.joint_names), recording.channels, recording.rows
         self.missing = Missing(recording)
         whole = recording.channels if recording.blocks is None else {}
@@ -93,6 +104,31 @@ class _Survey:
         if self.means is not None:
             self.means.take(t, channels)
         self._before = {"t": t[-1:].copy()} | {name: piece[-1].copy() for name, piece in channels.items()}
+        if self.means is None:
+            return
+        if first == 0:
+            self.listener = self._listen(self.concluded(self._recording))
+        if self.stale.marks.count:  # they will be left out, and all blocks be looked at anew
+            self.listener = None
+        if self.listener is not None:
+            self.listener(first, t - self._clock.first_s, channels)
+
+    def concluded(self, recording: Recording) -> Recording:
+        """Return the recording in blocks with means in place of its samples, on a clock that begins at 0."""
+        blocks, clock, means, first_s = recording.blocks, self._clock, self.means, self._clock.first_s
+        assert blocks is not None
+        assert means is not None
+        read, (t, channels) = blocks.read, means.found
+        blocks = replace(
+            blocks,
+            read=read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names)),
+            clock=(clock.rows, clock.last_s - first_s, clock.step_s),
+            gaps=np.array(self.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),
+            mean_of=means.of,
+            numbers=means.numbers[: len(t)],
+            listener=self.listener,
+        )
+        return replace(recording, t=t - first_s, channels=channels, blocks=blocks, first_s=first_s)
 
     def ratios(self) -> MotionRatio:
         """Return the change of q over the integral of dq."""
@@ -106,6 +142,7 @@ def examine(
     robot: str | None = None,
     time_scale: float = 1.0,
     window: Window = (None, None),
+    listen: Listen = _nobody,
 ) -> Recording:
     """Notice, handle or refuse the faults of a recording; one in memory is worked on in place.
 
@@ -115,6 +152,8 @@ def examine(
         robot: The robot that the user stated; wins over the recording's own.
         time_scale: Factor on the recording's clock.
         window: Start and end of the part that is wanted, in seconds since the first sample.
+        listen: Asked at the first block of every pass over all columns of a recording in blocks; what took the blocks
+            as they are at last is in these.
 
     Raises:
         InputError: If it cannot be used.
@@ -124,7 +163,7 @@ def examine(
     as_read = recording.rows
     if time_scale != 1.0:
         recording = recording.changed(lambda t, channels: (t * time_scale, channels))
-    look = _Look(recording, path)
+    look = _Look(recording, path, listen if window == (None, None) else _nobody)
     look = look.after(leave_out_columns(look.recording, look.survey.missing, path))
     look = look.after(leave_out_rows(look.recording, look.survey.missing))
     look = look.after(sort_rows(look.recording, look.clock, path))
@@ -144,27 +183,8 @@ def examine(
     look = look.after(check_motion(look.recording, look.survey.ratios(), path, scaled=time_scale != 1.0))
     if window != (None, None):
         origin_s = look.clock.first_s if read_s is None else read_s
-        look = look.after(take_window(look.recording, look.clock, window, origin_s, path))
-    return _concluded(look)
-
-
-def _concluded(look: _Look) -> Recording:
-    """Return the recording, of one in blocks with means in place of its samples, on a clock that begins at 0."""
-    recording, blocks = look.recording, look.recording.blocks
-    if blocks is None:
-        return recording
-    survey, clock, first_s = look.survey, look.clock, look.clock.first_s
-    means, read = survey.means, blocks.read
-    assert means is not None
-    blocks = replace(
-        blocks,
-        read=read if first_s == 0.0 else lambda names: ((t - first_s, channels) for t, channels in read(names)),
-        clock=(clock.rows, clock.last_s - first_s, clock.step_s),
-        gaps=np.array(survey.steps.holes).reshape(-1, 3) - (0.0, first_s, first_s),
-        mean_of=means.of,
-        numbers=means.numbers,
-    )
-    return replace(recording, t=means.t[:, 0] - first_s, channels=means.channels, blocks=blocks, first_s=first_s)
+        look = _Look(take_window(look.recording, look.clock, window, origin_s, path), path, listen)
+    return look.recording if look.recording.blocks is None else look.survey.concluded(look.recording)
 
 
 def _refuse_short(recording: Recording, path: str) -> None:

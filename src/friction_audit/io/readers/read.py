@@ -4,6 +4,7 @@ A format is added by writing one file with ``read`` and ``topics``, and its line
 with; without that, the file has ``recognises``.
 """
 
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
@@ -15,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.checks import examine
+from friction_audit.io.checks import Take, examine
 from friction_audit.io.checks.clock import leave_out_far
 from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
@@ -51,27 +52,30 @@ READERS: tuple[Reader, ...] = (
 )
 _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
+Listen = Callable[[JointLog], Take | None]
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 
 
-def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
+def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen = lambda _: None) -> JointLog:
     """Read a recorded joint log of any format, and check it.
 
     Args:
         path: A file, or the directory of a ROS 2 bag.
         options: What the user says about how to read it.
+        listen: Given what is known of a log in blocks at its first block, returns what takes every block (number of
+            the first sample, time, channels) while it is checked, or None.
 
     Raises:
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
     if options.in_blocks:
         with suppress(WholeLogError):
-            return _read_log(path, options)
+            return _read_log(path, options, listen)
         options = ReadOptions.of(options)
-    return _read_log(path, options)
+    return _read_log(path, options, listen)
 
 
-def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
+def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLog:
     files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
     at, damage, mismatches = files[0], list[Finding](), list[Finding]()
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
@@ -87,7 +91,7 @@ def _read_log(path: str | Path, options: ReadOptions) -> JointLog:
             at = files[0]
             recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
             recording = _convert_torque(recording, options, str(path))
-            recording = _examined(recording, options, str(path))
+            recording = _examined(recording, options, str(path), listen)
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
             raise _unreadable(at[0], error) from error
@@ -135,19 +139,24 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
     """
     arrays = arrays_of_frame(frame, name)
     recording = _convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
-    recording = _doubt_current(_examined(recording, options, name))
+    recording = _doubt_current(_examined(recording, options, name, lambda _: None))
     digest = sha256()
     for column, array in arrays.items():
         digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
     return to_joint_log(recording, options, path=name, sha256=digest.hexdigest(), format="frame")
 
 
-def _examined(recording: Recording, options: ReadOptions, path: str) -> Recording:
+def _examined(recording: Recording, options: ReadOptions, path: str, listen: Listen) -> Recording:
     row_bytes = np.float64().itemsize * (1 + sum(array.shape[1] for array in recording.channels.values()))
     if recording.blocks is not None and options.reads_part(recording.rows * row_bytes):
         recording = leave_out_far(recording, *options.window_of_clock())
     window = (options.t_start_s, options.t_end_s)
-    return examine(recording, path=path, robot=options.robot, time_scale=options.time_scale, window=window)
+
+    def listener(known: Recording) -> Take | None:
+        return listen(to_joint_log(known, options, path=path, sha256="", format=""))
+
+    scale = options.time_scale
+    return examine(recording, path=path, robot=options.robot, time_scale=scale, window=window, listen=listener)
 
 
 def to_joint_log(
@@ -189,10 +198,11 @@ def to_joint_log(
         first=0,
         mean_of=blocks.mean_of,
         numbers=blocks.numbers,
+        listener=blocks.listener,
         clock=blocks.clock,
         gaps=blocks.gaps,
         read=blocks.read,
-        read_whole=partial(_read_log, path, ReadOptions.of(options)),
+        read_whole=partial(read_log, path, ReadOptions.of(options)),
     )
 
 
