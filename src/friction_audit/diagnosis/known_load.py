@@ -97,7 +97,7 @@ def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]], sign: i
     anywhere = regressor_entries(arm, random_motion(motion[0].shape[1], moving=False), joints, carried, places)
     kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, len(carried) // many)])
     kept &= np.abs(anywhere).max(axis=0) > ROUNDING
-    along = _in_parts(lambda part: regressor_entries(arm, part, joints, carried, places), sign * kept, motion)
+    along = _in_parts(lambda part: regressor_entries(arm, part, joints, carried, places), float(sign) * kept, motion)
     borders = np.cumsum([many * len(own) for own in links])[:-1]
     return [one.reshape(-1, many, len(motion[0])).transpose(2, 0, 1) for one in np.split(along, borders)]
 
@@ -115,7 +115,7 @@ def _tips(arm: Arm, motion: Motion, sign: int) -> list[NDArray[np.float32]]:
 
     anywhere = torque(random_motion(motion[0].shape[1], moving=True))
     kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, motion[0].shape[1])])
-    return np.split(_in_parts(torque, sign * kept, motion), motion[0].shape[1])
+    return np.split(_in_parts(torque, float(sign) * kept, motion), motion[0].shape[1])
 
 
 def _in_parts(columns: Callable[[Motion], Float], factors: Float, motion: Motion) -> NDArray[np.float32]:

@@ -57,8 +57,8 @@ def prepare(
     """
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
-    choice, fresh = interaction.choice, fresh_samples(log)
-    fresh = slice(None) if fresh.all() else fresh  # views, no copies
+    choice, new = interaction.choice, fresh_samples(log)
+    fresh: NDArray[np.bool_] | slice = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
