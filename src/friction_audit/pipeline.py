@@ -11,7 +11,7 @@ from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float, JointLog, Recording
 from friction_audit.log_in_blocks import LogInBlocks
-from friction_audit.parallel import per_joint, release_memory
+from friction_audit.parallel import per_joint, release_memory, sparing_memory
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import PortTorque, choose_torque, extract_interaction
@@ -284,7 +284,8 @@ def diagnosis_subjects(estimate: Estimate, settings: "DiagnosisSettings") -> "tu
             part = estimate_log(estimate.log, replace(estimate.settings, t_start_s=part_s[0], t_stop_s=part_s[1]))
         findings = (audit_part(part_s, whole_s, settings.at_most_s),)
     arm = known_arm(part.log, part.settings.torque, part.interaction.choice)
-    subjects = subjects_of(part.log, part.interaction, part.cycles, estimate.friction, settings, arm)
+    with sparing_memory():
+        subjects = subjects_of(part.log, part.interaction, part.cycles, estimate.friction, settings, arm)
     return tuple(replace(subject, findings=findings + subject.findings) for subject in subjects)
 
 

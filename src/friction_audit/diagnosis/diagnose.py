@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -65,8 +66,10 @@ def subjects_of(
         arm: The model of the arm where it is known.
     """
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
-    prepared = prepare(interaction, cycles, log, arm)
-    for data, findings in zip(prepared, audit_joints(log, interaction, prepared), strict=True):
+    prepared = [*prepare(interaction, cycles, log, arm)]
+    joined: dict[str, Any] = {}
+    for findings in audit_joints(log, interaction, prepared):
+        data = spread_parts(prepared.pop(0), settings.at_most_s, joined)  # of a long log, the rest is freed at once
         number, found = interaction.joint_numbers[data.joint], friction.joints[data.joint]
         subjects.append(
             Subject(
@@ -97,8 +100,7 @@ def diagnose_subjects(
         last = k == joints - 1 and joints % (workers if workers > 1 else WORKERS) == 1
         try:
             with nullcontext() if last else one_joint_at_a_time():
-                data = spread_parts(subject.data, settings.at_most_s)
-                return diagnose_joint(replace(subject, data=data), candidates, settings)
+                return diagnose_joint(subject, candidates, settings)
         except AnalysisError as error:
             return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run

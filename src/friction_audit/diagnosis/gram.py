@@ -40,7 +40,7 @@ class Gram:
         self.bb = np.stack([self.base[:, f] @ self.base[:, f].T for f in self.slices])
         self.blocks: list[Block] = []
         self.used = 0
-        self.own: list[Float] = []
+        self.own: dict[int, Float] = {}
         self._left: dict[object, Float] = {"y": self.transposed(self.y), "base": self.transposed(self.base)}
         self.cross: dict[object, Float] = {
             key: np.empty((problem.folds, len(one), 0)) for key, one in self._left.items()
@@ -58,6 +58,14 @@ class Gram:
         """Products of all blocks with the response within each fold, shape (folds, columns)."""
         return self.cross["y"][:, 0]
 
+    @property
+    def squares(self) -> Float:
+        """Products of all columns of blocks with themselves, shape (columns,)."""
+        out = np.empty(self.used)
+        for p, own in self.own.items():
+            out[self.starts[self.widths == p][:, None] + np.arange(p)] = np.einsum("fupp->up", own)
+        return out
+
     def whiten(self, columns: Float) -> Float:
         """Innovations in the order of the folds, shape (k, m)."""
         return self.sorted_noise.whiten(np.atleast_2d(columns)[:, self.order])
@@ -73,12 +81,16 @@ class Gram:
         for block in blocks:
             block.start = self.used
             self.used += block.p
-        for some, rows in self.chunks(blocks):
-            self.own += self._own(some, self.sorted_noise.whiten(rows))
+        found = [own for some, rows in self.chunks(blocks) for own in self._own(some, self.sorted_noise.whiten(rows))]
+        for p in {one.shape[1] for one in found}:
+            more = np.stack([one for one in found if one.shape[1] == p], axis=1)
+            self.own[p] = np.concatenate([self.own[p], more], axis=1) if p in self.own else more
         for key, known in self.cross.items():
             self.cross[key] = np.concatenate([known, self._products(self._left[key], blocks)], axis=2)
         self.blocks += blocks
         self.names = np.array([b.name for b in self.blocks])
+        self.starts = np.array([b.start for b in self.blocks], int)
+        self.widths = np.diff(self.starts, append=self.used)
         self.version += 1
 
     def of(self, block: Block) -> Float:
@@ -116,7 +128,7 @@ class Gram:
         return out
 
     def _own(self, blocks: Sequence[Block], white: Float) -> list[Float]:
-        """Products of each block with itself within each fold, shape (folds, p, p)."""
+        """Products of each block with itself within each fold, shape (folds, p, p) each."""
         squares = np.stack([np.einsum("km,km->k", white[:, f], white[:, f]) for f in self.slices])
         found = []
         for block in blocks:
@@ -143,21 +155,14 @@ def _transposed(rows: Float, predictors: Float, scales: Float, age: Index) -> Fl
 
 @dataclass(eq=False)
 class Fit:
-    """The model with some blocks, fitted on some folds.
+    """The model with some blocks, fitted on some folds."""
 
-    Attributes:
-        kept: Rows of the base that take part: nuisances that a block replaces do not.
-        coefficients: Of these and of the blocks, one after the other.
-        rss: Weighted residual sum of squares, priors included.
-        factor, scale, projected: Cholesky factor of the scaled Gram matrix, its scale, and the response in its terms.
-    """
-
-    kept: NDArray[np.int64]
-    coefficients: Float
-    rss: float
-    factor: Float
+    kept: NDArray[np.int64]  # rows of the base that take part: nuisances that a block replaces do not
+    coefficients: Float  # of these and of the blocks, one after the other
+    rss: float  # weighted residual sum of squares, priors included
+    factor: Float  # of Cholesky, of the scaled Gram matrix
     scale: Float
-    projected: Float
+    projected: Float  # the response in terms of the factor
 
 
 @dataclass(eq=False)
@@ -284,12 +289,12 @@ class Training:
 
     def _by_width(self, key: str, which: NDArray[np.int64]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]:
         version, found = self._own.get((key, len(which)), (-1, []))
-        if version != self.gram.version:
-            blocks, found = self.gram.blocks, []
-            for p in sorted({blocks[k].p for k in which}):
-                members = np.array([k for k in which if blocks[k].p == p])
-                cols = np.array([blocks[k].start for k in members])[:, None] + np.arange(p)
-                own = np.stack([self.gram.own[k][list(self.folds)].sum(axis=0) for k in members])
-                found.append((members, cols, own))
-            self._own[key, len(which)] = self.gram.version, found
+        if version != (gram := self.gram).version:
+            found, widths = [], gram.widths[which]
+            for p in np.unique(widths).tolist():
+                members = which[widths == p]
+                place = np.searchsorted(np.flatnonzero(gram.widths == p), members)
+                own = np.sum([gram.own[p][fold][place] for fold in self.folds], axis=0)
+                found.append((members, gram.starts[members][:, None] + np.arange(p), own))
+            self._own[key, len(which)] = gram.version, found
         return found

@@ -1,9 +1,10 @@
 """The load on every joint by the rigid-body model of the arm, and the torque per unit of that model's errors."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.joint_log import Float
@@ -17,20 +18,18 @@ from friction_audit.robot.regressor import Motion, random_motion, regressor_entr
 RATE_HZ = 200.0
 MOMENTS_AND_MASS = (1, 2, 3, 0)  # inertial parameters that gravity acts on, in the order in which they are kept
 ROUNDING = 1e-9  # a smaller torque per kg or kg m is none [N m]
+AT_ONCE = 1 << 14  # samples of columns that are worked on
 INERTIA_POSES = 50  # of a recording, evenly spread
 
 
 class KnownLoad(NamedTuple):
-    """The load on the gears in addition to the joints' own models, for j joints on a grid of n samples.
+    """The load on the gears in addition to the joints' own models, for j joints on a grid of n samples."""
 
-    Attributes:
-        load: Gravity, and the links' inertia where it was removed, with the sign of the torque, (n, j), or None. [N m]
-        removed: Torque to subtract from the sensors' readings where links' inertia is part of it, else None. [N m]
-        rigid: Torque of each joint per unit of what may be wrong with the model, or None without a model.
-    """
-
+    # gravity, and the links' inertia where it was removed, with the sign of the torque, (n, j), or None [N m]
     load: Float | None
+    # torque to subtract from the sensors' readings where links' inertia is part of it, else None [N m]
     removed: Float | None
+    # torque of each joint per unit of what may be wrong with the model, or None without a model
     rigid: tuple[RigidBody, ...] | None
 
 
@@ -67,15 +66,15 @@ def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float
     tilt = sign * tilt_torque(arm, motion[0])
     # Where the motors move the arm, a link that is heavier than in its model resists by its inertia too.
     weights = _weights(arm, (motion[0], still, still) if inertial is None else motion, links, sign)
-    tips = None if inertial is None else _tips(arm, motion)
+    tips = None if inertial is None else _tips(arm, motion, sign)
     return tuple(
         RigidBody(
             t=t,
             links=links[joint],
-            weight=weights[joint].astype(np.float32),
+            weight=weights[joint],
             tilt=tilt[:, joint],
             inertial=None if inertial is None else sign * inertial[:, joint],
-            tip=None if tips is None else (sign * tips[joint]).astype(np.float32),
+            tip=None if tips is None else tips[joint].T,
         )
         for joint in range(joints)
     )
@@ -89,23 +88,22 @@ def _links(arm: Arm, joint: int) -> tuple[int, ...]:
     return tuple(order[k] + 1 for k in sorted({place, min(place + 1, last), last}))
 
 
-def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]], sign: int) -> list[Float]:
+def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]], sign: int) -> list[NDArray[np.float32]]:
     """Torque of each joint per first moment and mass of its links, zero where not identifiable, (n, links, 4)."""
     many = len(MOMENTS_AND_MASS)
     joints = np.repeat(np.arange(len(links)), [many * len(own) for own in links])
     carried = np.repeat(np.concatenate(links) - 1, many)
     places = np.tile(MOMENTS_AND_MASS, len(carried) // many)
     anywhere = regressor_entries(arm, random_motion(motion[0].shape[1], moving=False), joints, carried, places)
-    along = regressor_entries(arm, motion, joints, carried, places)
     kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, len(carried) // many)])
     kept &= np.abs(anywhere).max(axis=0) > ROUNDING
-    along *= sign * kept
+    along = _in_parts(lambda part: regressor_entries(arm, part, joints, carried, places), float(sign) * kept, motion)
     borders = np.cumsum([many * len(own) for own in links])[:-1]
-    return [one.reshape(-1, many, len(along)).transpose(2, 0, 1) for one in np.split(along.T, borders)]
+    return [one.reshape(-1, many, len(motion[0])).transpose(2, 0, 1) for one in np.split(along, borders)]
 
 
-def _tips(arm: Arm, motion: Motion) -> list[Float]:
-    """Inertial torque of each joint per inertial parameter of the last link, zero where not identifiable, (n, 10)."""
+def _tips(arm: Arm, motion: Motion, sign: int) -> list[NDArray[np.float32]]:
+    """Inertial torque of each joint per inertial parameter of the last link, zero where not identifiable, (10, n)."""
     joints = np.repeat(np.arange(motion[0].shape[1]), INERTIAL_PARAMETERS)
     last = np.full(len(joints), arm.columns[-1])
     places = np.tile(np.arange(INERTIAL_PARAMETERS), motion[0].shape[1])
@@ -117,7 +115,16 @@ def _tips(arm: Arm, motion: Motion) -> list[Float]:
 
     anywhere = torque(random_motion(motion[0].shape[1], moving=True))
     kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, motion[0].shape[1])])
-    return np.hsplit(torque(motion) * kept, motion[0].shape[1])
+    return np.split(_in_parts(torque, float(sign) * kept, motion), motion[0].shape[1])
+
+
+def _in_parts(columns: Callable[[Motion], Float], factors: Float, motion: Motion) -> NDArray[np.float32]:
+    """Columns (n, p) times factors (p,), some samples at a time, so that they are never there as doubles, (p, n)."""
+    out = np.empty((len(factors), len(motion[0])), np.float32)
+    for k in range(0, out.shape[1], AT_ONCE):
+        part = slice(k, k + AT_ONCE)
+        out[:, part] = (columns((motion[0][part], motion[1][part], motion[2][part])) * factors).T
+    return out
 
 
 def known_inertias(arm: Arm | None, choice: TorqueChoice, q: Float) -> Float:

@@ -19,24 +19,16 @@ RINGING = ("spring", "gap")  # forward models of terms that amplify noise of the
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class NominalModel:
-    """The nominal model, b columns.
+    """The nominal model, b columns."""
 
-    Attributes:
-        names: Names of the coefficients with their unit: Coulomb and viscous friction, inertia unless a model file
-            states it, then the coefficients of other terms of the file; without those of terms that the file holds.
-        fine: Their columns on the fine grid, shape (n, b).
-        columns: The same on the samples, shape (m, b).
-        stated: Torque of the numbers that are not fitted, on the fine grid, shape (n,). [N m]
-        y: Torque of the samples without it, shape (m,). [N m]
-        model: The model file's model of the joint, None without one.
-    """
-
+    # names of the coefficients with their unit: Coulomb and viscous friction, inertia unless a model file states it,
+    # then the coefficients of other terms of the file; without those of terms that the file holds
     names: tuple[str, ...]
-    fine: Float
-    columns: Float
-    stated: Float
-    y: Float
-    model: JointModel | None
+    fine: Float  # their columns on the fine grid, shape (n, b)
+    columns: Float  # the same on the samples, shape (m, b)
+    stated: Float  # torque of the numbers that are not fitted, on the fine grid, shape (n,) [N m]
+    y: Float  # torque of the samples without it, shape (m,) [N m]
+    model: JointModel | None  # the model file's model of the joint, None without one
 
     def baseline(self, coefficients: Float) -> Nominal:
         """The fitted model, from coefficients, shape (b,), as columns of effects need it."""

@@ -27,6 +27,7 @@ from friction_audit.robot import Arm
 
 # Parts of a long recording, the way from each to the next, and the time in which springs and bristles forget that.
 PART_S, BRIDGE_S, FORGOTTEN_S = 60.0, 2.0, 3.0
+SHARED = ("t", "others_dq", "others_ddq", "others_torque")  # of all joints of a log
 Index = NDArray[np.int64]
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
@@ -56,21 +57,26 @@ def prepare(
     """
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
-    choice, fresh = interaction.choice, fresh_samples(log)
+    choice, new = interaction.choice, fresh_samples(log)
+    fresh: NDArray[np.bool_] | slice = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
     motion = _filtered_motion(log, low_pass, t, fresh, valid)
     read: Float = getattr(log, CHANNELS[choice.source])
-    sensed = choice.sign * low_pass.all_of(t, read[fresh])
-    logged = None if log.gravity is None else low_pass.all_of(t, log.gravity[fresh])
+    sensed = choice.sign * low_pass.all_of(t, read, fresh)
+    logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
     load, removed, rigid = know_load(choice, arm, low_pass.t, (motion.q, motion.dq, motion.ddq), logged)
 
     def torque(joint: int, column: int) -> Float:
         """Everything that drives the side on which friction acts, shape (n,). [N m]"""
         # The inertial torque in the interaction torque ends at 10 Hz: what a reversal leaves above would look like
         # friction. That of the motion on the grid holds all that the sensor saw.
-        own = low_pass.of(t, interaction.torque[fresh, joint]) if removed is None else (sensed - removed)[:, column]
+        own = (
+            low_pass.of(t, interaction.torque[fresh, joint])
+            if removed is None
+            else sensed[:, column] - removed[:, column]
+        )
         if interaction.compensation is None:
             return own
         return own + low_pass.of(t, interaction.compensation[fresh, joint])
@@ -115,11 +121,11 @@ def parts_of(whole_s: float, most_s: float) -> int:
     return many if whole_s > most_s + many * BRIDGE_S else 1
 
 
-def spread_parts(data: JointData, most_s: float) -> JointData:
+def spread_parts(data: JointData, most_s: float, known: dict[str, Any]) -> JointData:
     """Return so much of a longer recording, in parts that are spread over it evenly from its first sample to its last.
 
     A window would lose slow effects. From one part to the next the joint moves on along a cubic; that, what follows
-    right after it and cycles that are not whole do not count.
+    right after it and cycles that are not whole do not count. What all joints share is kept in ``known`` for the next.
     """
     if (many := parts_of(duration(data), most_s)) == 1:
         return data
@@ -144,14 +150,15 @@ def spread_parts(data: JointData, most_s: float) -> JointData:
         inside[start + (forgotten if start else 0) : start + length] = True
     counts = joined(inside.astype(np.float64)) == 1.0
     whole = np.where(np.isin(data.cycle, data.cycle[~inside]), -1, data.cycle)
-    known: dict[str, Any] = {
+    known |= {name: joined(getattr(data, name)) for name in SHARED if name not in known}
+    changed: dict[str, Any] = {
         name: None if (own := getattr(data, name)) is None else joined(own)
-        for name in ("t", "torque", "load", "temperature", "others_dq", "others_ddq", "others_torque")
+        for name in ("torque", "load", "temperature")
     }
     if rigid is not None:
         model = {name: getattr(rigid, name) for name in ("t", "weight", "tilt", "inertial", "tip")}
         model = {name: None if own is None else joined(own, every) for name, own in model.items()}
-        known["rigid"] = replace(rigid, **model)
+        changed["rigid"] = replace(rigid, **model)
     ways = _cubics(data, starts[:-1] + length - 1, starts[1:], gap)
     motion: dict[str, Any] = {
         name: joined(getattr(data, name), 1, way) for name, way in zip(("q", "dq", "ddq"), ways, strict=True)
@@ -163,6 +170,7 @@ def spread_parts(data: JointData, most_s: float) -> JointData:
         valid=counts & (joined(data.valid.astype(np.float64)) == 1.0),
         logged_dq=None,
         **motion,
+        **changed,
         **known,
     )
 
@@ -176,7 +184,7 @@ def _cubics(data: JointData, end: Index, begin: Index, samples: int) -> tuple[Fl
     return q, ((3.0 * three * x + 2.0 * two) * x + one) / time_s, (6.0 * three * x + 2.0 * two) / time_s**2
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class _Motion:
     """Motion of all joints of a log on the grid, and their velocities as logged, shape (n, j) each."""
 
@@ -184,8 +192,8 @@ class _Motion:
     dq: Float
     ddq: Float
     logged: Float
-    derived_from: tuple[str, ...]
-    crossover_hz: tuple[float, ...]
+    derived_from: list[str]
+    crossover_hz: list[float]
 
 
 def _filtered_motion(
@@ -195,27 +203,28 @@ def _filtered_motion(
     lag = find_lag(coarse, median_step(log.t))
     acceleration = np.sqrt(np.mean(np.gradient(coarse.dq, coarse.t, axis=0) ** 2, axis=0))
 
-    def one(column: int) -> tuple[Float, Float, Float, Float, str, float]:
+    # One array each, not a list of columns that is stacked: half of the memory.
+    shape = len(low_pass.t), log.q.shape[1]
+    moved = _Motion(*(np.empty(shape) for _ in range(4)), derived_from=[""] * shape[1], crossover_hz=[0.0] * shape[1])
+
+    def one(column: int) -> None:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
+        moved.q[:, column], moved.logged[:, column] = q, logged
         if grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * acceleration[column]):
-            return q, slope, np.gradient(slope, low_pass.t), logged, "q", 0.0
+            moved.derived_from[column] = "q"
+            moved.dq[:, column], moved.ddq[:, column] = slope, np.gradient(slope, low_pass.t)
+            return
         dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
         # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
         if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
             dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
             ddq = np.gradient(dq, low_pass.t)
-        return q, dq, ddq, logged, "dq", crossover_hz
+        moved.derived_from[column], moved.crossover_hz[column] = "dq", crossover_hz
+        moved.dq[:, column], moved.ddq[:, column] = dq, ddq
 
-    q, dq, ddq, logged, derived_from, crossover_hz = zip(*per_joint(one, log.q.shape[1]), strict=True)
-    return _Motion(
-        q=np.stack(q, axis=1),
-        dq=np.stack(dq, axis=1),
-        ddq=np.stack(ddq, axis=1),
-        logged=np.stack(logged, axis=1),
-        derived_from=derived_from,
-        crossover_hz=crossover_hz,
-    )
+    per_joint(one, shape[1])
+    return moved
 
 
 def _dead_speed(dq: Float) -> float:

@@ -32,31 +32,19 @@ MOST_UNCERTAIN = 0.02  # share of the filter's weight that may come from samples
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Samples:
-    """The samples of one joint that a model is fitted to, m of them, from n on the fine grid.
+    """The samples of one joint that a model is fitted to, m of them, from n on the fine grid."""
 
-    Attributes:
-        kernel: Weights of the filter, an odd number of them.
-        onsets: Standstills before the break-aways, b of the m samples; their weights make all samples equally noisy.
-        corner_hz: Frequency of which half the amplitude passes. [Hz]
-        every: Fine samples per place.
-        place: Number of each sample, counted with those that are left out, shape (m,).
-        breakaway: Whether the sample is the moment of a break-away, shape (m,).
-        weight: Factor of torque and columns that makes all samples equally noisy, shape (m,).
-        t: Times, shape (m,). [s]
-        y: Torque, shape (m,). [N m]
-        cycle: Number of the cycle of each sample, shape (m,).
-    """
-
-    kernel: Float
+    kernel: Float  # weights of the filter, an odd number of them
+    # standstills before the break-aways, b of the m samples; their weights make all samples equally noisy
     onsets: Breakaways
-    corner_hz: float
-    every: int
-    place: Index
-    breakaway: NDArray[np.bool_]
-    weight: Float
-    t: Float
-    y: Float
-    cycle: Index
+    corner_hz: float  # frequency of which half the amplitude passes [Hz]
+    every: int  # fine samples per place
+    place: Index  # number of each sample, counted with those that are left out, shape (m,)
+    breakaway: NDArray[np.bool_]  # whether the sample is the moment of a break-away, shape (m,)
+    weight: Float  # factor of torque and columns that makes all samples equally noisy, shape (m,)
+    t: Float  # times, shape (m,) [s]
+    y: Float  # torque, shape (m,) [N m]
+    cycle: Index  # number of the cycle of each sample, shape (m,)
 
     @property
     def step_s(self) -> float:

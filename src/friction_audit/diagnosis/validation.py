@@ -242,5 +242,4 @@ def _by_cycle_of_blocks(
     back = gram.transposed(left)[0]
     scores = [np.add.reduceat(rows * back, starts, axis=1) for _, rows in gram.chunks(gram.blocks)]
     along = np.linalg.solve(fit.factor, training.cross(active, fit))
-    size = np.concatenate([np.diagonal(one.sum(axis=0)) for one in gram.own])
-    return np.vstack(scores) - along.T @ own, size - np.sum(along**2, axis=0) > COPY * size
+    return np.vstack(scores) - along.T @ own, (1.0 - COPY) * gram.squares > np.sum(along**2, axis=0)

@@ -33,6 +33,7 @@ LEAST_COHERENCE = 0.5  # length of the mean phasor over a window, 1 for stamps e
 COMMON_EARLINESS, EARLIEST = 0.99, 2.0
 STEP_ERROR = 0.01  # of a period: ticks are even, and stamps on ticks, to this share
 HELD = 20  # samples beyond both ends of a spline, of which 0.27^20 is felt
+LOST_AT_ONCE = 2000  # samples: a spline takes twenty times the memory of what it passes through
 MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, they are no ticks of this clock
 
 
@@ -177,23 +178,29 @@ class LowPass:
         """Filter a signal, shape (m,) at times t, onto the grid, shape (n,)."""
         return self._apply(np.interp(self.fine, t, signal), self.kernel)
 
-    def all_of(self, t: Float, signals: Float) -> Float:
-        """Filter the columns of signals, shape (m, j), onto the grid, shape (n, j)."""
-        return np.stack([self.of(t, column) for column in signals.T], axis=1)
+    def all_of(self, t: Float, signals: Float, some: NDArray[np.bool_] | slice) -> Float:
+        """Filter columns of some of the samples of signals, shape (m, j), onto the grid, shape (n, j)."""
+        return np.stack([self.of(t, column[some]) for column in signals.T], axis=1)
 
     def with_slope(self, t: Float, position: Float) -> tuple[Float, Float]:
         """Filter a position, with a cubic spline over lost samples, and return it and its derivative, shape (n,)."""
         even = np.interp(self.fine, t, position)
         lost = np.flatnonzero(np.diff(t) > LOST_STEPS * median_step(t))
-        if len(lost):
-            from scipy.interpolate import CubicSpline
-
-            n, bounds = len(t), np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
-            # What is farther away than this is not felt.
-            near = _within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
-            inside = _within(bounds[0], bounds[1], len(self.fine))
-            even[inside] = CubicSpline(t[near], position[near], bc_type="natural")(self.fine[inside])
+        for first in range(0, len(lost), LOST_AT_ONCE):
+            self._curve(even, t, position, lost[first : first + LOST_AT_ONCE])
         return self._apply(even, self.kernel), self._apply(even, self.slope)
+
+    def _curve(self, even: Float, t: Float, position: Float, lost: NDArray[np.int64]) -> None:
+        """Replace straight lines over lost samples by a cubic spline through the samples that it feels."""
+        from scipy.interpolate import CubicSpline
+
+        first, stop = max(lost[0] - HELD, 0), min(lost[-1] + HELD + 2, len(t))
+        t, position, lost = t[first:stop], position[first:stop], lost - first
+        begins, ends = np.searchsorted(self.fine, t[np.stack([lost, lost + 1])], side="right")
+        n = len(t)
+        near = _within(np.maximum(lost - HELD, 0), np.minimum(lost + HELD + 2, n), n)
+        inside = begins[0] + _within(begins - begins[0], ends - begins[0], ends[-1] - begins[0])
+        even[inside] = CubicSpline(t[near], position[near], bc_type="natural")(self.fine[inside])
 
     def away_from_gaps(self, t: Float) -> NDArray[np.bool_]:
         """Samples of the grid whose kernel reaches neither a gap in the stamps t nor beyond the ends, shape (n,)."""
@@ -269,14 +276,16 @@ def moments_of_samples(t: Float, q: Float, dq: Float) -> Float:
     ticks = steady_clock(t)
     step, usual = np.diff(ticks), median_step(ticks)
     even = np.abs(step - usual) < STEP_ERROR * usual
-    late = (t - ticks)[:, None]
+    late = t - ticks
     if np.ptp(late) < STEP_ERROR * usual or not np.any(even[1:] & even[:-1]):
         return ticks
-    moved = (dq[1:-1] * np.diff(late, 2, axis=0))[even[1:] & even[:-1]]
-    position = np.diff(q, 2, axis=0)[even[1:] & even[:-1]]
-    # Each joint counts by its own noise.
-    noise = np.maximum(np.sum(position**2, axis=0), np.finfo(float).tiny)
-    slope = np.sum(np.sum(position * moved, axis=0) / noise) / max(np.sum(moved**2 / noise), np.finfo(float).tiny)
+    inside, smallest = even[1:] & even[:-1], np.finfo(float).tiny
+    bend, along, squared = np.diff(late, 2)[inside], 0.0, 0.0
+    for place, speed in zip(q.T, dq.T, strict=True):
+        moved, position = speed[1:-1][inside] * bend, np.diff(place, 2)[inside]
+        noise = max(float(position @ position), smallest)  # each joint counts by its own
+        along, squared = along + float(position @ moved) / noise, squared + float(moved @ moved) / noise
+    slope = along / max(squared, smallest)
     return t if slope > 0.5 else ticks  # noqa: PLR2004 - between 0 and 1
 
 
