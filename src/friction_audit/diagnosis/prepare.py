@@ -58,7 +58,7 @@ def prepare(
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
     choice, new = interaction.choice, fresh_samples(log)
-    fresh: NDArray[np.bool_] | slice = slice(None) if new.all() else new  # views, no copies
+    fresh = slice(None) if new.all() else new  # views, no copies
     t = moments_of_samples(log.t[fresh], log.q[fresh], log.dq[fresh])
     low_pass = LowPass.for_stamps(t)
     valid = low_pass.away_from_gaps(t)
@@ -197,7 +197,7 @@ class _Motion:
 
 
 def _filtered_motion(
-    log: JointLog, low_pass: LowPass, t: Float, fresh: NDArray[np.bool_], valid: NDArray[np.bool_]
+    log: JointLog, low_pass: LowPass, t: Float, fresh: NDArray[np.bool_] | slice, valid: NDArray[np.bool_]
 ) -> _Motion:
     coarse = coarse_log(log)
     lag = find_lag(coarse, median_step(log.t))
@@ -205,7 +205,8 @@ def _filtered_motion(
 
     # One array each, not a list of columns that is stacked: half of the memory.
     shape = len(low_pass.t), log.q.shape[1]
-    moved = _Motion(*(np.empty(shape) for _ in range(4)), derived_from=[""] * shape[1], crossover_hz=[0.0] * shape[1])
+    q, dq, ddq, logged = (np.empty(shape) for _ in range(4))
+    moved = _Motion(q, dq, ddq, logged, derived_from=[""] * shape[1], crossover_hz=[0.0] * shape[1])
 
     def one(column: int) -> None:
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
