@@ -247,7 +247,7 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
     source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
     facts = (pair for pair in facts_of(summary) if pair[0] != "channel")
-    pairs = [*source.items(), *facts, ("why so", choice.reason)]
+    pairs = [*source.items(), *facts, ("reason", choice.reason)]
     yield html.Terms(pairs=[(name, in_unit(text, unit)) for name, text in pairs if text])
     yield MOTION.people(summary.joints, caption="How the joints moved")
     caption = "Channels as they are called in the log; {i} is the number of the joint"
