@@ -2,7 +2,7 @@
 
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from friction_audit.cli import choices
 from friction_audit.cli import options as opt
@@ -10,9 +10,6 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.grouped_help import COMPARISON, GENERAL
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.simulate import changed
-
-if TYPE_CHECKING:
-    from friction_audit.compensation.comparison import Comparison
 
 EXAMPLES = """Examples:
   friction-audit compare
@@ -73,6 +70,7 @@ def command(
     from friction_audit.reporting.compare import compare_document, compare_lines
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.figures.comparison import draw_comparison
+    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
 
     voice, names = general.voice, choices.some_figures(figures, FIGURES)
     out = ResultFolder(folder=folder, figures=names, formats=formats, overwrite=overwrite)
@@ -87,15 +85,9 @@ def command(
     with voice.step("draw"):
         drawn = ((name, figure) for name, figure in draw_comparison(result).items() if name in names)
         files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
-    document = compare_document(_scene_document(result, settings), result.rows, result.curves, files)
+    about: dict[str, object] = {"arm": result.scene, "settings": settings_in_sight(settings)}
+    about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}
+    about["effects"] = [asdict(effect) for effect in hidden_effects(settings)]
+    document = compare_document(about, result.rows, result.curves, files)
     lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
     show(write_document(document), lambda: [*lines, *(path for _, path in files)], json=general.json)
-
-
-def _scene_document(result: "Comparison", settings: Any) -> dict[str, object]:  # noqa: ANN401 - of any scenario
-    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
-
-    names = ("duration_s", "seeds", "tuning_seeds", "margin_seeds")
-    effects = [asdict(effect) for effect in hidden_effects(settings)]
-    about = {name: getattr(result, name) for name in names}
-    return {"arm": result.scene, **about, "settings": settings_in_sight(settings), "effects": effects}

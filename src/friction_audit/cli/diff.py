@@ -15,6 +15,7 @@ from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
 from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_junit
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
+from friction_audit.io.files import read_document
 
 if TYPE_CHECKING:
     from friction_audit.drift.covariates import Recording
@@ -88,12 +89,17 @@ def _recordings(
 ) -> "tuple[list[Recording], list[Notice]]":
     """Return the recordings of a side, and which of several logs were left out; note the warnings and their logs."""
     from friction_audit.batch.find_logs import find_logs
+    from friction_audit.batch.work import recording_of_document
     from friction_audit.reporting.notices import Notice
 
     is_result = source.suffix.lower() == ".json"
     results = [source] if is_result else [*source.glob(RESULT)] or sorted(source.glob(f"*/{RESULT}"))
     if results:
-        return [_of_result(path, parse_joints(shared.selection.joints)) for path in results], []
+        read = [recording_of_document(read_document(path, ("estimate",)), path) for path in results]
+        wanted = parse_joints(shared.selection.joints)
+        kept = [tuple(one for one in each.session.joints if wanted is None or one.joint in wanted) for each in read]
+        pairs = zip(read, kept, strict=True)
+        return [replace(each, session=replace(each.session, joints=joints)) for each, joints in pairs], []
     if source.suffix.lower() == ".toml":
         raise UsageError(f"{source}: a joint model has no intervals; give an {RESULT} or a log")
     logs = [Path(log.path) for log in find_logs([str(source)], {}, leave_out=[] if folder is None else [folder])]
@@ -126,15 +132,6 @@ def _of_log(
     for line in notice_lines(one for one in estimate_notices(estimate) if one.code not in hidden):
         noticed.setdefault(line, []).append(str(path))
     return recording_of(estimate)
-
-
-def _of_result(path: Path, wanted: tuple[int, ...] | None) -> "Recording":
-    from friction_audit.batch.work import recording_of_document
-    from friction_audit.io.files import read_document
-
-    found = recording_of_document(read_document(path, ("estimate",)), path)
-    joints = tuple(joint for joint in found.session.joints if wanted is None or joint.joint in wanted)
-    return replace(found, session=replace(found.session, joints=joints))
 
 
 def _report(

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,13 +10,9 @@ from friction_audit.cli import chain
 from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings
 from friction_audit.cli.choices import option, parse_joints, parse_numbers
-from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show
 from friction_audit.errors import UsageError
-
-if TYPE_CHECKING:
-    from friction_audit.pipeline import Estimate
 
 EXAMPLES = """Examples:
   friction-audit export run.mcap panda.urdf --into my_panda.urdf
@@ -76,19 +72,22 @@ def command(
     into = None if options.into is None else read_into(target, options.into)
     for kept in (source, options.into or source):
         chain.check_outputs([out], overwrite=shared.overwrite, log=kept)
-    speeds = None if options.speeds is None else parse_numbers("--speeds", options.speeds, ("LOW", "HIGH"))
-    if speeds is not None and not 0.0 <= speeds[0] < speeds[1] < float("inf"):
-        raise UsageError(f"--speeds {options.speeds}: expected 0 <= LOW < HIGH [rad/s]")
     settings = ExportSettings(
         joints=parse_joints(shared.selection.joints),
-        speeds=None if speeds is None else (speeds[0], speeds[1]),
+        speeds=_speeds(options.speeds),
         armature=options.armature,
         overwrite=shared.overwrite,
     )
     result = result_file(source)
     if options.arm is not None and result is None:
         raise UsageError(f"--arm {options.arm}: is for a result of batch-report; choose an arm of a log with --topic")
-    estimate = _estimate(source, shared, friction, voice) if result is None else None
+    estimate = None
+    if result is None:
+        audit = audit_settings(shared, friction)
+        with chain.loading("friction_audit.friction.estimate"):
+            log = chain.read_torque(source, shared, voice)
+        estimate = chain.estimate(log, audit, voice)
+        chain.require_an_estimate(estimate)
     joints = of_estimate(estimate) if estimate else read_result(result or source, options.arm)
     with voice.step(f"write {out}"):
         export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
@@ -106,10 +105,10 @@ def command(
         chain.exit_if_damaged(estimate.log)
 
 
-def _estimate(source: Path, shared: opt.LogOptions, friction: opt.EstimateOptions, voice: Voice) -> "Estimate":
-    settings = audit_settings(shared, friction)
-    with chain.loading("friction_audit.friction.estimate"):
-        log = chain.read_torque(source, shared, voice)
-    result = chain.estimate(log, settings, voice)
-    chain.require_an_estimate(result)
-    return result
+def _speeds(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
+    low, high = parse_numbers("--speeds", text, ("LOW", "HIGH"))
+    if not 0.0 <= low < high < float("inf"):
+        raise UsageError(f"--speeds {text}: expected 0 <= LOW < HIGH [rad/s]")
+    return low, high

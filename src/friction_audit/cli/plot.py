@@ -1,17 +1,12 @@
 """``friction-audit plot``."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.console import say
 from friction_audit.cli.outputs import ResultFolder
-
-if TYPE_CHECKING:
-    from friction_audit.pipeline import Estimate
 
 EXAMPLES = """Examples:
   friction-audit plot run.mcap
@@ -42,8 +37,22 @@ def command(
     if not shared.general.json:
         chain.warn_about(result.log, warnings, voice)
 
-    results, joints = _results(result, kinds, min_effect, voice), result.interaction.joint_numbers
-    files = out.write_figures(results, joints, result.log.source.torque_unit, voice, each_joint=True)
+    results: dict[str, object] = {"estimate": result}
+    # Replay and diagnosis, where a figure draws them, with default settings otherwise.
+    if set(kinds) & set(choices.REPLAY_FIGURES):
+        from friction_audit.compensation.settings import ReplaySettings
+        from friction_audit.pipeline import replay_estimate
+
+        with voice.step("replay"):
+            results["replay"] = replay_estimate(result, ReplaySettings())
+    if set(kinds) & set(choices.DIAGNOSIS_FIGURES):
+        from friction_audit.diagnosis.settings import DiagnosisSettings
+        from friction_audit.pipeline import diagnose_estimate
+
+        with voice.step("diagnose"):
+            results["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
+    joints, unit = result.interaction.joint_numbers, result.log.source.torque_unit
+    files = out.write_figures(results, joints, unit, voice, each_joint=True)
     if shared.general.json:
         from friction_audit.reporting.documents import plot_document, write_document
 
@@ -53,21 +62,3 @@ def command(
         for file in files:
             say(str(file.path))
     chain.conclude(result.log, warnings, strict=strict)
-
-
-def _results(result: "Estimate", kinds: Sequence[str], min_effect: float, voice: Voice) -> dict[str, object]:
-    """Return the results that the figures draw; replay and diagnosis, where needed, with default settings otherwise."""
-    found: dict[str, object] = {"estimate": result}
-    if set(kinds) & set(choices.REPLAY_FIGURES):
-        from friction_audit.compensation.settings import ReplaySettings
-        from friction_audit.pipeline import replay_estimate
-
-        with voice.step("replay"):
-            found["replay"] = replay_estimate(result, ReplaySettings())
-    if set(kinds) & set(choices.DIAGNOSIS_FIGURES):
-        from friction_audit.diagnosis.settings import DiagnosisSettings
-        from friction_audit.pipeline import diagnose_estimate
-
-        with voice.step("diagnose"):
-            found["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
-    return found

@@ -1,7 +1,6 @@
 """``friction-audit report``."""
 
 import shlex
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -66,15 +65,18 @@ def command(
     """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice
     settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
-    sections, formats, min_effect = wanted.sections, wanted.formats, wanted.min_effect
+    sections = wanted.sections or SECTIONS
     json, again = shared.general.json, shared.overwrite
-    name = f"{_stem(log)}.report"
+    from friction_audit.reporting import report as made
+
+    name = f"{made.name_of_log(log) if log.is_dir() else Path(made.name_of_log(log)).stem}.report"
     # Where the document is printed and nothing else was asked for, there is no file.
-    kinds = formats or ([] if json and folder is None else [DEFAULT])
+    kinds = wanted.formats or ([] if json and folder is None else [DEFAULT])
     files = {kind: (folder or Path()) / f"{name}{choices.REPORT_FORMATS[kind]}" for kind in kinds}
     out = ResultFolder(folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=again)
     out.check(log, [path.name for path in files.values()], "estimate", "replay", "diagnosis")
-    with voice.stages(_lengths(sections, len(files) + out.stages)) as stages:
+    lengths = [*(length for part, length in LENGTHS.items() if part in {"read", "friction", *sections}), DRAWING]
+    with voice.stages([*lengths, *[WRITING] * (len(files) + out.stages)]) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, options, stages)
         estimate = chain.estimate(recorded, settings, stages)
@@ -85,15 +87,14 @@ def command(
         given = command_line(context, leave_out=NOT_PART_OF_IT)
         from friction_audit.diagnosis.settings import DiagnosisSettings
         from friction_audit.io.files import whole_file
-        from friction_audit.reporting import report as made
         from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
         report = made.report_estimate(
             estimate,
             replay_settings(ReplayOptions(), shared.cycles),
-            DiagnosisSettings(min_effect_nm=min_effect),
-            sections=sections or SECTIONS,
+            DiagnosisSettings(min_effect_nm=wanted.min_effect),
+            sections=sections,
             reading=chain.reading_settings(options),
             command=given.replace(shlex.quote(str(log)), shlex.quote(made.name_of_log(log))),
             step=stages.step,
@@ -102,23 +103,9 @@ def command(
             with stages.step(f"write {path}"), whole_file(path, overwrite=again) as draft:
                 draft.write_bytes(REPORT_FORMATS[kind][1](report))
         exported = out.write_exports(made.report_tables(report), recorded, stages)
-    if json:
-        say(write_document(made.report_document(report)), nl=False)
-    else:
-        say("\n".join([made.lead_sentence(report), *map(str, (*files.values(), *exported))]))
+    lines = [made.lead_sentence(report), *map(str, (*files.values(), *exported))]
+    say(write_document(made.report_document(report)) if json else "\n".join(lines), nl=not json)
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)
     chain.conclude(recorded, made.report_notices(report), strict=wanted.strict)
-
-
-def _lengths(sections: Sequence[str], written: int) -> list[float]:
-    made = {"read", "friction", *(sections or SECTIONS)}
-    return [*(length for part, length in LENGTHS.items() if part in made), DRAWING, *[WRITING] * written]
-
-
-def _stem(log: Path) -> str:
-    """Return what the files of a report begin with: the name of the log without its ending."""
-    from friction_audit.reporting.report import name_of_log
-
-    return name_of_log(log) if log.is_dir() else Path(name_of_log(log)).stem

@@ -11,15 +11,14 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
 from friction_audit.cli.outputs import show_written
 from friction_audit.errors import UsageError
+from friction_audit.io.files import sha256_of, whole_file
 
 if TYPE_CHECKING:
     from friction_audit.io.writers.tables import Writer
-    from friction_audit.joint_log import JointLog
-    from friction_audit.reporting.documents import SimulatedLog
     from friction_audit.simulation.scenarios import Scenario
 
 EXAMPLES = """Examples:
@@ -91,46 +90,30 @@ def command(
     if lists.scenarios or lists.effects_there_are:
         _list(scenario, lists, json=general.json)
         return
-    from friction_audit.reporting.documents import simulate_document
+    from friction_audit.io.writers.write_log import check_fit
+    from friction_audit.reporting import documents
+    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
     from friction_audit.simulation.scenarios import simulate
 
-    chosen, voice = _find_scenario(scenario), general.voice
+    chosen, voice, seed = _find_scenario(scenario), general.voice, simulation.seed
     path, writer = _choose_output(out, dialect, truth, overwrite=overwrite)
     asked = {"duration_s": simulation.duration, "rate_hz": simulation.rate}
     settings = changed(chosen.settings, change, simulation.joint_model, **asked)
     with voice.step(f"simulate {chosen.name}") as progress:
-        log = simulate(settings, simulation.seed, path=str(path), progress=progress).log
-    about = (chosen.name, simulation.seed, settings)
-    simulated = _write(about, log, path, writer, truth, voice, overwrite=overwrite)
-    document = simulate_document(simulated, log, str(path), writer.name, left_out=writer.left_out(log))
-    show_written(document, [path] if truth is None else [path, truth], voice, json=general.json)
-
-
-def _write(
-    about: tuple[str, int, Any],
-    log: "JointLog",
-    path: Path,
-    writer: "Writer",
-    truth: Path | None,
-    voice: Voice,
-    *,
-    overwrite: bool,
-) -> "SimulatedLog":
-    """Write the log and its truth, both or neither: the log is put in place when the truth is there."""
-    from friction_audit.io.files import sha256_of, whole_file
-    from friction_audit.io.writers.write_log import check_fit
-    from friction_audit.reporting.documents import SimulatedLog, truth_document, write_document
-    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
-
+        log = simulate(settings, seed, path=str(path), progress=progress).log
+    # Both the log and its truth are written, or neither: the log is put in place when the truth is there.
     with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
         check_fit(log, writer)
         writer.write(log, draft)
-        effects = [asdict(effect) for effect in hidden_effects(about[2])]
-        simulated = SimulatedLog(*about[:2], settings_in_sight(about[2]), effects, sha256_of(draft))
+        effects, seen = [asdict(effect) for effect in hidden_effects(settings)], settings_in_sight(settings)
+        simulated = documents.SimulatedLog(chosen.name, seed, seen, effects, sha256_of(draft))
         if truth is not None:
             with whole_file(truth, overwrite=overwrite) as other:
-                other.write_text(write_document(truth_document(simulated)), encoding="utf-8")
-    return simulated
+                text = documents.write_document(documents.truth_document(simulated))
+                other.write_text(text, encoding="utf-8")
+    left_out = writer.left_out(log)
+    document = documents.simulate_document(simulated, log, str(path), writer.name, left_out=left_out)
+    show_written(document, [path] if truth is None else [path, truth], voice, json=general.json)
 
 
 def _find_scenario(name: str | None) -> "Scenario":

@@ -167,10 +167,13 @@ def make_series(
     """Collect one coefficient of one joint (by number) over the sessions that are compared."""
     rows = []
     for place_among, i in enumerate(compared):
-        summary = next((each for each in sessions[i].joints if each.joint == joint), None)
+        session = sessions[i]
+        summary = next((each for each in session.joints if each.joint == joint), None)
         found = summary.coefficients.get(coefficient, UNDETERMINED) if summary is not None else UNDETERMINED
         if summary is not None and np.isfinite(found.value):
-            rows.append((i, place_among, *_numbers(sessions[i], summary, found)))
+            warmth = session.temperature_c if summary.temperature_c is None else summary.temperature_c
+            own = found.value, (found.high - found.low) / (2 * NORMAL_95)
+            rows.append((i, place_among, session.start_s, *own, warmth, summary.speed_rad_s[1]))
     index, place, start, value, error, temperature, speed = np.array(rows, dtype=float).reshape(-1, 7).T
     # Estimates without an interval take the largest error of the others; a relative error of 1e-9 keeps it off 0.
     error = np.where(np.isfinite(error), error, np.max(error[np.isfinite(error)], initial=0.0))
@@ -189,10 +192,3 @@ def make_series(
         logarithmic=bool(positive and np.median(error / value) <= LARGEST_RELATIVE_ERROR),
         kept=np.ones(len(value), dtype=np.bool_),
     )
-
-
-def _numbers(session: Session, summary: JointSummary, found: Coefficient) -> tuple[float, ...]:
-    start = np.nan if session.start_s is None else session.start_s
-    temperature = session.temperature_c if summary.temperature_c is None else summary.temperature_c
-    error = (found.high - found.low) / (2 * NORMAL_95)
-    return start, found.value, error, np.nan if temperature is None else temperature, summary.speed_rad_s[1]
