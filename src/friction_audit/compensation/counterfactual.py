@@ -10,17 +10,17 @@ from friction_audit.compensation.closed_loop import (
     CYCLE,
     SAMPLES,
     SUMS,
+    TALLY,
     Control,
     Drive,
     Joint,
     Recorded,
     add_torque,
-    fresh_tally,
     run_closed_loop,
     run_same_motion,
 )
 from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
-from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, no_feed, past_refusal, refusal, straighten
+from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refusal, straighten
 from friction_audit.compensation.operator_fit import (
     LEAST_INERTIA_KG_M2,
     FittedOperator,
@@ -73,9 +73,11 @@ class Run:
     def __init__(self, compensator: Compensator | None, step_s: float, peak_power_w: float) -> None:
         """Take what runs, the step of the clock, and the largest power of the total torque in the recording."""
         guard = guard_of(compensator)
-        self._compensator, self._settings, self._feed = compensator, pack([compensator], 1.0 / step_s)[0], no_feed()
+        self._compensator, self._settings = compensator, pack([compensator], 1.0 / step_s)[0]
+        self._feed = feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
         self._memory, self._rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
-        self.tally, self.felt = fresh_tally()[0], np.zeros(1, SUMS)[0]
+        self.tally, self.felt = np.zeros(1, TALLY)[0], np.zeros(1, SUMS)[0]
+        self.tally["activation_s"] = nan
         self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0))
         self.diverged_s = nan
 
@@ -151,12 +153,11 @@ def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str
     """Return the joint of a model file, or why it cannot be simulated."""
     if model is None:
         return NO_MODEL
-    unable = refusal(model.terms)
-    if unable:
+    if unable := refusal(model.terms):
         return unable
     tables, past = _tables(model, motion)
     if past:
-        return past_refusal(past)
+        return refusal((), past)
     inertia_kg_m2 = tables.inertia_kg_m2
     if not inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         return (

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.cautions import cautions_of, log_cautions, seems_compensated, square_in_cycles
-from friction_audit.compensation.closed_loop import SUMS, add_torque
+from friction_audit.compensation.closed_loop import CYCLE, SUMS, add_torque
 from friction_audit.compensation.compensators import (
     Coefficients,
     Compensator,
@@ -25,9 +25,9 @@ from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error, read_history
+from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error
 from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack
-from friction_audit.compensation.result import JointReplay, Replay, Signals, missing_estimate
+from friction_audit.compensation.result import JointReplay, Replay, ReplayHistory, Signals, missing_estimate
 from friction_audit.compensation.settings import (
     FEED_BACK,
     MODEL,
@@ -170,7 +170,9 @@ class _JointRun:
         joint = self._joint
         if joint.reason:
             return joint
-        run, history = self._run, read_history(self._run.rows)
+        run, rows = self._run, self._run.rows
+        columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
+        history = ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
         reason = missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
         if run.felt["samples"] <= 1:
             reason = "the compensated loop diverges within a sample; lower its gain"
