@@ -66,7 +66,7 @@ def replay(
         parts: The same, in parts that follow each other.
         cycles: Its energy cycles, whose thresholds are the compensator's.
         friction: What the log says about friction.
-        settings: Assumption, compensator, limits. Only with some is more than one part allowed: ``needs_whole``.
+        settings: Assumption, compensator, limits; where they say ``needs_whole``, there is one part.
         joints: Numbers of the joints to replay, or None for all.
         hand_speed: Speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,);
             it then ends the cycles of all joints, and there is one part. None where each joint ends its own. [m/s]
@@ -259,17 +259,10 @@ def run(
     *,
     cuts: NDArray[np.bool_] | None = None,
 ) -> np.ndarray[tuple[int], np.dtype[np.void]]:
-    """Run the compensator of one joint in open loop.
+    """Run the compensator of one joint in open loop, on n samples, two at least.
 
-    Args:
-        compensator: What runs.
-        t: Time, shape (n,), n at least 2. [s]
-        dq: Velocity as measured. [rad/s]
-        interaction_nm: Interaction torque F_m. [N m]
-        cuts: True where a cycle ends; None to find the cycles from ``dq``.
-
-    Returns:
-        Records of ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
+    ``cuts`` is True where a cycle ends, or None to find the cycles from the velocity. Returns records of
+    ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
     """
     rate = (len(t) - 1) / (t[-1] - t[0])
     settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)

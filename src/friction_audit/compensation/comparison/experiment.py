@@ -39,13 +39,7 @@ HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 def compare(
     scene: Scene, seeds: int, methods: Sequence[Method] = METHODS, progress: Progress | None = None
 ) -> Comparison:
-    """Try all methods on the same operator, arm, noise and seeds.
-
-    Args:
-        scene: Who moves what.
-        seeds: Number of persons that are reported; their seeds are 0, 1, 2 and so on.
-        methods: The methods.
-        progress: Called with the share that is done, 0 to 1.
+    """Try methods on the same operator, arm, noise and persons, whose seeds are 0, 1, 2 and so on.
 
     Raises:
         AnalysisError: If the trials are too short.
@@ -156,9 +150,8 @@ class _Experiment:
 
     def _tunings(self, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
         """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
-        chosen: list[tuple[Tuning, str, int | None]] = [(method.paper, PAPER, None)]
-        if method.full is not None:
-            chosen.append((method.full, FULL, None))
+        named = ((method.paper, PAPER), (method.full, FULL))
+        chosen: list[tuple[Tuning, str, int | None]] = [(one, role, None) for one, role in named if one is not None]
         points = [point for curve in curves if curve.method == method.name for point in curve.points]
         if points:
             best = choose_best(points)
@@ -166,8 +159,8 @@ class _Experiment:
         yield from chosen
         if self.scene.plan.with_others:
             # A further tuning that is the best one has its row already.
-            named = {tuning.name for tuning, *_ in chosen}
-            yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in named)
+            names = {tuning.name for tuning, *_ in chosen}
+            yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
 
     def _margins(self, tunings: Sequence[Tuning]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
