@@ -16,6 +16,7 @@ from friction_audit.compensation.comparison.trial import find_reference, measure
 from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
 from friction_audit.compensation.compensators.energy import PUBLISHED, RIDGE
 from friction_audit.compensation.compensators.law import payback_s
+from friction_audit.parallel import own_process
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_by, peak_nm
 from friction_audit.reproduce.reproduction import make_course
 from friction_audit.simulation import PANDA_SENSORS, JointParameters, Operator
@@ -131,6 +132,7 @@ if __name__ == "__main__":
     parser.add_argument("tables", nargs="*", metavar="TABLE", help=f"of {sorted(TABLES)}; default: all")
     parser.add_argument("--persons", type=int, default=100)
     given = parser.parse_args()
-    for name in given.tables or TABLES:
-        for line in TABLES[name](given.persons):
-            print(line, flush=True)
+    with own_process():
+        for name in given.tables or TABLES:
+            for line in TABLES[name](given.persons):
+                print(line, flush=True)

@@ -13,7 +13,7 @@ from matplotlib.patches import Rectangle
 from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.experiment import choose_best, find_margin
-from friction_audit.compensation.comparison.methods import BEST, Joint, Method, Scene, Tuning
+from friction_audit.compensation.comparison.methods import BEST, Method, Scene, Tuning
 from friction_audit.compensation.comparison.result import Curve, Point, mean_interval, median_interval
 from friction_audit.compensation.comparison.trial import (
     Reference,
@@ -62,23 +62,22 @@ def compared() -> Comparison:
 # Means, medians and their intervals.
 
 
-def test_by_hand() -> None:
-    # Student's t with 3 degrees of freedom: 3.182; standard deviation 1.291, over the root of 4.
-    value, low, high = mean_interval([1.0, 2.0, 3.0, 4.0])
-    assert value == 2.5
-    assert high - value == pytest.approx(3.182446 * np.std([1, 2, 3, 4], ddof=1) / 2, rel=1e-6)
-    assert value - low == pytest.approx(high - value)
+# Student's t with 3 degrees of freedom: 3.182; standard deviation 1.291, over the root of 4.
+HALF = 3.182446 * np.std([1, 2, 3, 4], ddof=1) / 2
 
 
-def test_what_is_not_known_does_not_count() -> None:
-    assert mean_interval([1.0, nan, 1.0]) == (1.0, 1.0, 1.0)
-
-
-@pytest.mark.parametrize(("values", "mean"), [([], nan), ([nan], nan), ([2.0], 2.0)])
-def test_too_few_have_no_interval(values: list[float], mean: float) -> None:
-    interval = mean_interval(values)
-    assert interval.value == pytest.approx(mean, nan_ok=True)
-    assert np.isnan([interval.low, interval.high]).all()
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ([1.0, 2.0, 3.0, 4.0], (2.5, 2.5 - HALF, 2.5 + HALF)),
+        ([1.0, nan, 1.0], (1.0, 1.0, 1.0)),
+        ([], (nan, nan, nan)),
+        ([nan], (nan, nan, nan)),
+        ([2.0], (2.0, nan, nan)),
+    ],
+)
+def test_means_by_hand(values: list[float], expected: tuple[float, float, float]) -> None:
+    assert mean_interval(values) == pytest.approx(expected, rel=1e-6, nan_ok=True)
 
 
 @pytest.mark.parametrize(
@@ -149,16 +148,11 @@ def test_sweeps_go_from_careful_to_bold(method: Method) -> None:
 
 
 def test_joints_have_the_limits_of_a_panda() -> None:
-    limits = [joint.guard.max_torque_nm for joint in SCENES[1].joints]
-    assert limits == [87.0] * 4 + [12.0] * 3
-    compensator = next(one for one in METHODS if one.name == "torque_regulation").sweeps[0].at(1.0).make(joint_six())
-    assert isinstance(compensator, TorqueRegulation)
+    joints = SCENES[1].joints
+    assert [joint.guard.max_torque_nm for joint in joints] == [87.0] * 4 + [12.0] * 3
+    compensator = next(one for one in METHODS if one.name == "torque_regulation").sweeps[0].at(1.0).make(joints[5])
     assert compensator.guard.max_torque_nm == 12.0
     assert compensator.torque_gain == pytest.approx(1.0)
-
-
-def joint_six() -> Joint:
-    return SCENES[1].joints[5]
 
 
 # Measures of a trial, by hand where a hand can.
@@ -264,11 +258,8 @@ def point(slopes_w: Sequence[float], losses: int) -> Point:
         replace(some, stable=n >= losses, energy_slope_w=slope, lost_s=3.0 if n < losses else inf)
         for n, slope in enumerate(slopes_w)
     )
-    return Point(value=slopes_w[0], tuning=Tuning(name=f"{slopes_w}", meaning="", make=idle), outcomes=outcomes)
-
-
-def idle(joint: Joint) -> Compensator:  # noqa: ARG001 - what every tuning takes
-    return FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+    tuning = Tuning(name=f"{slopes_w}", meaning="", make=lambda _: IDLE)
+    return Point(value=slopes_w[0], tuning=tuning, outcomes=outcomes)
 
 
 @pytest.mark.parametrize(

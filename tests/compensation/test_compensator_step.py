@@ -190,15 +190,11 @@ def test_a_limit_of_the_rate_does_not_wind_up() -> None:
         ({"factor": -1.0}, "factor -1: expected zero or more"),
         ({"max_torque_nm": 0.0}, "max_torque_nm 0: expected a number above zero"),
         ({"minimum_speed_rad_s": float("nan")}, "minimum_speed_rad_s nan"),
+        ({"dead_band_rad_s": -1.0}, "dead_band_rad_s -1"),
     ],
 )
 def test_settings_out_of_range_are_refused(wrong: dict[str, float], message: str) -> None:
     with pytest.raises(UsageError, match=message):
         EnergyCompensator(**wrong)  # type: ignore[arg-type]
-
-
-def test_a_fixed_dead_band_and_a_rate_out_of_range_are_refused() -> None:
-    with pytest.raises(UsageError, match="dead_band_rad_s -1"):
-        FixedCompensation(coulomb_nm=0.1, viscous_nms_per_rad=0.1, dead_band_rad_s=-1.0)
     with pytest.raises(UsageError, match="rate 0 Hz"):
         pack([None], 0.0)

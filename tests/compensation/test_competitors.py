@@ -1,5 +1,6 @@
 """The compensators other than the paper's: each by hand, in the hand of the same person, and where they run away."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf, pi, sqrt
 from typing import Any
@@ -117,11 +118,6 @@ def test_before_it_slides_it_is_a_spring_that_holds() -> None:
     assert_allclose(torque[-499:], 300 * memory["bristle_rad"], rtol=1e-12)
 
 
-def test_it_does_not_stick_less_than_it_slides() -> None:
-    with pytest.raises(UsageError, match="breakaway_nm"):
-        LugreCompensation(coulomb_nm=0.3, breakaway_nm=0.2, viscous_nms_per_rad=0.0)
-
-
 # The published static friction of the Panda.
 
 FORWARD = (0.25, 0.39, 0.39, 0.58, 0.37, 0.18, 0.28)
@@ -153,13 +149,6 @@ def test_a_step_is_fitted_by_a_steep_sigmoid(coulomb: float, share: float) -> No
     assert backward == pytest.approx(coulomb - offset, rel=0.02, abs=0.02 * coulomb)
 
 
-def test_what_cannot_be_fitted_is_refused() -> None:
-    with pytest.raises(UsageError, match="friction above zero"):
-        fit_sigmoid(0.0, 0.0)
-    with pytest.raises(UsageError, match="offset"):
-        fit_sigmoid(0.3, 0.0, offset_nm=1.0)
-
-
 # Torque feedback: what it makes of friction and inertia, and where it runs away.
 
 HALVED = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=INERTIA / 2)
@@ -178,14 +167,13 @@ def test_the_filter_is_a_first_order_low_pass() -> None:
     assert_allclose(torque, -np.expm1(-2 * np.pi * 20.0 * np.arange(51) * TICK_S), atol=1e-12)
 
 
-@pytest.mark.parametrize("desired", [0.24, 0.15, 0.12, 0.6])
+@pytest.mark.parametrize("desired", [0.24, 0.12, 0.6])
 def test_friction_shrinks_like_the_inertia(desired: float) -> None:
     shaped = guided(replace(HALVED, desired_inertia_kg_m2=desired))
     assert work_j(shaped) / work_j(guided(None)) == pytest.approx(desired / INERTIA, rel=0.02)
 
 
-@pytest.mark.parametrize("cutoff_hz", [inf, 100.0, 30.0])
-@pytest.mark.parametrize(("inertia", "hand"), [(0.3, 0.3), (0.2, 0.6)])
+@pytest.mark.parametrize(("inertia", "hand", "cutoff_hz"), [(0.3, 0.3, inf), (0.3, 0.3, 100.0), (0.2, 0.6, 30.0)])
 def test_the_loop_runs_away_just_below_the_limit(inertia: float, hand: float, cutoff_hz: float) -> None:
     settings = TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=inertia, cutoff_hz=cutoff_hz)
     limit = regulation_limit(settings, inertia, hand)
@@ -263,10 +251,20 @@ def test_the_loop_runs_away_just_beyond_the_limit(hand: float) -> None:
     assert runs_away(above)
 
 
-@pytest.mark.parametrize("gain", [0.0, 1.1])
-def test_more_than_all_is_not_compensated(gain: float) -> None:
-    with pytest.raises(UsageError, match="compensation_gain"):
-        replace(PUBLISHED_OBSERVER, compensation_gain=gain)
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: replace(PUBLISHED_OBSERVER, compensation_gain=0.0), "compensation_gain"),
+        (lambda: replace(PUBLISHED_OBSERVER, compensation_gain=1.1), "compensation_gain"),
+        (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm"),
+        (lambda: replace(ORACLE, dead_band_rad_s=-1.0), "dead_band_rad_s -1"),
+        (lambda: fit_sigmoid(0.0, 0.0), "friction above zero"),
+        (lambda: fit_sigmoid(0.3, 0.0, offset_nm=1.0), "offset"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(made: Callable[[], object], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        made()
 
 
 # Torque feedback in a joint whose gear twists: the limit from eigenvalues, against the simulator.
@@ -295,14 +293,12 @@ def rings(regulation: TorqueRegulation, compliance: float, damping_ratio: float)
     return bool(np.abs(simulate_bench(settings, 0).truth.motion.compensation_nm).max() > 30.0)
 
 
-@pytest.mark.parametrize("cutoff_hz", [inf, 100.0, 30.0])
-@pytest.mark.parametrize(("compliance", "damping_ratio"), [(1e-4, 0.03), (2e-4, 0.03), (1e-5, 0.03)])
-def test_the_loop_rings_just_below_the_limit(compliance: float, damping_ratio: float, cutoff_hz: float) -> None:
+@pytest.mark.parametrize(("compliance", "cutoff_hz"), [(1e-4, inf), (1e-4, 30.0), (2e-4, 100.0), (1e-5, 100.0)])
+def test_the_loop_rings_just_below_the_limit(compliance: float, cutoff_hz: float) -> None:
     settings = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=INERTIA, cutoff_hz=cutoff_hz)
-    damping = 2.0 * damping_ratio * sqrt(REDUCED / compliance)
-    limit = regulation_limit(settings, INERTIA, HAND, 1.0 / compliance, damping)
-    assert not rings(replace(settings, desired_inertia_kg_m2=1.05 * limit), compliance, damping_ratio)
-    assert rings(replace(settings, desired_inertia_kg_m2=0.95 * limit), compliance, damping_ratio)
+    limit = regulation_limit(settings, INERTIA, HAND, 1.0 / compliance, 0.06 * sqrt(REDUCED / compliance))
+    assert not rings(replace(settings, desired_inertia_kg_m2=1.05 * limit), compliance, 0.03)
+    assert rings(replace(settings, desired_inertia_kg_m2=0.95 * limit), compliance, 0.03)
 
 
 # Viscous friction over-compensated in a joint whose gear twists: the passivity controller must not drive the mode.
@@ -334,7 +330,7 @@ def vibration(hz: float, compensator: EnergyCompensator, seed: int = 0, duration
     return float(sqrt((vibration_nm(motion.interaction_nm)[2000:] ** 2).mean()))
 
 
-@pytest.mark.parametrize("hz", [10.0, 18.0, 33.0, 71.0])
+@pytest.mark.parametrize("hz", [10.0, 33.0, 71.0])
 def test_over_compensation_does_not_make_the_joint_ring(hz: float) -> None:
     mode = 2.0 * pi * hz
     assert vibration(hz, replace(OVER, payback_s=payback_s(mode, DAMPING_RATIO))) < 0.2

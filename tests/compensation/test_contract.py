@@ -107,7 +107,7 @@ T: Float = np.arange(500.0) * 1e-3
 DQ: Float = np.sin(T)
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf, 1.1 * SPEED_BOUND_RAD_S])
+@pytest.mark.parametrize("bad", [np.nan, -np.inf, 1.1 * SPEED_BOUND_RAD_S])
 def test_a_speed_that_is_none_silences_for_good(bad: float) -> None:
     dq = DQ.copy()
     dq[200] = bad

@@ -14,6 +14,7 @@ from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.reporting.replay import replay_document
 from tests.friction.test_blocks import in_blocks, recorded
+from tests.pinned.test_pinned import same
 
 BY_HAND = AuditSettings(torque=TorqueSettings(torque="interaction", drive="hand"))
 SETTINGS = {
@@ -57,12 +58,7 @@ def test_block_borders_change_nothing(name: str, seed: int, sizes: list[int], co
         log = replace(log, tau_compensation=np.asfortranarray(0.1 * np.tanh(log.dq / 0.05)))
     borders = [border for border in np.cumsum(sizes).tolist() if border < len(log.t)]
     part, whole = replayed(in_blocks(log, borders), name), replayed(log, name)
-    found, expected = numbers(part), numbers(whole)
-    assert [one for one in found if not isinstance(one, float)] == [
-        one for one in expected if not isinstance(one, float)
-    ]
-    own, other = ([one for one in some if isinstance(one, float)] for some in (found, expected))
-    np.testing.assert_allclose(own, other, rtol=1e-9, atol=1e-11)
+    assert same(numbers(part), numbers(whole), 1e-9)
     assert all(joint.replayed is None or len(joint.replayed.t) == 0 for joint in part.replay.joints)
 
 

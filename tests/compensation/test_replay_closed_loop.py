@@ -1,5 +1,6 @@
 """Replay with the recorded torque or the same operator: the fitted joint moves otherwise than recorded."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -117,16 +118,20 @@ def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
     assert "inertia is not determined" in joint.reason
 
 
-def test_contradictions_are_refused() -> None:
-    with pytest.raises(UsageError, match="--assume wrong"):
-        ReplaySettings(assume="wrong")
-    with pytest.raises(UsageError, match="--operator"):
-        ReplaySettings(operator=TRUE_HAND)
-    with pytest.raises(UsageError, match="same-motion holds fixed"):
-        ReplaySettings(competitor=Competitor(name="disturbance_observer"))
-    with pytest.raises(UsageError, match="same-motion holds fixed"):
-        ReplaySettings(compensator=TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2))
-    with pytest.raises(UsageError, match="--compensator magic"):
-        Competitor(name="magic")
-    with pytest.raises(UsageError, match="--operator -1,9,60"):
-        OperatorImpedance(inertia_kg_m2=-1.0, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)
+REGULATION = TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2)
+
+
+@pytest.mark.parametrize(
+    ("made", "message"),
+    [
+        (lambda: ReplaySettings(assume="wrong"), "--assume wrong"),
+        (lambda: ReplaySettings(operator=TRUE_HAND), "--operator"),
+        (lambda: ReplaySettings(competitor=Competitor(name="disturbance_observer")), "same-motion holds fixed"),
+        (lambda: ReplaySettings(compensator=REGULATION), "same-motion holds fixed"),
+        (lambda: Competitor(name="magic"), "--compensator magic"),
+        (lambda: replace(TRUE_HAND, inertia_kg_m2=-1.0), "--operator -1,9,60"),
+    ],
+)
+def test_contradictions_are_refused(made: Callable[[], object], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        made()

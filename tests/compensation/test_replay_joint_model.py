@@ -115,18 +115,7 @@ def test_a_file_with_the_fitted_numbers_gives_the_very_same_replay(assume: str) 
     assert_same(given, fitted, 1e-9)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        "stribeck",
-        "presliding",
-        "cable_spring",
-        *(
-            pytest.param(name, marks=pytest.mark.thorough)
-            for name in ("position_dependent_friction", "torque_ripple", "torque_bias")
-        ),
-    ],
-)
+@pytest.mark.parametrize("name", ["stribeck", "presliding", "cable_spring"])
 def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
     """Without a compensator the true model gives the recording again; the simple one fitted to it does not."""
     joint = run(log_of(with_term(name)), "same-operator", with_term(name), applied=True)
@@ -202,11 +191,7 @@ def test_a_joint_without_friction_to_apply_says_why(model: JointModel | None, me
     assert message in run(log_of(SIMPLE), "same-motion", model, applied=True).reason
 
 
-def test_contradictions_are_refused() -> None:
-    with pytest.raises(UsageError, match="give it by --joint-model"):
-        ReplaySettings(competitor=Competitor(name="model"))
-    with pytest.raises(UsageError, match="not used with --assume same-motion"):
-        ReplaySettings(joint_model=file_of(SIMPLE))
+def test_models_that_do_not_fit_are_refused() -> None:
     with pytest.raises(UsageError, match="1 joints, and the log has a joint 2"):
         file_of(SIMPLE).joint(2)
     with pytest.raises(UsageError, match="no term of friction"):

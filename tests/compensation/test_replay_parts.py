@@ -1,35 +1,20 @@
 """Parts of a replay by hand: steps of friction, convergence, cycles of the hand, sums, limits."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
 from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.hand_cycles import hand_cuts
 from friction_audit.compensation.measures import dissipation_removed, find_step, first_right, rms_nm
-from friction_audit.compensation.records import ESTIMATED
 from friction_audit.compensation.result import ReplayHistory, Signals
 from friction_audit.joint_log import Float
 
 
-def history(friction: list[float], left: list[float], status: list[int] | None = None) -> ReplayHistory:
-    m = len(friction)
-    edges = np.arange(m + 1)
-    nothing = np.zeros(m)
-    return ReplayHistory(
-        stop=edges[1:],
-        start_s=edges[:-1].astype(np.float64),
-        stop_s=edges[1:].astype(np.float64),
-        friction_j=np.array(friction),
-        net_energy_j=np.array(left),
-        path_rad=np.ones(m),
-        square_speed_rad2_s=np.ones(m),
-        coulomb_applied_nm=nothing,
-        viscous_applied_nms_per_rad=nothing,
-        coulomb_estimated_nm=nothing,
-        viscous_estimated_nms_per_rad=nothing,
-        acted=nothing == 1.0,
-        status=np.array(status or [ESTIMATED] * m),
-    )
+def history(friction: list[float], left: list[float]) -> ReplayHistory:
+    nothing = dict.fromkeys((one.name for one in fields(ReplayHistory)), np.zeros(len(friction)))
+    return ReplayHistory(**nothing | {"friction_j": np.array(friction), "net_energy_j": np.array(left)})
 
 
 def test_what_is_given_out_counts_as_left_over() -> None:

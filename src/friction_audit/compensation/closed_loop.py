@@ -65,13 +65,6 @@ BEYOND_NOISE = 0.01  # share of the reserve that it must have given out as well:
 NEARLY = 1.0 - 1e-9
 
 
-def fresh_tally() -> np.ndarray[tuple[int], np.dtype[np.void]]:
-    """Return the tally of a replay that has not begun, one record of TALLY."""
-    tally = np.zeros(1, TALLY)
-    tally["activation_s"] = math.nan
-    return tally
-
-
 @compiled(inline=True)
 def count_energy(tally: Record, settings: Record, friction_j: float, net_j: float, moved: float, dt: float) -> None:
     """Add an interval between two ticks, in which friction and person gave energy, the joint moved, time passed.

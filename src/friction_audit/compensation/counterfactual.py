@@ -10,17 +10,17 @@ from friction_audit.compensation.closed_loop import (
     CYCLE,
     SAMPLES,
     SUMS,
+    TALLY,
     Control,
     Drive,
     Joint,
     Recorded,
     add_torque,
-    fresh_tally,
     run_closed_loop,
     run_same_motion,
 )
 from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
-from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, no_feed, past_refusal, refusal, straighten
+from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refusal, straighten
 from friction_audit.compensation.operator_fit import (
     LEAST_INERTIA_KG_M2,
     FittedOperator,
@@ -64,8 +64,7 @@ class Scene:
     motion: Motion | None = None  # the recording as a model reads it; None where no model does
     joint: MovedJoint | None = None  # the joint that moves otherwise, or None
     operator: FittedOperator | None = None  # the person's impedance, or None where the torque stays as recorded
-    lacking: Float | None = None  # torque that the joint's model lacks, shape (n,) [N m]
-    restart: NDArray[np.bool_] | None = None  # where the joint starts again from the recording, shape (n,)
+    loop: tuple[Joint, Drive] | None = None  # that joint in the person's hand, and what drives it; or None
 
 
 class Run:
@@ -74,9 +73,11 @@ class Run:
     def __init__(self, compensator: Compensator | None, step_s: float, peak_power_w: float) -> None:
         """Take what runs, the step of the clock, and the largest power of the total torque in the recording."""
         guard = guard_of(compensator)
-        self._compensator, self._settings, self._feed = compensator, pack([compensator], 1.0 / step_s)[0], no_feed()
+        self._compensator, self._settings = compensator, pack([compensator], 1.0 / step_s)[0]
+        self._feed = feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
         self._memory, self._rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
-        self.tally, self.felt = fresh_tally()[0], np.zeros(1, SUMS)[0]
+        self.tally, self.felt = np.zeros(1, TALLY)[0], np.zeros(1, SUMS)[0]
+        self.tally["activation_s"] = nan
         self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0))
         self.diverged_s = nan
 
@@ -89,11 +90,11 @@ class Run:
             self._feed = feed_of(self._compensator.terms, motion)
         control = Control(self._settings, self._memory, self.tally, self._feed, scene.cuts, torques, rows)
         if isnan(self.diverged_s):
-            if scene.joint is None:
+            if scene.loop is None:
                 samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
             else:
                 dq = np.empty(len(recorded.t))
-                samples = run_closed_loop(control, *_joint_and_drive(scene), dq)
+                samples = run_closed_loop(control, *scene.loop, dq)
             if samples < len(recorded.t):
                 self.diverged_s = float(recorded.t[samples])
         self._rows.append(rows[: int(self.tally["cycles"])].copy())
@@ -152,12 +153,11 @@ def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str
     """Return the joint of a model file, or why it cannot be simulated."""
     if model is None:
         return NO_MODEL
-    unable = refusal(model.terms)
-    if unable:
+    if unable := refusal(model.terms):
         return unable
     tables, past = _tables(model, motion)
     if past:
-        return past_refusal(past)
+        return refusal((), past)
     inertia_kg_m2 = tables.inertia_kg_m2
     if not inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         return (
@@ -210,9 +210,8 @@ def make_scene(
         piece = slice(start, stop)
         if moving[piece].any():
             lacking[piece] = left[piece][moving[piece]].mean()
-    return Scene(
-        recorded=recorded, cuts=cuts, motion=motion, joint=joint, operator=operator, lacking=lacking, restart=restart
-    )
+    loop = _loop(recorded, motion, joint, operator, lacking, restart)
+    return Scene(recorded=recorded, cuts=cuts, motion=motion, joint=joint, operator=operator, loop=loop)
 
 
 def _operator(
@@ -231,28 +230,33 @@ def _operator(
     return fit_operator(recorded, motion.q)
 
 
-def _joint_and_drive(scene: Scene) -> tuple[Joint, Drive]:
-    """Return the joint held by its operator, driven by the recorded torque or by what the person intended."""
-    recorded, motion, held, joint, restart = scene.recorded, scene.motion, scene.operator, scene.joint, scene.restart
-    assert motion is not None
-    assert joint is not None
-    assert restart is not None
-    assert scene.lacking is not None
+def _loop(
+    recorded: Recorded,
+    motion: Motion,
+    moved: MovedJoint,
+    held: FittedOperator | None,
+    lacking: Float,
+    restart: NDArray[np.bool_],
+) -> tuple[Joint, Drive]:
+    """Return the joint held by its operator, driven by the recorded torque or by what the person intended.
+
+    Its model lacks some torque, and it starts again from the recording at some samples, shape (n,) each.
+    """
     mass, damping, stiffness = 0.0, 0.0, 0.0
-    push = recorded.torque - scene.lacking
+    push = recorded.torque - lacking
     if held is not None:
         mass, damping, stiffness = held.inertia.value, held.damping.value, held.stiffness.value
         push += mass * motion.ddq + damping * recorded.dq + stiffness * motion.q
-    drive = Drive(recorded.t, push, scene.lacking, motion.q, recorded.dq, restart)
+    drive = Drive(recorded.t, push, lacking, motion.q, recorded.dq, restart)
     starts = np.append(0, np.flatnonzero(restart[1:]) + 1)
     step_s = median_step(recorded.t)
-    tables = joint.tables._replace(inertia_kg_m2=joint.tables.inertia_kg_m2 + mass)
+    tables = moved.tables._replace(inertia_kg_m2=moved.tables.inertia_kg_m2 + mass)
     tables = straighten(tables, damping_nms_per_rad=damping)
     return Joint(
         tables=tables,
         own_kg_m2=tables.inertia_kg_m2 - mass,
         longest_s=step_s / steps_per_sample(step_s, tables),
-        bent=np.ascontiguousarray(joint.tables.bristles.states_along(motion.q)[starts]),
+        bent=np.ascontiguousarray(moved.tables.bristles.states_along(motion.q)[starts]),
         inertia_kg_m2=mass,
         damping_nms_per_rad=damping,
         stiffness_nm_per_rad=stiffness,

@@ -73,11 +73,6 @@ def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
     return Feed(straighten(tables), np.zeros(1 + len(tables.bristles.reach)))
 
 
-def no_feed() -> Feed:
-    """Return the feed of a compensator that has no use for it."""
-    return feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
-
-
 @compiled()
 def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> None:
     """Give a compensator what friction takes at sample i; nothing later than that is read."""
@@ -94,8 +89,11 @@ def friction_terms(model: JointModel) -> tuple[FittedTerm, ...]:
     return tuple(term for term in model.terms if term.effect.friction or term.name in OF_FRICTION)
 
 
-def refusal(terms: Iterable[FittedTerm]) -> str:
-    """Say which of the terms cannot run in a compensator's loop, and why; empty if all can."""
+def refusal(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> str:
+    """Say which of the terms cannot run in a compensator's loop, and why; empty if all can.
+
+    ``past``: those whose torque does not follow from tables along the recording.
+    """
     reasons = []
     for term in terms:
         values = dict(zip((parameter.name for parameter in term.effect.parameters), term.values, strict=True))
@@ -106,14 +104,6 @@ def refusal(terms: Iterable[FittedTerm]) -> str:
             reason = "it needs the temperature, which a replay does not read"
         if reason:
             reasons.append(f"{term.name}: {reason}")
-    return _cannot_run(reasons)
-
-
-def past_refusal(terms: Iterable[Term]) -> str:
-    """Say that the torque of terms does not follow from tables; empty without terms."""
-    return _cannot_run([f"{term.name}: along this recording, {PAST}" for term in terms])
-
-
-def _cannot_run(reasons: Sequence[str]) -> str:
-    said = "; ".join(reasons)
-    return f"its model cannot run in a compensator's loop: {said}; take it out of the file" if said else ""
+    reasons += [f"{term.name}: along this recording, {PAST}" for term in past]
+    found = "; ".join(reasons)
+    return f"its model cannot run in a compensator's loop: {found}; take it out of the file" if found else ""

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.closed_loop import CYCLE, GIVEN_OUT, Recorded
+from friction_audit.compensation.closed_loop import GIVEN_OUT, Recorded
 from friction_audit.compensation.counterfactual import Run
 from friction_audit.compensation.records import ESTIMATED
 from friction_audit.compensation.result import Numbers, Passivity, Recovery, ReplayHistory, Signals
@@ -22,12 +22,6 @@ AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is
 TOO_ALIKE = 1e-6  # squared sine between the columns below which they are one
 
 
-def read_history(rows: Record) -> ReplayHistory:
-    """Return records of CYCLE, shape (m,), by their names."""
-    columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
-    return ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
-
-
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
     """Return the share of the dissipation that compensation removed from a cycle on (0-based), NaN without cycles.
 
@@ -39,12 +33,6 @@ def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
 def share_removed(without_j: float, with_j: float) -> float:
     """Return the share of an energy that is gone; what is given out counts as left. NaN of an energy not above zero."""
     return 1.0 - abs(with_j) / without_j if without_j > 0.0 else float("nan")
-
-
-def first_updated(history: ReplayHistory) -> int:
-    """Return the first cycle (0-based) that began with coefficients updated twice; their number if there is none."""
-    updates = np.flatnonzero(history.status == ESTIMATED)
-    return int(updates[UPDATES - 1]) + 1 if len(updates) >= UPDATES else len(history.status)
 
 
 def first_right(history: ReplayHistory, first: int = 0) -> int | None:
@@ -66,12 +54,14 @@ def rms_nm(sums: Record) -> float:
 def measure(recorded: Record, without: Record, run: Run, history: ReplayHistory) -> Numbers:
     """Return what a run comes to, with the sums of the torque as recorded and without a compensator."""
     felt, tally = run.felt, run.tally
+    updates = np.flatnonzero(history.status == ESTIMATED)[UPDATES - 1 :]
+    updated = int(updates[0]) + 1 if len(updates) else len(history.status)
     return Numbers(
         energy_recorded_j=float(recorded["work_j"]),
         energy_without_j=float(without["work_j"]),
         energy_with_j=float(felt["work_j"]),
         dissipation_removed=share_removed(float(without["work_j"]), float(felt["work_j"])),
-        dissipation_removed_updated=dissipation_removed(history, first_updated(history)),
+        dissipation_removed_updated=dissipation_removed(history, updated),
         peak_torque_without_nm=float(without["largest_nm"]),
         peak_torque_with_nm=float(felt["largest_nm"]),
         rms_torque_without_nm=rms_nm(without),

@@ -68,15 +68,7 @@ def given_operator(given: OperatorImpedance) -> FittedOperator:
 
 
 def fit_operator(recorded: Recorded, q: Float) -> FittedOperator | str:
-    """Fit the person's impedance at one joint.
-
-    Args:
-        recorded: The recording.
-        q: Position, shape (n,). [rad]
-
-    Returns:
-        The impedance, or why this log does not determine it.
-    """
+    """Fit the person's impedance at one joint, of position q, or return why the log does not determine it."""
     from scipy.signal import butter, sosfiltfilt
 
     step = median_step(recorded.t)

@@ -33,7 +33,7 @@ SETTINGS = np.dtype(
         *((name, "i8") for name in ("kind", "model", "window", "forced_from_cycle", "forced_until_acted", "passivity")),
         *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
-        *((name, "f8") for name in numbers_of(EnergyCompensator).names or ()),
+        *((name, "f8") for name in numbers_of(EnergyCompensator)),
         *((kind.name, kind.group) for kind in COMPENSATORS if kind.group is not None),
     ]
 )

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.cautions import cautions_of, log_cautions, seems_compensated, square_in_cycles
-from friction_audit.compensation.closed_loop import SUMS, add_torque
+from friction_audit.compensation.closed_loop import CYCLE, SUMS, add_torque
 from friction_audit.compensation.compensators import (
     Coefficients,
     Compensator,
@@ -25,9 +25,9 @@ from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error, read_history
+from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error
 from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack
-from friction_audit.compensation.result import JointReplay, Replay, Signals, missing_estimate
+from friction_audit.compensation.result import JointReplay, Replay, ReplayHistory, Signals, missing_estimate
 from friction_audit.compensation.settings import (
     FEED_BACK,
     MODEL,
@@ -66,7 +66,7 @@ def replay(
         parts: The same, in parts that follow each other.
         cycles: Its energy cycles, whose thresholds are the compensator's.
         friction: What the log says about friction.
-        settings: Assumption, compensator, limits. Only with some is more than one part allowed: ``needs_whole``.
+        settings: Assumption, compensator, limits; where they say ``needs_whole``, there is one part.
         joints: Numbers of the joints to replay, or None for all.
         hand_speed: Speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,);
             it then ends the cycles of all joints, and there is one part. None where each joint ends its own. [m/s]
@@ -170,7 +170,9 @@ class _JointRun:
         joint = self._joint
         if joint.reason:
             return joint
-        run, history = self._run, read_history(self._run.rows)
+        run, rows = self._run, self._run.rows
+        columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
+        history = ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
         reason = missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
         if run.felt["samples"] <= 1:
             reason = "the compensated loop diverges within a sample; lower its gain"
@@ -257,17 +259,10 @@ def run(
     *,
     cuts: NDArray[np.bool_] | None = None,
 ) -> np.ndarray[tuple[int], np.dtype[np.void]]:
-    """Run the compensator of one joint in open loop.
+    """Run the compensator of one joint in open loop, on n samples, two at least.
 
-    Args:
-        compensator: What runs.
-        t: Time, shape (n,), n at least 2. [s]
-        dq: Velocity as measured. [rad/s]
-        interaction_nm: Interaction torque F_m. [N m]
-        cuts: True where a cycle ends; None to find the cycles from ``dq``.
-
-    Returns:
-        Records of ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
+    ``cuts`` is True where a cycle ends, or None to find the cycles from the velocity. Returns records of
+    ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
     """
     rate = (len(t) - 1) / (t[-1] - t[0])
     settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)

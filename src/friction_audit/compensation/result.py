@@ -30,12 +30,6 @@ class Signals:
     limited_nm: Float  # what the limits of torque and rate change of their sum [N m]
 
     @property
-    def damping_nms_per_rad(self) -> Float:
-        """Damping of the passivity controller; 0 at rest. [N m s/rad]"""
-        moving = self.dq != 0.0
-        return np.where(moving, -self.passivity_nm / np.where(moving, self.dq, 1.0), 0.0)
-
-    @property
     def net_energy_j(self) -> Float:
         """Net energy that the person has put in so far (2), trapezoids on the real stamps, shape (n,). [J]"""
         power = 0.25 * (self.interaction_nm[1:] + self.interaction_nm[:-1]) * (self.dq[1:] + self.dq[:-1])

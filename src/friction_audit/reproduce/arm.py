@@ -20,7 +20,6 @@ from friction_audit.reproduce.reproduction import (
     Claim,
     Progress,
     Reproduction,
-    each,
     make_course,
     share,
     spread,
@@ -46,7 +45,7 @@ def _updated_at_once(arms: Sequence[Simulation]) -> Claim:
 
 
 def _arm_stops(arms: Sequence[Simulation]) -> Claim:
-    slopes = each(arms, lambda arm: float(slope_ratios(of_the_arm(arm))[0]))
+    slopes = np.array([slope_ratios(of_the_arm(arm))[0] for arm in arms])
     return Claim(
         figure="12b",
         claim="after two cycles the net energy of the arm stops rising",

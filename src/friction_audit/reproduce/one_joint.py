@@ -11,7 +11,6 @@ from friction_audit.reproduce.reproduction import (
     Claim,
     Reproduction,
     Simulations,
-    each,
     make_course,
     relative,
     share,
@@ -28,7 +27,7 @@ def check_8(simulations: Simulations) -> tuple[Claim, ...]:
     courses = [make_course(simulation) for simulation in simulations["fig8"]]
     rises = np.array([np.diff(course.ends_j, prepend=0.0).min() for course in courses])
     factors = np.array([course.ends_j[-1] / course.ends_j[1] for course in courses])
-    peaks = each(simulations["fig8"], lambda simulation: peak_nm(make_course(simulation)))
+    peaks = np.array([peak_nm(course) for course in courses])
     near = (peaks > PEAK_NM[0]) & (peaks < PEAK_NM[1])
     return (
         Claim(
@@ -52,10 +51,9 @@ def check_8(simulations: Simulations) -> tuple[Claim, ...]:
     )
 
 
-def peak_nm(course: Course, *, from_s: float = 0.0) -> float:
-    """Return the largest interaction torque from a time on, low-passed as it is drawn. [N m]"""
-    filtered = smooth(course.t, course.interaction_nm)
-    return float(np.abs(filtered[course.t >= from_s]).max())
+def peak_nm(course: Course) -> float:
+    """Return the largest interaction torque, low-passed as it is drawn. [N m]"""
+    return float(np.abs(smooth(course.t, course.interaction_nm)).max())
 
 
 FIGURE_8 = Reproduction(
@@ -170,11 +168,10 @@ SECOND = 1  # row of the second cycle
 
 def check_10(simulations: Simulations) -> tuple[Claim, ...]:
     """Check that the energy rises for two cycles and then stays, also with (20) as printed."""
-    courses = [make_course(simulation) for simulation in simulations["fig10"]]
+    all_courses = [[make_course(one) for one in simulations[name]] for name in FIGURE_10.scenarios]
+    courses = all_courses[0]
     rises = np.array([np.diff(course.ends_j[: SECOND + 1], prepend=0.0).min() for course in courses])
-    ridge = each(simulations["fig10"], lambda simulation: leaves_by(make_course(simulation)))
-    printed = each(simulations["fig10-published"], lambda simulation: leaves_by(make_course(simulation)))
-    slow = each(simulations["fig10-slow-noise"], lambda simulation: leaves_by(make_course(simulation)))
+    ridge, printed, slow = (np.array([leaves_by(course) for course in some]) for some in all_courses)
     last_s = np.median([course.ends_s[-1] - course.ends_s[SECOND] for course in courses])
     return (
         Claim(
@@ -206,8 +203,7 @@ def check_10(simulations: Simulations) -> tuple[Claim, ...]:
 
 def leaves_by(course: Course) -> float:
     """Return how far the energy at later ends of cycles is from that of the second, over that."""
-    second = course.ends_j[SECOND]
-    return float(np.abs(course.ends_j[SECOND + 1 :] / second - 1.0).max())
+    return float(np.abs(course.ends_j[SECOND + 1 :] / course.ends_j[SECOND] - 1.0).max())
 
 
 def _band(claim: str, leaves: Float, note: str, last_s: float, *, own: bool = False) -> Claim:

@@ -34,11 +34,6 @@ class Claim:
     own: bool = False  # whether it is an experiment of this project that the paper does not make
 
 
-def each(simulations: Sequence[Simulation], measure: Callable[[Simulation], float]) -> Float:
-    """Return one number per simulation, shape (seeds,)."""
-    return np.array([measure(simulation) for simulation in simulations])
-
-
 def spread(values: Float, unit: str, *, worst: Callable[[Float], float] = np.max) -> str:
     """Return median and worst in words; of one seed only that."""
     if len(values) == 1:

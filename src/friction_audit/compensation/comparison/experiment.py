@@ -1,13 +1,9 @@
 """The methods side by side: sweeps, the choice of tunings, trials and stability margins."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from math import ceil, inf, isinf, sqrt
-from multiprocessing import get_context
-from os import cpu_count
-from typing import Any, NamedTuple
+from typing import Any
 
 from friction_audit.compensation.comparison.methods import (
     BEST,
@@ -30,6 +26,7 @@ from friction_audit.compensation.comparison.trial import (
     make_course,
     measure,
 )
+from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.scenarios import simulate
 
 Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
@@ -39,52 +36,22 @@ LARGEST = 32.0  # factor of the gain up to which a stability margin is searched;
 HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 
 
-class _Trial(NamedTuple):
-    """Everything that a trial takes, without what only this process knows."""
-
-    settings: Any
-    seed: int
-    reference: Reference
-    drawn: bool = False
-
-
 def compare(
     scene: Scene, seeds: int, methods: Sequence[Method] = METHODS, progress: Progress | None = None
 ) -> Comparison:
-    """Try all methods on the same operator, arm, noise and seeds.
-
-    Args:
-        scene: Who moves what.
-        seeds: Number of persons that are reported; their seeds are 0, 1, 2 and so on.
-        methods: The methods.
-        progress: Called with the share that is done, 0 to 1.
+    """Try methods on the same operator, arm, noise and persons, whose seeds are 0, 1, 2 and so on.
 
     Raises:
         AnalysisError: If the trials are too short.
     """
-    with _pool(scene) as pool:
-        return _Experiment(scene, seeds, tuple(methods), pool, progress).run()
-
-
-@contextmanager
-def _pool(scene: Scene) -> Iterator[Executor]:
-    """Yield workers: threads where compiled loops give the interpreter away, else processes."""
-    workers = cpu_count() or 1
-    if scene.needs_processes:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as processes:
-            yield processes
-    else:
-        with ThreadPoolExecutor(workers, thread_name_prefix="trial") as threads:
-            yield threads
+    return _Experiment(scene, seeds, methods, progress).run()
 
 
 class _Experiment:
     """One comparison under way."""
 
-    def __init__(
-        self, scene: Scene, seeds: int, methods: tuple[Method, ...], pool: Executor, progress: Progress | None
-    ) -> None:
-        self.scene, self.methods, self.pool, self.progress, plan = scene, methods, pool, progress, scene.plan
+    def __init__(self, scene: Scene, seeds: int, methods: Sequence[Method], progress: Progress | None) -> None:
+        self.scene, self.methods, self.progress, plan = scene, methods, progress, scene.plan
         self.seeds = tuple(range(seeds))
         self.tuning_seeds = tuple(range(FIRST_TUNING_SEED, FIRST_TUNING_SEED + plan.tuning_seeds))
         self.margin_seeds = self.seeds[: plan.margin_seeds]
@@ -97,17 +64,25 @@ class _Experiment:
         others = sum(len(method.others) for method in methods) if plan.with_others else 0
         rows = sum(1 + bool(method.full) + bool(method.sweeps) for method in methods) + others - 1
         per_row = seeds + MARGIN_TRIALS * len(self.margin_seeds)
-        self._done, self._all = 0, seeds + (1 + values) * len(self.tuning_seeds) + rows * per_row
+        self._done, self._all = 1, seeds + (1 + values) * len(self.tuning_seeds) + rows * per_row
 
     def run(self) -> Comparison:
         """Sweep, choose, try."""
         seeds, idle = (*self.seeds, *self.tuning_seeds), self.scene.compensated(NO_COMPENSATION)
-        # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation.
-        self.idle = dict(zip(seeds, self._map(_refer, [(idle, seed) for seed in seeds]), strict=True))
+
+        def refer(place: int) -> tuple[Reference, Outcome, Course]:
+            simulation = simulate(idle, seeds[place])
+            reference = find_reference(simulation)
+            return reference, measure(simulation, reference), make_course(simulation, reference)
+
+        # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation. The
+        # first is made here: the loops that it compiles or loads are then those of all processes.
+        found = [refer(0), *self._map(lambda place: refer(place + 1), len(seeds) - 1)]
+        self.idle = dict(zip(seeds, found, strict=True))
         curves = self._sweep()
         chosen = [(method, *one) for method in self.methods for one in self._tunings(method, curves)]
         tunings = [tuning for _, tuning, *_ in chosen]
-        trials, margins = self._trials(tunings, self.seeds, drawn=True), self._margins(tunings)
+        trials, margins = self._trials(tunings, self.seeds), self._margins(tunings)
         rows = []
         for (method, tuning, role, losses), tried, own in zip(chosen, trials, margins, strict=True):
             course = tried[0][1]
@@ -134,10 +109,10 @@ class _Experiment:
             curves=curves,
         )
 
-    def _map(self, work: Callable[[Any], Any], jobs: Iterable[Any], trials: int = 1) -> list[Any]:
-        """Work jobs off, in their order, and report the progress; each takes about so many trials."""
+    def _map(self, work: Callable[[int], Any], jobs: int, trials: int = 1) -> list[Any]:
+        """Return the results of jobs (0-based) in their order, and report the progress; each takes so many trials."""
         results = []
-        for result in self.pool.map(work, list(jobs)):
+        for result in in_processes(work, jobs, workers_for(jobs)):
             results.append(result)
             self._done += trials
             if self.progress is not None:
@@ -157,22 +132,26 @@ class _Experiment:
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
         return tuple(curves)
 
-    def _trials(
-        self, tunings: Sequence[Tuning], seeds: Sequence[int], *, drawn: bool = False
-    ) -> list[list[tuple[Outcome, Course | None]]]:
-        """Return the outcome of every tuning and seed, and the course of the first seed if it is to be drawn."""
+    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[Outcome, Course | None]]]:
+        """Return the outcome of every tuning and seed, and the course of the first person who is reported."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
-        jobs = [_Trial(s, seed, self.idle[seed][0], drawn and seed == seeds[0]) for s in settings for seed in seeds]
-        done = iter(self._map(_work, jobs))
+        jobs = [(one, seed) for one in settings for seed in seeds]
+
+        def work(place: int) -> tuple[Outcome, Course | None]:
+            one, seed = jobs[place]
+            simulation, reference = simulate(one, seed), self.idle[seed][0]
+            course = make_course(simulation, reference) if seed == self.seeds[0] else None
+            return measure(simulation, reference), course
+
+        done = iter(self._map(work, len(jobs)))
         return [
             [self.idle[seed][1:] if tuning is NO_COMPENSATION else next(done) for seed in seeds] for tuning in tunings
         ]
 
     def _tunings(self, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
         """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
-        chosen: list[tuple[Tuning, str, int | None]] = [(method.paper, PAPER, None)]
-        if method.full is not None:
-            chosen.append((method.full, FULL, None))
+        named = ((method.paper, PAPER), (method.full, FULL))
+        chosen: list[tuple[Tuning, str, int | None]] = [(one, role, None) for one, role in named if one is not None]
         points = [point for curve in curves if curve.method == method.name for point in curve.points]
         if points:
             best = choose_best(points)
@@ -180,37 +159,28 @@ class _Experiment:
         yield from chosen
         if self.scene.plan.with_others:
             # A further tuning that is the best one has its row already.
-            named = {tuning.name for tuning, *_ in chosen}
-            yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in named)
+            names = {tuning.name for tuning, *_ in chosen}
+            yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
 
     def _margins(self, tunings: Sequence[Tuning]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
         seeds, settings = self.margin_seeds, self.scene.settings
         shorter = replace(settings, duration_s=self.scene.plan.margin_share * settings.duration_s)
         short = [replace(self.scene, settings=shorter).compensated(tuning) for tuning in tunings]
-        jobs = [_Trial(one, seed, self.idle[seed][0]) for one in short for seed in seeds]
-        margins = iter(self._map(_margin, jobs, MARGIN_TRIALS))
+        jobs = [(one, seed) for one in short for seed in seeds]
+
+        def work(place: int) -> float:
+            one, seed = jobs[place]
+
+            def holds(factor: float) -> bool:
+                compensator: Any = one.compensator
+                scaled = replace(one, compensator=compensator.scaled(factor))
+                return isinf(find_loss(simulate(scaled, seed), self.idle[seed][0]))
+
+            return find_margin(holds)
+
+        margins = iter(self._map(work, len(jobs), MARGIN_TRIALS))
         return [tuple(next(margins) for _ in seeds) for _ in tunings]
-
-
-def _refer(job: tuple[Any, int]) -> tuple[Reference, Outcome, Course]:
-    simulation = simulate(*job)
-    reference = find_reference(simulation)
-    return reference, measure(simulation, reference), make_course(simulation, reference)
-
-
-def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
-    simulation = simulate(trial.settings, trial.seed)
-    course = make_course(simulation, trial.reference) if trial.drawn else None
-    return measure(simulation, trial.reference), course
-
-
-def _margin(trial: _Trial) -> float:
-    def holds(factor: float) -> bool:
-        settings = replace(trial.settings, compensator=trial.settings.compensator.scaled(factor))
-        return isinf(find_loss(simulate(settings, trial.seed), trial.reference))
-
-    return find_margin(holds)
 
 
 def choose_best(points: Sequence[Point]) -> Point:

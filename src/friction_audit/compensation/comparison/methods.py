@@ -271,8 +271,6 @@ class Scene:
     title: str  # in words
     settings: BenchSettings | ArmSettings  # of the simulation, without compensator
     plan: Plan  # how much is tried
-    # whether a simulation keeps the interpreter busy, so that threads would wait for each other
-    needs_processes: bool = False
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -301,7 +299,6 @@ SCENES: tuple[Scene, ...] = (
         title="a Panda, its joints elastic, guided by a hand",
         settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=30.0),
         plan=Plan(tuning_seeds=5, most_values=5, sweeps=2, with_others=False, margin_seeds=6, margin_share=0.6),
-        needs_processes=True,
     ),
 )
 """The joint is that of the default."""

@@ -67,10 +67,7 @@ class Outcome:
 
 
 def find_reference(simulation: Simulation) -> Reference:
-    """Return what the trials of a seed are held against.
-
-    Args:
-        simulation: Of the seed, with a compensator that does nothing but count cycles.
+    """Return what the trials of a seed are held against, from one whose compensator does nothing but count cycles.
 
     Raises:
         AnalysisError: If there are too few cycles for a slope after the second.

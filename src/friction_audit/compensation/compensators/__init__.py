@@ -3,6 +3,8 @@
 from types import NoneType
 from typing import Any
 
+import numpy as np
+
 from friction_audit.compensation.compensators.energy import Coefficients, EnergyCompensator
 from friction_audit.compensation.compensators.feedback import DisturbanceObserver, TorqueRegulation
 from friction_audit.compensation.compensators.law import CompensatorKind, Guard, numbers_of
@@ -46,7 +48,7 @@ COMPENSATORS = tuple(
         summary=summary,
         settings=settings,
         code=code,
-        group=numbers_of(settings) if hasattr(settings, "guard") else None,
+        group=np.dtype([(one, "f8") for one in numbers_of(settings)]) if hasattr(settings, "guard") else None,
     )
     for code, (name, settings, summary) in enumerate(_KINDS)
 )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import Self
 
-from friction_audit.compensation.compensators.law import Guard, require_not_negative, require_positive, soft_sign
+from friction_audit.compensation.compensators.law import Guard, require, soft_sign
 from friction_audit.compiled import Record, compiled
 from friction_audit.errors import UsageError
 
@@ -72,8 +72,12 @@ class EnergyCompensator(Guard):
             )
         if self.forced_from_cycle < 1:
             raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
-        require_not_negative("compensator", self, "ridge", "factor", "dead_band_rad_s", "ramp_rad_s")
-        require_positive("compensator", self, "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
+        require(
+            "compensator",
+            self,
+            positive=("minimum_path_rad", "maximum_gap_s", "cutoff_hz"),
+            not_negative=("ridge", "factor", "dead_band_rad_s", "ramp_rad_s"),
+        )
         Guard.__post_init__(self)
 
     def scaled(self, factor: float) -> Self:

@@ -11,13 +11,7 @@ import math
 from dataclasses import dataclass, field, replace
 from typing import Self
 
-from friction_audit.compensation.compensators.law import (
-    Guard,
-    require_finite,
-    require_not_negative,
-    require_positive,
-    soft_sign,
-)
+from friction_audit.compensation.compensators.law import Guard, numbers_of, require, soft_sign
 from friction_audit.compiled import Record, compiled
 from friction_audit.errors import UsageError
 
@@ -39,9 +33,13 @@ class DisturbanceObserver:
     guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
-        require_finite("disturbance observer", self)
-        require_positive("disturbance observer", self, "observer_gain_per_s")
-        require_not_negative("disturbance observer", self, "inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s")
+        require(
+            "disturbance observer",
+            self,
+            finite=numbers_of(type(self)),
+            positive=("observer_gain_per_s",),
+            not_negative=("inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s"),
+        )
         if not 0 < self.compensation_gain <= 1:
             raise UsageError(
                 f"disturbance observer: compensation_gain {self.compensation_gain:g}: expected a share above 0, up to 1"
@@ -90,8 +88,8 @@ class TorqueRegulation:
     guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
-        require_positive("torque regulation", self)
-        require_finite("torque regulation", self, "inertia_kg_m2", "desired_inertia_kg_m2")
+        inertias = ("inertia_kg_m2", "desired_inertia_kg_m2")
+        require("torque regulation", self, finite=inertias, positive=numbers_of(type(self)))
 
     @property
     def torque_gain(self) -> float:

@@ -1,7 +1,7 @@
 """What the compensators share: ranges of their numbers, passivity controller and limits, the ramped sign function."""
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from math import inf, isfinite
 from typing import Any
@@ -12,25 +12,23 @@ from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 
 
-def require_not_negative(where: str, settings: object, *names: str) -> None:
-    """Raise UsageError unless every named number, or every one without names, is zero or more."""
-    _require(where, settings, names, lambda value: value >= 0, "expected zero or more")
-
-
-def require_positive(where: str, settings: object, *names: str) -> None:
-    """Raise UsageError unless every named number, or every one without names, is above zero."""
-    _require(where, settings, names, lambda value: value > 0, "expected a number above zero")
-
-
-def require_finite(where: str, settings: object, *names: str) -> None:
-    """Raise UsageError unless every named number, or every one without names, is finite."""
-    _require(where, settings, names, isfinite, "expected a finite number")
-
-
-def _require(where: str, settings: object, names: Iterable[str], holds: Callable[[float], bool], expected: str) -> None:
-    for name in names or numbers_of(type(settings)).names or ():
-        if not holds(getattr(settings, name)):
-            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: {expected}")
+def require(
+    where: str,
+    settings: object,
+    *,
+    finite: Iterable[str] = (),
+    positive: Iterable[str] = (),
+    not_negative: Iterable[str] = (),
+) -> None:
+    """Raise UsageError unless the named numbers are finite, above zero, zero or more."""
+    for names, holds, expected in (
+        (finite, isfinite, "a finite number"),
+        (positive, (0.0).__lt__, "a number above zero"),
+        (not_negative, (0.0).__le__, "zero or more"),
+    ):
+        for name in names:
+            if not holds(value := getattr(settings, name)):
+                raise UsageError(f"{where}: {name} {value:g}: expected {expected}")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -51,9 +49,8 @@ class Guard:
     max_torque_rate_nm_s: float = inf  # fastest change of it [N m/s]
 
     def __post_init__(self) -> None:
-        require_not_negative("compensator", self, "initial_energy_j", "payback_s")
-        require_positive("compensator", self, "minimum_speed_rad_s", "max_damping_nms_per_rad")
-        require_positive("compensator", self, "max_torque_nm", "max_torque_rate_nm_s")
+        limits = ("max_damping_nms_per_rad", "max_torque_nm", "max_torque_rate_nm_s", "minimum_speed_rad_s")
+        require("compensator", self, positive=limits, not_negative=("initial_energy_j", "payback_s"))
 
 
 def payback_s(mode_rad_s: float, damping_ratio: float) -> float:
@@ -80,9 +77,9 @@ class CompensatorKind:
     group: np.dtype[np.void] | None = None  # numbers that only its own law reads; None if it has none
 
 
-def numbers_of(settings: type[Any]) -> np.dtype[np.void]:
-    """Return a record type with the plain numbers of a settings dataclass, by their names."""
-    return np.dtype([(item.name, "f8") for item in fields(settings) if item.type is float])
+def numbers_of(settings: type[Any]) -> tuple[str, ...]:
+    """Return the names of the plain numbers of a settings dataclass."""
+    return tuple(item.name for item in fields(settings) if item.type is float)
 
 
 @compiled()

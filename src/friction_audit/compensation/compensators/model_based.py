@@ -15,13 +15,7 @@ from typing import Self
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import (
-    Guard,
-    require_finite,
-    require_not_negative,
-    require_positive,
-    soft_sign,
-)
+from friction_audit.compensation.compensators.law import Guard, numbers_of, require, soft_sign
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
@@ -36,8 +30,7 @@ class FixedCompensation:
     dead_band_rad_s: float = 0.02  # speed up to which it stays silent [rad/s]
 
     def __post_init__(self) -> None:
-        if not self.dead_band_rad_s >= 0:
-            raise UsageError(f"fixed compensation: dead_band_rad_s {self.dead_band_rad_s:g}: expected zero or more")
+        require("fixed compensation", self, not_negative=("dead_band_rad_s",))
 
     def scaled(self, factor: float) -> Self:
         """Return it with every torque times a factor."""
@@ -65,8 +58,8 @@ class SigmoidCompensation:
     guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
-        require_finite("sigmoid compensation", self, "height_nm", "steepness_s_per_rad", "shift_rad_s")
-        require_positive("sigmoid compensation", self, "height_nm", "steepness_s_per_rad")
+        sizes = ("height_nm", "steepness_s_per_rad")
+        require("sigmoid compensation", self, finite=numbers_of(type(self)), positive=sizes)
 
     @property
     def plateaus_nm(self) -> tuple[float, float]:
@@ -150,9 +143,13 @@ class LugreCompensation:
     guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
-        require_finite("LuGre compensation", self)
-        require_positive("LuGre compensation", self, "coulomb_nm", "stribeck_rad_s", "stiffness_nm_per_rad")
-        require_not_negative("LuGre compensation", self, "viscous_nms_per_rad", "damping_nms_per_rad")
+        require(
+            "LuGre compensation",
+            self,
+            finite=numbers_of(type(self)),
+            positive=("coulomb_nm", "stribeck_rad_s", "stiffness_nm_per_rad"),
+            not_negative=("viscous_nms_per_rad", "damping_nms_per_rad"),
+        )
         if self.breakaway_nm < self.coulomb_nm:
             raise UsageError(
                 f"LuGre compensation: breakaway_nm {self.breakaway_nm:g}: expected coulomb_nm {self.coulomb_nm:g} "
@@ -210,8 +207,8 @@ class JointModelCompensation:
     def __post_init__(self) -> None:
         if not self.terms:
             raise UsageError("compensation by a joint's model: no term of friction; expected one at least")
-        require_finite("compensation by a joint's model", self)
-        require_not_negative("compensation by a joint's model", self)
+        ranges = numbers_of(type(self))
+        require("compensation by a joint's model", self, finite=ranges, not_negative=ranges)
 
 
 @compiled(inline=True)
