@@ -72,11 +72,9 @@ def bristles(group: Any) -> Float:
 
 
 def stepped(group: Any) -> Float:
-    shares = [each(f"friction_step_{kind}_factor", MOTION.t, np.full(N, N * DT))(group) - 1.0 for kind in KINDS]
+    ratios = (np.full(N, ratio) for ratio in (1.0, group.viscous_ratio))
+    shares = [each("friction_step_factor", ratio, MOTION.t, np.full(N, N * DT))(group) - 1.0 for ratio in ratios]
     return JOINT.coulomb_nm * SIGN * shares[0] + JOINT.viscous_nms_per_rad * MOTION.dq * shares[1]
-
-
-KINDS = ("coulomb", "viscous")
 
 
 def crosstalk(group: Any) -> Float:
