@@ -19,7 +19,7 @@ RATE_HZ = 400.0
 COULOMB, VISCOUS, B = 0.3, 0.07, 0.3
 
 
-def invent(torque: Callable[[Motion], Float], value: float, **law: Any) -> Invented:
+def invent(torque: Callable[[Motion], Float], value: float, **law: Any) -> Any:
     return Invented(torque, value, Law(**law))
 
 
