@@ -35,7 +35,7 @@ def compiled(signature: str | None = None, *, any_order: bool = False, inline: b
     With a signature, importing the module compiles it (or loads it from the cache) instead of the first call. In an
     installation that is read-only, without a home for the cache, it is compiled anew in every process. Sums in
     any order are several times as fast, and differ in their rounding. What is inline becomes a part of the loops that
-    call it: without an entry of its own, it takes half the time to compile; for what is small or has one caller.
+    call it and is not compiled by itself; for what is small or is called at one place.
     """
     options = OPTIONS | {"fastmath": ANY_ORDER if any_order else False, "inline": "always" if inline else "never"}
 

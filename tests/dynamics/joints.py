@@ -9,7 +9,6 @@ import numpy as np
 from friction_audit.dynamics.motion import Forward, Motion, Others
 from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, tabulate
-from friction_audit.dynamics.transmission import FarSide, Transmission, added_torques
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
 
@@ -23,15 +22,11 @@ class Law:
     """A law of one coefficient, as the dynamics see it."""
 
     forward: Forward = "instant"
-    speed_only: bool = False
-    friction: bool = False
     coefficient: str = "invented_nm"
 
     @property
     def parameters(self) -> Sequence[Named]:
         return (Named(self.coefficient),)
-
-    coefficients = parameters
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,10 +50,6 @@ def joint_with(*terms: Any, inertia_kg_m2: float = 0.3) -> JointModel:
     """A joint with Coulomb and viscous friction and other terms."""
     simple = (FittedTerm("coulomb", (0.3,)), FittedTerm("viscous", (0.07,)))
     return JointModel(inertia_kg_m2=inertia_kg_m2, terms=(*simple, *terms))
-
-
-def bare_joint(*terms: Any, inertia_kg_m2: float = 0.3) -> JointModel:
-    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=terms)
 
 
 def recording_of(t: Float, q: Float, dq: Float) -> Motion:
@@ -123,9 +114,3 @@ def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: f
     place, speed = rows
     still = Motion(t=t, q=place, dq=speed, ddq=np.zeros(len(t)))
     return Moved(place, speed, np.where(speed != 0.0, (drive - model.torque(still)) / model.inertia_kg_m2, 0.0))
-
-
-def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
-    """Return what one transmission adds to the torque of a rigid joint."""
-    ((_, added),) = added_torques(motion, [far], [transmission])
-    return added

@@ -13,13 +13,13 @@ from friction_audit.dynamics.forward import simulate_along
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import Invented, Law, bare_joint, joint_with, make_recording, recording_of, simulate
+from tests.dynamics.joints import Invented, Law, joint_with, make_recording, recording_of, simulate
 
 RATE_HZ = 400.0
 COULOMB, VISCOUS, B = 0.3, 0.07, 0.3
 
 
-def invent(torque: Callable[[Motion], Float], value: float, **law: Any) -> Invented:
+def invent(torque: Callable[[Motion], Float], value: float, **law: Any) -> Any:
     return Invented(torque, value, Law(**law))
 
 
@@ -147,7 +147,7 @@ def test_a_term_with_a_past_is_iterated_to_what_scipy_finds() -> None:
         rtol=1e-9,
     ).y[0]
     seen = recording_of(t, np.cumsum(exact) / RATE_HZ, exact + 0.1 * np.sin(t))
-    found = simulate_along(bare_joint(term), seen, drive, whole(t))
+    found = simulate_along(JointModel(inertia_kg_m2=0.3, terms=(term,)), seen, drive, whole(t))
     assert found == pytest.approx(exact, abs=0.01)
 
 

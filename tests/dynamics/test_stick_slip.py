@@ -1,6 +1,7 @@
 """A joint with stick and slip against hand calculation and an independent integrator."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -11,11 +12,11 @@ from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import bare_joint, simulate, tables_of
+from tests.dynamics.joints import simulate, tables_of
 
 B, COULOMB, VISCOUS = 0.3, 0.4, 0.1
 MODEL = simple_model(inertia_kg_m2=B, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
-STRIBECK = bare_joint(*MODEL.terms, FittedTerm("stribeck", (0.2, 0.1, 1.0)), FittedTerm("offset", (0.02,)))
+STRIBECK = replace(MODEL, terms=(*MODEL.terms, FittedTerm("stribeck", (0.2, 0.1, 1.0)), FittedTerm("offset", (0.02,))))
 
 
 def clock(stop: float, step: float = 1e-3) -> Float:

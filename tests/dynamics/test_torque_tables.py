@@ -16,7 +16,7 @@ from tests.dynamics.joints import Invented, Law, make_recording
 # Bristles read off a term: by hand for a stop and for Dahl's exponential, and along the path of any motion.
 
 LEVEL, REACH = 0.3, 0.01
-BRISTLE = Law(forward="bristle", friction=True)
+BRISTLE = Law(forward="bristle")
 WAY = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
 
 
@@ -102,7 +102,7 @@ OF_PLACE = Invented(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
     [
         Invented(of_load_and_neighbours),
         OF_PLACE,
-        Invented(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq)), effect=Law(speed_only=True)),
+        Invented(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq))),
         FittedTerm("coulomb", (0.3,)),
         FittedTerm("viscous", (0.1,)),
         FittedTerm("offset", (0.1,)),

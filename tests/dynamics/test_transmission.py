@@ -14,6 +14,7 @@ from friction_audit.dynamics.transmission import (
     HIGHEST_HZ,
     FarSide,
     Transmission,
+    added_torques,
     all_transmitted,
     bend_of,
     far_side,
@@ -22,7 +23,6 @@ from friction_audit.dynamics.transmission import (
 )
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import added_torque
 
 STEP_S = 0.0025
 PLAIN = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
@@ -32,6 +32,12 @@ RUBBING = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 def transmitted(motion: Motion, far: FarSide, link: Transmission) -> Float:
     ((_, torque),) = all_transmitted(motion, [far], [link])
     return torque
+
+
+def added_torque(motion: Motion, far: FarSide, link: Transmission) -> Float:
+    """What one transmission adds to the torque of a rigid joint."""
+    ((_, added),) = added_torques(motion, [far], [link])
+    return added
 
 
 def sine(amplitude: float, hertz: float, duration_s: float = 20.0) -> Motion:

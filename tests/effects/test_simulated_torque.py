@@ -53,9 +53,11 @@ def law_of(function: str) -> Callable[..., Any]:
 
 
 def each(function: str, *signals: Float) -> Callable[[Any], Float]:
-    """A compiled law of the simulator, sample by sample."""
-    law = law_of(function)
-    return lambda group: np.array([law(pack([group])[0], *args) for args in zip(*signals, strict=True)])
+    """A law of the simulator, sample by sample; as Python, for to compile each by itself takes seconds."""
+    law: Callable[..., Any] = law_of(function).py_func  # type: ignore[attr-defined]
+    return lambda group: np.array(
+        [law(pack([group]).view(np.recarray)[0], *args) for args in zip(*signals, strict=True)]
+    )
 
 
 def whole(function: str, *args: Any) -> Callable[[Any], Float]:
@@ -72,11 +74,9 @@ def bristles(group: Any) -> Float:
 
 
 def stepped(group: Any) -> Float:
-    shares = [each(f"friction_step_{kind}_factor", MOTION.t, np.full(N, N * DT))(group) - 1.0 for kind in KINDS]
+    ratios = (np.full(N, ratio) for ratio in (1.0, group.viscous_ratio))
+    shares = [each("friction_step_factor", ratio, MOTION.t, np.full(N, N * DT))(group) - 1.0 for ratio in ratios]
     return JOINT.coulomb_nm * SIGN * shares[0] + JOINT.viscous_nms_per_rad * MOTION.dq * shares[1]
-
-
-KINDS = ("coulomb", "viscous")
 
 
 def crosstalk(group: Any) -> Float:

@@ -114,6 +114,12 @@ class AsymmetricCoulomb(HiddenEffect):
     )
 
 
+@compiled(inline=True)
+def asymmetric_coulomb_nm(group: Record, sign: float) -> float:
+    """Return what the Coulomb level gains in a direction, +1 or -1; passive up to the joint's own level. [N m]"""
+    return float(group.half_difference_nm * sign)
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class AsymmetricViscous(HiddenEffect):
     summary = "viscous friction differs between the directions"
@@ -122,6 +128,12 @@ class AsymmetricViscous(HiddenEffect):
     half_difference_nms_per_rad: float = strength(
         0.03, "half of the viscous coefficient forward less backward", like="viscous_half_difference_nms_per_rad"
     )
+
+
+@compiled(inline=True)
+def asymmetric_viscous_nm(group: Record, sign: float, speed: float) -> float:
+    """Return what friction gains at a speed in a direction; passive up to the joint's own coefficient. [N m]"""
+    return float(group.half_difference_nms_per_rad * sign * speed)
 
 
 LUGRE, DAHL, MAXWELL_SLIP = range(3)

@@ -53,9 +53,8 @@ def sliding_level(
         level += load_and_place.load_friction_nm(hidden.load_dependent_friction, state.port_nm, power)
     if hidden.nonlinear_viscous.torque_nm != 0.0:
         level += velocity.nonlinear_viscous_nm(hidden.nonlinear_viscous, seen)
-    # Passive while the joint's own coefficients are at least the half differences.
-    level += hidden.asymmetric_coulomb.half_difference_nm * sign
-    level += hidden.asymmetric_viscous.half_difference_nms_per_rad * sign * seen
+    level += velocity.asymmetric_coulomb_nm(hidden.asymmetric_coulomb, sign)
+    level += velocity.asymmetric_viscous_nm(hidden.asymmetric_viscous, sign, seen)
     if lagging:
         return max(0.0, float(level + viscous_now(joint, state, t, duration) * seen))
     if level < 0.0:

@@ -80,8 +80,6 @@ def angular_velocity(rotation: Float, derivative: Float) -> Float:
 
 def _follow(strokes: Float, t: Float) -> tuple[Float, Float]:
     """Return pose and its derivative at the times t, shape (n, 6) each. [m, rad; m/s, rad/s]"""
-    if not len(strokes):
-        return np.zeros((len(t), 6)), np.zeros((len(t), 6))
     current = strokes[latest(strokes[:, 0], t)]
     start, lasts, origin, change = current[:, :1], current[:, 1:2], current[:, 2:8], current[:, 8:]
     x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
@@ -89,8 +87,8 @@ def _follow(strokes: Float, t: Float) -> tuple[Float, Float]:
 
 
 def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generator) -> Float:
-    """Draw strokes, shape (m, 14): start [s], duration [s], origin (6) and change (6) of the pose [m, rad]."""
-    rows: list[Float] = []
+    """Draw a rest and strokes, shape (m, 14): start [s], duration [s], origin and change of the pose [m, rad]."""
+    rows = [np.array([0.0, REST_S, *np.zeros(12)])]
     start, pose = REST_S, np.zeros(6)
     while True:
         lasts, change = _draw_stroke(settings, pose, rng)
@@ -99,7 +97,7 @@ def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generato
         rows.append(np.concatenate(([start, lasts], pose, change)))
         start += lasts + rng.uniform(*settings.pause_s)
         pose = pose + change
-    return np.asarray(rows).reshape(-1, 14)
+    return np.array(rows)
 
 
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:

@@ -109,8 +109,6 @@ class StopAndGo:
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return strokes at the ticks of the controller; at rest throughout if not one fits."""
         strokes, t = plan_strokes(self, ticks * dt, rng), tick_times(ticks, dt)
-        if not len(strokes):
-            return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         x = np.clip((t - start) / lasts, 0.0, 1.0)
         return Intention(position=origin + length * course(x), velocity=length / lasts * slope(x))
@@ -119,9 +117,9 @@ class StopAndGo:
 def plan_strokes(settings: StopAndGo, duration_s: float, rng: np.random.Generator) -> Float:
     """Draw the strokes that fit between a rest at the start and a rest at the end, shape (m, 4).
 
-    One row each: start [s], duration [s], origin [rad] and length, signed [rad].
+    One row each: start [s], duration [s], origin [rad] and length, signed [rad]; first the rest, of no length.
     """
-    rows: list[tuple[float, float, float, float]] = []
+    rows = [(0.0, REST_S, 0.0, 0.0)]
     speeds: list[float] = []
     start, place, direction = REST_S, 0.0, 1.0
     while True:
@@ -134,7 +132,7 @@ def plan_strokes(settings: StopAndGo, duration_s: float, rng: np.random.Generato
         rows.append((start, lasts, place, length))
         start += lasts + rng.uniform(*settings.pause_s)
         place, direction = place + length, float(np.sign(length))
-    return np.asarray(rows, dtype=np.float64).reshape(-1, 4)
+    return np.array(rows)
 
 
 def _draw_speeds(settings: StopAndGo, rng: np.random.Generator) -> list[float]:
