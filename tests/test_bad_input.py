@@ -165,15 +165,6 @@ def refuse(run: Run, path: Path, message: str, *words: object, code: int = UNREA
         assert set(path.parent.iterdir()) == before
 
 
-def test_sound_logs_are_read(run: Run, log: Path) -> None:
-    answer = run("convert", log, log.parent / "new.parquet")
-    assert (answer.code, answer.err) == (0, "")
-
-
-def test_empty_file(run: Run, log: Path) -> None:
-    refuse(run, replace_content(log, b""), r"empty")
-
-
 TRUNCATED = {
     "csv": (DAMAGED, r"line \d+, the last one, is cut short \(5 of 7 fields\); it is left out"),
     "csv-long": (DAMAGED, r"line \d+, the last one, is cut short \(3 of 5 fields\); it is left out"),
@@ -229,13 +220,14 @@ def test_wrong_extension_is_read_by_its_content_and_noticed(
 @pytest.mark.parametrize(
     ("content", "message"),
     [
+        (b"", r"empty"),
         (b"hello world\nthis is a text\n", r"no column for t and q and dq and a torque|does not begin as"),
         (b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4, NOTHING),
         (b"\0" * 5000, NOTHING),
         (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", r"git lfs pull|does not begin"),
         (b"<html><body>Not found, sorry</body></html>", NOTHING),
     ],
-    ids=["words", "picture", "zeros", "pointer", "web page"],
+    ids=["empty", "words", "picture", "zeros", "pointer", "web page"],
 )
 def test_something_else_under_the_name_of_a_log(run: Run, log: Path, content: bytes, message: str) -> None:
     refuse(run, replace_content(log, content), message)
@@ -426,4 +418,4 @@ def test_path_with_blanks_and_letters(run: Run, sound: dict[str, Path], tmp_path
     for form, path in sound.items():
         folder = tmp_path / f"ein Lög #1 %20 {form}"
         folder.mkdir()
-        assert run("convert", copy_of(path, folder), folder / "neü.mcap").code == 0
+        assert run("convert", copy_of(path, folder), folder / "neü.mcap")[::2] == (0, "")

@@ -1,6 +1,5 @@
 """Bags for tests, written by rosbags' and mcap's own writers, and how they are read."""
 
-import json
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -221,11 +220,6 @@ def write_mcap_payloads(
             writer.add_message(channels[at], time, payload, time)
         writer.finish()
     return path
-
-
-def write_json_mcap(path: Path, topic: str, kind: str, messages: Sequence[tuple[int, Any]]) -> Path:
-    payloads = [(time, json.dumps(message).encode()) for time, message in messages]
-    return write_mcap_payloads(path, [(topic, kind, payloads)], {kind: b'{"type": "object"}'}, "json", "jsonschema")
 
 
 def _in_order(streams: Sequence[tuple[str, str, Sequence[tuple[int, Any]]]]) -> list[tuple[int, int, Any]]:

@@ -135,7 +135,7 @@ def test_two_arms_are_for_the_user_to_choose(tmp_path: Path, write: Write) -> No
 
 @ANY
 def test_no_messages(tmp_path: Path, write: Write) -> None:
-    with pytest.raises(InputError, match="no messages at all"):
+    with pytest.raises(InputError, match="0 messages on any topic"):
         read(write(tmp_path, []))
 
 
@@ -175,7 +175,7 @@ SQLITE, MCAP_MAGIC, BAG = b"SQLite format 3\x00", b"\x89MCAP0\r\n", b"#ROSBAG V2
         (".mcap", MCAP_MAGIC + bytes(300), "breaks off"),
         (".bag", b"\x01\x02garbage" * 100, "does not begin as a ROS 1 bag of version 2.0"),
         (".bag", b"#ROSBAG V1.2\n", "does not begin as a ROS 1 bag of version 2.0"),
-        (".bag", BAG, "no messages at all"),
+        (".bag", BAG, "0 messages on any topic"),
         (".bag", BAG + b"\xff" * 200, "before the first whole message"),
         (".db3", b"garbage" * 100, "does not begin as an SQLite file"),
         (".db3", SQLITE + bytes(200), "cannot be read: |no table messages"),

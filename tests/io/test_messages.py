@@ -1,5 +1,6 @@
 """What messages hold, in ROS 1 bags and MCAP files: definitions, arms, encodings, and what is broken."""
 
+import json
 import math
 import os
 from pathlib import Path
@@ -28,7 +29,6 @@ from tests.io.bag_writing import (
     ros2_store,
     samples,
     stamp_ns,
-    write_json_mcap,
     write_mcap,
     write_mcap_payloads,
     write_rosbag1,
@@ -201,7 +201,8 @@ def test_json_joint_states(tmp_path: Path) -> None:
         effort = [None if math.isnan(tau) else tau for tau in values["tau_J"][i]]
         fields = {"position": values["q"][i].tolist(), "velocity": values["dq"][i].tolist(), "effort": effort}
         messages.append((stamp_ns(i) + 1000, {"header": {"stamp": stamp}, "name": list(JOINTS), **fields}))
-    recording = read(write_json_mcap(tmp_path / "a.mcap", "/j", "JointState", messages))
+    streams = [("/j", "JointState", [(time, json.dumps(message).encode()) for time, message in messages])]
+    recording = read(write_mcap_payloads(tmp_path / "a.mcap", streams, {"JointState": b"{}"}, "json", "jsonschema"))
     assert_read(recording, values)
     assert recording.clock == "header_stamp"
     np.testing.assert_array_equal(recording.t, np.arange(40) * STEP_NS / 1e9)

@@ -28,7 +28,7 @@ def test_a_log_of_panda_py(tmp_path: Path) -> None:
         "control_command_success_rate": time,
     }
     path = tmp_path / "run.npz"
-    np.savez(path, time=time, **{name: list(array) for name, array in {**signals, **others}.items()})
+    np.savez(path, time=time, **{name: list(array) for name, array in {**signals, **others}.items()})  # type: ignore[arg-type]
     log = read_log(path)
     np.testing.assert_array_equal(log.q, arrays["q"])
     np.testing.assert_array_equal(log.tau_ext_hat_filtered, arrays["q"])

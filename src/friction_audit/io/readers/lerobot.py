@@ -6,8 +6,8 @@ features of a frame are lists whose elements ``info.json`` names: ``observation.
 """
 
 import json
-import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,6 @@ from friction_audit.io.readers.reader import ReadOptions, SeveralLogsError, Topi
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import Recording
 
-_NUMBER = re.compile(r"episode_(\d+)")
 _STATE = "observation.state"
 
 
@@ -117,11 +116,8 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
     found: dict[int, tuple[Path, int]] = {}
     for file in sorted((path / "data").glob("**/*.parquet")):
         refuse_lfs_pointer(file)
-        match = _NUMBER.fullmatch(file.stem)
         with _opened(file) as parquet:
-            if match:
-                found[int(match[1])] = (file, parquet.metadata.num_rows)
-            elif "episode_index" in parquet.schema_arrow.names:
+            if "episode_index" in parquet.schema_arrow.names:
                 index = column_of(parquet.read(["episode_index"]), "episode_index")
                 counted = zip(*np.unique(index, return_counts=True), strict=True)
                 found |= {int(number): (file, int(count)) for number, count in counted}
@@ -141,20 +137,21 @@ def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
     with _opened(file) as parquet:
         wanted = [field.name for field in parquet.schema_arrow if _is_numeric(field.type)]
         table = parquet.read(wanted)
-    if "episode_index" in wanted:
-        table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))
+    table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))
     try:
         return {name: column_of(table, name) for name in wanted}
     except (ValueError, pa.ArrowException) as error:
         raise InputError(f"{file}: {error}; expected lists of one length in every frame; copy the data set") from error
 
 
-def _opened(file: Path) -> Any:  # noqa: ANN401 - of pyarrow, without types
+@contextmanager
+def _opened(file: Path) -> Iterator[Any]:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     try:
-        return pq.ParquetFile(file)
+        with pq.ParquetFile(file) as parquet:
+            yield parquet
     except (pa.ArrowException, OSError) as error:
         raise InputError(f"{file}: a damaged or unfinished Parquet file: {error}; copy the data set again") from error
 

@@ -102,7 +102,7 @@ class McapStream(MessageStream):
             while True:
                 file.seek(offset)
                 start = file.read(_RECORD_START.size)
-                opcode, length = _RECORD_START.unpack(start) if len(start) == _RECORD_START.size else (0, 0)
+                opcode, length = _RECORD_START.unpack(start) if len(start) == _RECORD_START.size else (None, 0)
                 is_cut = offset + _RECORD_START.size + length > self._bytes
                 is_end = is_cut or length == _END_LENGTHS.get(opcode)
                 if opcode in _LOOSE and not is_cut:
@@ -111,7 +111,7 @@ class McapStream(MessageStream):
                 if loose and (is_end or opcode == _CHUNK or len(loose) > _LOOSE_BYTES):
                     yield begin, bytes(loose)
                     loose.clear()
-                reason = "a record is cut off" if opcode else "it ends without the closing records"
+                reason = "it ends without the closing records" if opcode is None else "a record is cut off"
                 if opcode == _CHUNK and (is_cut or window is None or not window.leaves_out(_times_of_chunk(file))):
                     reason = "the last chunk is cut off; its whole messages were read without its checksum"
                     yield from self._records_of_chunk(file, offset, length, cut=is_cut)

@@ -291,13 +291,11 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
 
 
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
-    if not topics:
-        return f"{path}: no messages at all; expected a topic with joint states; check that the recording was running"
-    if candidates and not any(topic.messages for topic in topics if topic.name in {c.topic for c in candidates}):
-        names = ", ".join(dict.fromkeys(candidate.topic for candidate in candidates))
+    names = dict.fromkeys(candidate.topic for candidate in candidates)
+    if not topics or (names and not any(topic.messages for topic in topics if topic.name in names)):
         return (
-            f"{path}: 0 messages on {names}; expected joint states; {_listed(topics)}; check that the robot was "
-            "running, and record again"
+            f"{path}: 0 messages on {', '.join(names) or 'any topic'}; expected joint states; {_listed(topics)}; check "
+            "that the robot and the recording were running, and record again"
         )
     if broken := next((candidate for candidate in candidates if not candidate.rows), None):
         return (
