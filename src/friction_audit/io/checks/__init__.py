@@ -172,8 +172,8 @@ def examine(
     read_s = None if recording.first_s is None else recording.first_s * time_scale  # of the whole log's first sample
     first_s = look.clock.first_s if read_s is None else read_s
     numbered = read_s is None and look.recording.rows == as_read
-    columns, step_s = look.survey.columns, look.clock.step_s
-    look = look.after(leave_out_wild(look.recording, columns, step_s, first_s=first_s, numbered=numbered))
+    step_s = look.clock.step_s
+    look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
     look = look.after(refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
     look = look.after(turn_degrees(look.recording, look.survey.columns, look.survey.ratios().common, path))
     look = look.after(mend_unit(look.recording, look.survey.ratios().common))
