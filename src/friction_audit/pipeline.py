@@ -120,11 +120,13 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         cycles = segment_cycles(interaction, settings.cycles)
         friction = estimate_friction(interaction, cycles, settings.friction, dead_torque)
         return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+    if isinstance(log, LogInBlocks):  # what the checks needed
+        release_memory()
     port = choose_torque(log, settings.torque, joints=settings.joints)
     in_blocks = isinstance(port.log, LogInBlocks)
     done = log.listener if isinstance(log, LogInBlocks) and port.log is log else None
     if not (isinstance(done, _Pass) and done.is_of(port, settings)):
-        if in_blocks:  # what the checks and the model of the arm needed, before the blocks ask for more
+        if in_blocks:  # what the model of the arm needed, before the blocks ask for more
             release_memory()
         done = _Pass(port, settings)
         for block in port.log.blocks():

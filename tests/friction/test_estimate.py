@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 from friction_audit.errors import UsageError
 from friction_audit.friction.estimate import estimate_friction
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.friction.settings import FrictionSettings
+from friction_audit.friction.weighted import t_quantile
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
@@ -301,3 +303,8 @@ def test_a_dead_velocity_is_named_and_not_taken_for_standstill() -> None:
     (joint,) = estimated(interaction(t, 0.0 * v, np.sign(v), q=q)).joints
     assert "dq is dead" in joint.reason
     assert "did not move" not in joint.reason
+
+
+@pytest.mark.parametrize("freedom", [1, 2, 3, 4, 9, 10, 101, 5000])
+def test_half_widths_are_those_of_students_t(freedom: int) -> None:
+    assert t_quantile(freedom) == pytest.approx(stdtrit(freedom, 0.975), rel=1e-12)

@@ -1,6 +1,6 @@
 """A log that is read block by block gives what it gives in memory."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ import pytest
 
 from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers.reader import InBlocks
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import JointLog, LogPart
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.pipeline import AuditSettings, estimate_log, while_read
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
@@ -134,11 +134,16 @@ def test_a_sound_log_is_estimated_while_it_is_checked(
     frame: pd.DataFrame, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Change, passes: int
 ) -> None:
     """Samples are decoded once more only where the torque is not what the first block shows."""
-    path, usual, counted = written(change(frame), tmp_path, "q", "dq", "tau_interaction"), LogInBlocks.blocks, []
-    monkeypatch.setattr(LogInBlocks, "blocks", lambda log: counted.append(1) or usual(log))
+    path, usual, counted = written(change(frame), tmp_path, "q", "dq", "tau_interaction"), LogInBlocks.blocks, [0]
+
+    def blocks(log: LogInBlocks) -> Iterator[LogPart]:
+        counted[0] += 1
+        return usual(log)
+
+    monkeypatch.setattr(LogInBlocks, "blocks", blocks)
     settings = AuditSettings()
     found = estimate_document(estimate_log(read_log(path, InBlocks(), while_read(settings)), settings))
-    assert len(counted) == passes
+    assert counted[0] == passes
     assert_same(found, estimate_document(estimate_log(read_log(path), settings)))
 
 

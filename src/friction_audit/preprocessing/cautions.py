@@ -116,20 +116,13 @@ def _left(
     coefficients, square, square_plain = _fit(plain, across, torque[rows])
     at_rest = coefficients[3] + across @ coefficients[4:]
     wide = np.ptp(q) >= LEAST_RANGE_RAD and float(np.hypot(*across.T).max()) >= LEAST_ACROSS
-    # Strokes are independent, not samples.
-    by_position = bool(wide and _significant(square_plain, square, int(stroke[-1] + 1) - len(coefficients)))
+    # The F test of the two columns of gravity, whose distribution is a power. Strokes are independent, not samples.
+    gain = max(square_plain - square, 0.0) / max(square, np.finfo(float).tiny)
+    by_position = bool(wide and (1.0 + gain) ** (-0.5 * (stroke[-1] + 1 - len(coefficients))) < SIGNIFICANCE)
     mean, rms = float(at_rest.mean()), float(np.sqrt(np.mean(at_rest**2)))
     if (rms if by_position else abs(mean)) <= LARGEST_NM:
         return None
     return mean, rms, float(np.ptp(q)), abs(float(coefficients[0])), by_position
-
-
-def _significant(without: float, with_gravity: float, freedom: int) -> bool:
-    """F test of the two columns of gravity."""
-    from scipy.special import fdtrc
-
-    ratio = (without - with_gravity) / 2.0 / max(with_gravity / freedom, np.finfo(float).tiny)
-    return bool(fdtrc(2.0, freedom, max(ratio, 0.0)) < SIGNIFICANCE)
 
 
 def _fit(plain: Float, across: Float, torque: Float) -> tuple[Float, float, float]:

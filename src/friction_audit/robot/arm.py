@@ -141,12 +141,26 @@ class Arm:
         Returns:
             Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
         """
-        down = self.model.opt.gravity / np.linalg.norm(self.model.opt.gravity)
-        across = np.array([np.linalg.svd(axis[None])[2][1:] for axis in self.model.jnt_axis])
-        direction = np.empty((*q.shape, 2))
+        import mujoco as mj
+
+        # MuJoCo takes one posture at a time: called for every sample it takes as long as reading the log
+        # (benchmarks/bench_parquet.py, the row of a model). Here every body turns the vector of its parent.
+        model, direction = self.model, np.empty((*q.shape, 2))
+        fixed = np.empty((model.nbody, 9))
+        for matrix, quaternion in zip(fixed, model.body_quat, strict=True):
+            mj.mju_quat2Mat(matrix, quaternion)
+        across = [np.linalg.svd(axis[None])[2][1:] for axis in model.jnt_axis]
         for rows in chunks(len(q)):
-            _, orientation, _ = self.poses(q[rows])
-            direction[rows] = ((down @ orientation)[:, :, None] @ across.transpose(0, 2, 1))[:, :, 0]
+            angle = self.to_model(q[rows]).T
+            down = [(model.opt.gravity / np.linalg.norm(model.opt.gravity))[:, None]]
+            for body, parent in enumerate(model.body_parentid[1:], start=1):
+                vector, joint = fixed[body].reshape(3, 3).T @ down[parent], model.body_jntadr[body]
+                if joint >= 0:  # the formula of Rodrigues
+                    axis, sine, cosine = model.jnt_axis[joint], np.sin(angle[joint]), np.cos(angle[joint])
+                    along = np.outer(axis, axis) @ vector
+                    vector = along + cosine * (vector - along) - sine * (np.cross(axis, np.eye(3)).T @ vector)
+                    direction[rows, joint] = (across[joint] @ vector).T
+                down.append(vector)
         return self.from_model(direction)
 
     def with_load(self, mass_kg: float, centre_m: Float, inertia_kg_m2: Float) -> "Arm":

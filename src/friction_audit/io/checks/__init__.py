@@ -42,15 +42,17 @@ Listen = Callable[[Recording], Take | None]
 """Given what is known of a recording at its first block: takes every block while it is checked, or is None."""
 
 
-def _nobody(_: Recording) -> None:
-    """Take no block."""
-
-
 class _Look:
     """What passes over a recording find, made when it is asked for."""
 
     def __init__(self, recording: Recording, path: str, listen: Listen) -> None:
-        _refuse_short(recording, path)
+        samples = recording.rows
+        if samples < MINIMUM_SAMPLES:
+            said = "; ".join(finding.message for finding in recording.findings)
+            raise InputError(
+                f"{path}: {samples} sample{'' if samples == 1 else 's'}; at least {MINIMUM_SAMPLES} are needed for a "
+                f"joint log{f' ({said})' if said else ''}; record the arm while it moves"
+            )
         self.recording, self.path, self._listen = recording, path, listen
 
     @cached_property
@@ -130,6 +132,7 @@ class _Survey:
         )
         return replace(recording, t=t - first_s, channels=channels, blocks=blocks, first_s=first_s)
 
+    @cached_property
     def ratios(self) -> MotionRatio:
         """Return the change of q over the integral of dq."""
         return self._motion.ratios(self.steps.holes)
@@ -142,7 +145,7 @@ def examine(
     robot: str | None = None,
     time_scale: float = 1.0,
     window: Window = (None, None),
-    listen: Listen = _nobody,
+    listen: Listen = lambda _: None,
 ) -> Recording:
     """Notice, handle or refuse the faults of a recording; one in memory is worked on in place.
 
@@ -163,7 +166,7 @@ def examine(
     as_read = recording.rows
     if time_scale != 1.0:
         recording = recording.changed(lambda t, channels: (t * time_scale, channels))
-    look = _Look(recording, path, listen if window == (None, None) else _nobody)
+    look = _Look(recording, path, listen if window == (None, None) else lambda _: None)
     look = look.after(leave_out_columns(look.recording, look.survey.missing, path))
     look = look.after(leave_out_rows(look.recording, look.survey.missing))
     look = look.after(sort_rows(look.recording, look.clock, path))
@@ -172,26 +175,16 @@ def examine(
     read_s = None if recording.first_s is None else recording.first_s * time_scale  # of the whole log's first sample
     first_s = look.clock.first_s if read_s is None else read_s
     numbered = read_s is None and look.recording.rows == as_read
-    columns, step_s = look.survey.columns, look.clock.step_s
-    look = look.after(leave_out_wild(look.recording, columns, step_s, first_s=first_s, numbered=numbered))
+    step_s = look.clock.step_s
+    look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
     look = look.after(refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
-    look = look.after(turn_degrees(look.recording, look.survey.columns, look.survey.ratios().common, path))
-    look = look.after(mend_unit(look.recording, look.survey.ratios().common))
+    look = look.after(turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common, path))
+    look = look.after(mend_unit(look.recording, look.survey.ratios.common))
     look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
     look = look.after(check_torque(look.recording, look.survey.columns))
-    look = look.after(check_motion(look.recording, look.survey.ratios(), path, scaled=time_scale != 1.0))
+    look = look.after(check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))
     if window != (None, None):
         origin_s = look.clock.first_s if read_s is None else read_s
         look = _Look(take_window(look.recording, look.clock, window, origin_s, path), path, listen)
     return look.recording if look.recording.blocks is None else look.survey.concluded(look.recording)
-
-
-def _refuse_short(recording: Recording, path: str) -> None:
-    samples = recording.rows
-    if samples < MINIMUM_SAMPLES:
-        said = "; ".join(finding.message for finding in recording.findings)
-        raise InputError(
-            f"{path}: {samples} sample{'' if samples == 1 else 's'}; at least {MINIMUM_SAMPLES} are needed for a joint "
-            f"log{f' ({said})' if said else ''}; record the arm while it moves"
-        )

@@ -195,7 +195,14 @@ def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled
         InputError: If the clock is wrong by a factor that nothing explains.
     """
     recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
-    return recording.with_findings(*_mismatches(recording, ratios), _stretch(ratios.common, path, scaled=scaled))
+    # The joints whose q does not follow their own dq while that of others does.
+    wrong = np.isfinite(ratios.ratio)
+    if np.isfinite(ratios.common):
+        wrong &= np.abs(ratios.ratio / ratios.common - 1.0) > _DISAGREES
+    else:
+        wrong &= ~ratios.trusted
+    found = [_mismatch(recording, ratios, joint) for joint in np.flatnonzero(wrong).tolist()]
+    return recording.with_findings(*found, _stretch(ratios.common, path, scaled=scaled))
 
 
 def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float, path: str) -> Recording:
@@ -269,17 +276,6 @@ def mend_unit(recording: Recording, ratio: float) -> Recording:
     )
     finding = Finding(code="time_unit", message=message, amount=factor)
     return recording.changed(lambda t, channels: (t * factor, channels)).with_findings(finding)
-
-
-def _mismatches(recording: Recording, ratios: MotionRatio) -> list[Finding]:
-    """Name the joints whose q does not follow their own dq while that of others does."""
-    reference = ratios.common
-    judged = np.isfinite(ratios.ratio)
-    if np.isfinite(reference):
-        wrong = judged & (np.abs(ratios.ratio / reference - 1.0) > _DISAGREES)
-    else:
-        wrong = judged & ~ratios.trusted
-    return [_mismatch(recording, ratios, int(joint)) for joint in np.flatnonzero(wrong)]
 
 
 def _mismatch(recording: Recording, ratios: MotionRatio, joint: int) -> Finding:

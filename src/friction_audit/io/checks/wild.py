@@ -98,6 +98,7 @@ class _Wild:
         self._scales = {name: _scale(name, one.sample[:, joint], usual[name]) for name, one in columns.items()}
         self._jumping = [name for name, scale in self._scales.items() if columns[name].jump[joint] > scale]
         self._zeroed = [name for name in TO_ZERO if columns[name].zeroed[joint]]
+        self.suspected = bool(self._jumping or self._zeroed)  # of more than what this pass shows
         self._way = _way_per_integral(columns, joint, step_s)
         self._most = max(_MOST_JUMPS * rows, 2 * _LONGEST_RUN)
         self._jumps = dict.fromkeys(self._jumping, 0)
@@ -105,11 +106,6 @@ class _Wild:
         self._zeros: dict[str, list[_Run]] = {name: [] for name in self._zeroed}
         # Of each channel the row before the zeros that go on, or the last row, and the first of these zeros.
         self._open = {name: (np.empty(0, np.int64), np.empty((0, 3))) for name in self._zeroed}
-
-    @property
-    def suspected(self) -> bool:
-        """True if a closer look is needed."""
-        return bool(self._jumping or self._zeroed)
 
     def take(self, begin: int, t: Float, columns: Mapping[str, Float], done: int, stop: int) -> None:
         """Judge the rows from ``done`` to ``stop``, given those around them, the first of which is ``begin``."""

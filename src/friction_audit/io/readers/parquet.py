@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from pyarrow.parquet import FileMetaData, ParquetFile
 
-_BATCH_ROWS = 1 << 16
+_BATCH_ROWS, _BATCH_BYTES = 1 << 16, 8 << 20  # of which several are in memory; of fewer rows, calls take the time
 _BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 _NANOSECONDS = 1_000_000_000
@@ -208,9 +208,10 @@ class ParquetTable(ColumnTable):
 
         names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
         groups = range(group, len(self._sizes))
+        rows = min(_BATCH_ROWS, _BATCH_BYTES // (8 * len(cells)))
         try:
             with _open(self.path, self._file.metadata) as file:
-                for batch in file.iter_batches(_BATCH_ROWS, groups, columns=names, use_threads=False):
+                for batch in file.iter_batches(rows, groups, columns=names, use_threads=False):
                     table = _flat(batch)
                     values = {name: self._values(_whole(table[name]), name, 0) for name in names}
                     pairs = (self._cells[cell] for cell in cells)
