@@ -149,13 +149,6 @@ def test_an_offset_that_a_curve_holds_is_an_alternative(
     assert ("torque_bias" in effect.alternatives) == (offset_nm > 0.0)
 
 
-def test_over_a_short_range_a_spring_stands_where_gravity_does() -> None:
-    data = moved_joint(lambda data: 0.3 * data.q, noise_nm=NOISE_NM)
-    short = replace(data, q=0.2 * data.q, dq=0.2 * data.dq, ddq=0.2 * data.ddq)
-    (effect,) = diagnosed(short, [effect_of(name) for name in ("gravity_error", "cable_spring")]).effects
-    assert {"gravity_error", "cable_spring"} <= {effect.name, *effect.alternatives}
-
-
 def test_an_effect_with_a_twin_is_ambiguous() -> None:
     twins = [
         altered(BUMP, name="torque_bias", indistinguishable=("gravity_error",)),

@@ -205,10 +205,6 @@ class CableSpring(Effect):
         )
         return (*bent, STRAIGHT)
 
-    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Over a short range any torque of the position is straight: a spring stands where gravity does."""
-        return (STRAIGHT,)
-
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """It pulls back from the beginning, and still when it is stretched by a radian."""
         return bool(coefficients[0] > 0 and coefficients[0] + coefficients[1] > 0)
