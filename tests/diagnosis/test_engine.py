@@ -1,6 +1,6 @@
 """The answer of the engine on joints whose motion and torque are formulas: verdicts, names, numbers, invariances."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -134,19 +134,6 @@ def test_an_offset_is_named_with_what_cannot_be_separated_from_it() -> None:
     (effect,) = found.effects
     assert {"torque_bias", "asymmetric_coulomb"} <= {effect.name, *effect.alternatives}
     assert found.verdict == "ambiguous"
-
-
-@pytest.mark.parametrize("offset_nm", [0.0, 0.03])
-@pytest.mark.parametrize(("holder", "curve"), [("gravity_error", np.sin), ("cable_spring", lambda q: 0.3 * q)])
-def test_an_offset_that_a_curve_holds_is_an_alternative(
-    holder: str, curve: Callable[[Float], Float], offset_nm: float
-) -> None:
-    """A preload is an offset; of a gravity torque too small a part for a name of its own."""
-    asked = [effect_of(name) for name in (holder, "torque_bias", "asymmetric_coulomb")]
-    found = diagnosed(moved_joint(lambda data: curve(data.q - data.q.mean()) + offset_nm, noise_nm=NOISE_NM), asked)
-    (effect,) = found.effects
-    assert effect.name == holder
-    assert ("torque_bias" in effect.alternatives) == (offset_nm > 0.0)
 
 
 def test_an_effect_with_a_twin_is_ambiguous() -> None:
