@@ -241,7 +241,7 @@ def _ladder(state: State, estimates: intervals.Estimates, standing: Sequence[_St
             NamedEffect(
                 name=name,
                 label=effect.label,
-                alternatives=selection.indistinguishable(state.search, competing, one.block, active),
+                alternatives=selection.indistinguishable(gram, competing, one.block, active),
                 parameters=numbers[name][0],
                 p_value=one.gain.p_value,
                 evidence=(itself, *competing[:COMPETING_SHOWN]),

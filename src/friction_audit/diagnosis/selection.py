@@ -25,7 +25,7 @@ ALIKE = 0.7  # correlation of their torques given everything else, from which th
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
 REFINED_AT_ONCE = 4
 LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
-SAME = 0.9  # correlation of a curve with a constant, from which it holds the constant
+SAME = 0.9  # correlation with a constant, from which the constant is a competing name
 MOST_EFFECTS = 8
 TOLERANCE = 1e-6
 
@@ -326,35 +326,15 @@ def competing_effects(search: Search, active: Sequence[Block], block: Block) -> 
 
 
 def indistinguishable(
-    search: Search, competing: Sequence[Evidence], block: Block, active: Sequence[Block]
+    gram: Gram, competing: Sequence[Evidence], block: Block, active: Sequence[Block]
 ) -> tuple[str, ...]:
     """Names that the log cannot separate from a selected effect."""
     close = (c for c in competing if c.two_ln_bayes_factor < INDISTINGUISHABLE)
     names = [c.name for c in close if c.correlation > ALIKE]
-    names += [name for name in _levels(search, competing, block, active) if name not in names]
+    exact = {b.name for b in gram.blocks if b.effect.exact}
+    # A curve that bends little over the range contains a constant: an offset may be most of it.
+    names += [c.name for c in competing if c.name in exact and c.correlation > SAME and c.name not in names]
     names += [name for name in block.effect.indistinguishable if name not in names]
     others = {b.name for b in active if b is not block}
     names += [name for name in block.effect.part_of if name in others and name not in names]
     return tuple(names)
-
-
-def _levels(search: Search, competing: Sequence[Evidence], block: Block, active: Sequence[Block]) -> list[str]:
-    """Constants that a selected effect holds: a curve that bends little over the range contains one.
-
-    An offset may be most of the curve; or the data may ask for one beside it, too little for a name of its own.
-    """
-    rest = [b for b in active if b is not block]
-    without, left = search.scores(rest), search.scores(active)
-    given, own = Projected(search.training, rest), search.gram.of(block)
-    alike = {c.name for c in competing if c.correlation > SAME}
-    found = []
-    for name, score in left.items():
-        if not score.block.effect.exact:
-            continue
-        white = search.gram.of(score.block)
-        share = np.linalg.norm(given.and_also(own).free(white)) / np.linalg.norm(given.free(white))
-        asked = score.evidence > INDISTINGUISHABLE and share < np.sqrt(1.0 - SAME**2)
-        preload = name in block.effect.holds and name in without and without[name].evidence > PRIOR
-        if name in alike or asked or preload:
-            found.append(name)
-    return found

@@ -84,7 +84,6 @@ class Effect:
     jumps: ClassVar[tuple[str, ...]] = ()  # nonlinear parameters at whose value its torque jumps
     indistinguishable: ClassVar[tuple[str, ...]] = ()  # effects that no motion of this kind separates from it
     part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
-    holds: ClassVar[tuple[str, ...]] = ()  # effects whose torque is one of its own columns
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque per unit of each coefficient, shape (n, p).

@@ -177,7 +177,6 @@ class CableSpring(Effect):
     """
 
     indistinguishable = ("joint_limit_stop",)
-    holds = ("asymmetric_coulomb", "torque_bias")  # the preload
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
