@@ -279,4 +279,4 @@ def subject_of(joint: Joint, settings: BenchSettings, seed: int) -> Subject:
     """Simulate a joint and prepare it for the diagnosis."""
     log = simulate(settings, seed, path="planned motion").log
     audit = replace(AUTO, torque=replace(AUTO.torque, drive="hand" if joint.hand else "robot"))
-    return diagnosis_subjects(estimate_log(log, audit), DiagnosisSettings())[0]
+    return diagnosis_subjects(estimate_log(log, audit), DiagnosisSettings(at_most_s=settings.duration_s))[0]
