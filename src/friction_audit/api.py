@@ -1,4 +1,4 @@
-"""The names at the top of the package, behind which everything else may move.
+"""The names at the top of the package: they stay; everything else may move.
 
 Every call raises ``UsageError`` for an option or a value that it cannot use; the message says which ones there are.
 """

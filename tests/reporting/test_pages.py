@@ -118,6 +118,13 @@ def test_the_lead_names_the_joints() -> None:
     )
 
 
+def test_the_lead_of_a_batch_claims_no_more_than_was_tested() -> None:
+    steady, bare = batch_by_hand.arm(24, 1, robot="steady"), replace(batch_by_hand.arm(3, 1, robot="short"), joints=())
+    assert "short: 3 comparable sessions, at least 4 are needed" in write_page(batch_by_hand.batch(bare), {})
+    page = write_page(batch_by_hand.batch(steady, bare), {})
+    assert "No drift of the friction was found on 1 arm; no answer on 1 arm." in page
+
+
 def test_parts_without_an_answer_leave_the_others() -> None:
     missing = (Unanswered(part="diagnose", message=WHY), Unanswered(part="replay", message="no joint"))
     alone = replace(report(), diagnosis=None, replay=None, unanswered=missing)

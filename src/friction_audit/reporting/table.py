@@ -128,7 +128,7 @@ class Column:
 def joint_column(get: Get = lambda row: row, on: str = PEOPLE) -> Column:
     """Return the column that heads the rows of joints for people; ``get`` gives what has ``joint`` and ``name``."""
 
-    def label(one: Any) -> str:  # noqa: ANN401 - whatever is of a joint
+    def label(one: Any) -> str:  # noqa: ANN401 - a result of a joint
         return joint_label(one.joint, one.name)
 
     return Column("joint", str, get=get, form=label, sort=lambda row: _found(row, get).joint, on=on)

@@ -67,12 +67,19 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure] | 
 def _lead(summary: tables.BatchSummary) -> str:
     if not summary.arms:
         return "No session could be read: no statement on drift is possible."
-    drifting, arms = [arm for arm in summary.arms if arm.drift], count_of(len(summary.arms), "arm")
+    drifting = [arm for arm in summary.arms if arm.drift]
     if len(drifting) > 1:
-        return f"Friction drifts on {len(drifting)} of {arms}: {enumerate_words(arm.robot for arm in drifting)}."
-    if drifting:
-        return f"{drifting[0].robot}: {phrases.arm_sentence(drifting[0])}."
-    return f"No drift of the friction was found on {arms}."
+        return (
+            f"Friction drifts on {len(drifting)} of {count_of(len(summary.arms), 'arm')}: "
+            f"{enumerate_words(arm.robot for arm in drifting)}."
+        )
+    if drifting or len(summary.arms) == 1:
+        arm = (drifting or summary.arms)[0]
+        return f"{arm.robot}: {phrases.arm_sentence(arm)}."
+    arms = len(summary.arms)
+    steady = [phrases.joint_verdict(*arm.joints) for arm in summary.arms].count(phrases.STEADY)
+    found = f"No drift of the friction was found on {count_of(steady, 'arm')}"
+    return f"{found}." if steady == arms else f"{found}; no answer on {count_of(arms - steady, 'arm')}."
 
 
 def _arm_sections(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> Iterator[html.Section]:

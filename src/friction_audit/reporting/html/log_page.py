@@ -67,7 +67,7 @@ WORDS = {
     "share explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
     "size": "RMS of the torque of an effect, free of what the nominal model fits of it. Major from 10 % of the joint's "
     "friction on; negligible below 1 %, listed apart.",
-    "chosen in folds": "Selections, each without a fifth of the cycles, that chose the effect.",
+    "chosen in folds": "Selections, each without one fold of the cycles, that chose the effect.",
     "removed": "Share of the energy put in that the compensator would have removed; energy given out counts as left.",
     "passive": "The compensated joint never gave out more energy than was put into it.",
 }
@@ -247,7 +247,7 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     summary, choice = summarize_log(log, estimate.interaction, estimate.cycles), estimate.interaction.choice
     source = {"file": log.source.path, "SHA-256": log.source.sha256, "serial number": log.source.serial}
     facts = (pair for pair in facts_of(summary) if pair[0] != "channel")
-    pairs = [*source.items(), *facts, ("reason", choice.reason)]
+    pairs = [*source.items(), *facts, ("torque source", choice.reason)]
     yield html.Terms(pairs=[(name, in_unit(text, unit)) for name, text in pairs if text])
     yield MOTION.people(summary.joints, caption="How the joints moved")
     caption = "Channels as they are called in the log; {i} is the number of the joint"
