@@ -60,11 +60,11 @@ def test_the_package_declares_what_it_imports() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 50_136,
+    "lines": 50_143,
     "files": 275,
     "code lines of the longest function": 54,
     "per cent of functions of at most 3 code lines": 29,
-    "lines of tests": 27_953,
+    "lines of tests": 27_998,  # one bug in a batch, a table that exists, copies draw the same bytes
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 

@@ -1,4 +1,4 @@
-"""Small logs in every form, and whatever a file is: the documented exit code, one message, nothing half-written."""
+"""Small logs in every form, and files with every fault: the documented exit code, one message, nothing half-written."""
 
 import copy
 import os
@@ -48,7 +48,7 @@ def swinging_log(samples: int = SAMPLES) -> JointLog:
 
 
 def with_arrays(log: JointLog, **arrays: Float) -> JointLog:
-    """Return a log with other arrays, whatever a JointLog promises: files promise nothing."""
+    """Return a log with other arrays, without the checks of a JointLog: files promise nothing."""
     spoiled = copy.copy(log)
     for name, array in arrays.items():
         object.__setattr__(spoiled, name, array)

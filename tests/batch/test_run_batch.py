@@ -116,6 +116,22 @@ def test_a_bug_that_one_log_shows_costs_no_other(rig: Path, batch: Batch, monkey
     assert batch(rig).failed == ()
 
 
+def test_a_bug_that_one_log_shows_does_not_cost_the_others(
+    rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(log: JointLog, settings: AuditSettings) -> object:
+        if "2026-03-02" in log.source.path:
+            raise ZeroDivisionError
+        return estimate_log(log, settings)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(work, "estimate_log", fail)
+        result = batch(rig)
+    assert len(result.sessions) == 3
+    assert "a bug of friction-audit, please report it: ZeroDivisionError" in result.failed[0].message
+    assert batch(rig).failed == ()  # it is tried again
+
+
 def test_several_arms_in_a_log_are_several_robots(rig: Path, batch: Batch, recordings: tuple[JointLog, ...]) -> None:
     columns = {"time": recordings[0].t[:2500]}
     for arm, log in zip(("left", "right"), recordings[:2], strict=True):

@@ -45,6 +45,14 @@ def test_a_folder_is_needed(run: Run, logs: Path) -> None:
     assert "--export mcap: no folder to write to; name one with --output DIR" in answer.err
 
 
+def test_a_table_that_exists_is_kept(run: Run, logs: Path) -> None:
+    Path("out").mkdir()
+    Path("out/cycles.csv").write_text("mine")
+    answer = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "csv")
+    assert (answer.code, "cycles.csv: exists already" in answer.err) == (2, True), answer
+    assert [(path.name, path.read_text()) for path in Path("out").iterdir()] == [("cycles.csv", "mine")]
+
+
 def test_the_log_itself_is_never_replaced(run: Run, logs: Path) -> None:
     log = Path("out/interaction.csv")
     log.parent.mkdir()

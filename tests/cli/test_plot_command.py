@@ -2,6 +2,7 @@ from pathlib import Path
 
 import pytest
 
+from friction_audit import parallel
 from friction_audit.reporting.figures.registry import figure_names
 from tests.cli.conftest import Run
 
@@ -11,6 +12,19 @@ def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
     names = ["velocity-torque", "velocity-torque-joint1", "velocity-torque-joint2"]
     assert answer.out.split() == [f"figures/{name}.png" for name in names]
     assert all((tmp_path / path).stat().st_size > 10_000 for path in answer.out.split())
+
+
+def test_copies_of_the_process_draw_the_same_files(
+    run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = []
+    for workers in (1, 3):
+        monkeypatch.setattr(parallel, "workers_for", lambda _, workers=workers: workers)
+        answer = run("plot", logs / "moved2.csv", "--figure-format", "png,svg,pdf", "-o", "drawn", "--overwrite")
+        drawn.append({path: (tmp_path / path).read_bytes() for path in answer.out.split()})
+    assert list(drawn[0]) == list(drawn[1])
+    assert len(drawn[0]) == 9
+    assert drawn[0] == drawn[1]
 
 
 @pytest.mark.usefixtures("sketched")
