@@ -15,7 +15,7 @@ import pytest
 from friction_audit.cli.console import DAMAGED, EXCEEDED
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.io.readers import READERS, read_log
-from friction_audit.io.readers.channel_names import ALIASES
+from friction_audit.io.readers.channel_names import QUANTITIES, parse_name
 from friction_audit.io.readers.time_column import find_time
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
@@ -128,9 +128,13 @@ def test_the_table_of_messages_is_that_of_the_source() -> None:
 
 def test_every_reader_and_name_of_a_column_is_documented() -> None:
     rows = [row[:2] for row in cells(DOCS / "formats.md")]
-    named = [*((reader.name, reader.suffixes) for reader in READERS), *ALIASES.items()]
-    for name, words in named:
-        assert [f"`{name}`", " ".join(f"`{word}`" for word in words)] in rows
+    for reader in READERS:
+        assert [f"`{reader.name}`", " ".join(f"`{suffix}`" for suffix in reader.suffixes)] in rows
+    words = {row[0].strip("`"): re.findall(r"`(\w+)`", row[1]) for row in rows}
+    for channel in QUANTITIES:
+        found = {parsed.channel for word in words[channel] if (parsed := parse_name(word)) is not None}
+        assert found == {channel}
+    assert {*JOINT_CHANNELS} <= {name for row in rows for name in re.findall(r"`(\w+)`", row[0])}
 
 
 def test_names_of_clocks_are_the_program_s() -> None:

@@ -46,6 +46,18 @@ TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("
         ("F_m", "tau_interaction", None, None),
         ("g_2", "gravity", 2, None),
         ("temp_1", "temperature", 1, None),
+        (
+            "MeasuredJointPosition_A1|Joint 1 Position [rad]|J1 Pos|motor_1_q|actual_position_1|current_position_1",
+            "q",
+            1,
+            None,
+        ),
+        ("qDot2|dqm2|Joint 2 Velocity [rad/s]|jointVel2", "dq", 2, None),
+        ("MeasuredTorque_A3|motor_3_tau_est|measured_tq_3|joint_effort_3|J3 Trq (Nm)", "tau_J", 3, None),
+        ("ExternalTorque_A3|external_joint_torque_3", "tau_ext_hat_filtered", 3, None),
+        ("desired_torque_1", "tau_J_d", 1, None),
+        ("- arm_1_joint_effort", "tau_J", None, "arm_1_joint"),
+        ("shoulder_pan_joint_position", "q", None, "shoulder_pan_joint"),
     ],
 )
 def test_names_of_columns_in_use(names: str, channel: str, index: int | None, joint: str | None) -> None:
@@ -59,13 +71,15 @@ def test_names_of_columns_in_use(names: str, channel: str, index: int | None, jo
     "name",
     ["q_d[0]", "cmd.q_d[0]", "dq_d[1]", "ddq_1", "dtau_J_1", "theta_1", "O_F_ext_hat_K[0]", "time", "success rate", "",
      "panda_finger_joint1_position", "measured_joint_motor_state.position[0]", "desired_joint_state.position[1]",
-     "observation.state[3]", "sent commands", "elbow[0]"],
+     "observation.state[3]", "sent commands", "elbow[0]", "friction_torque_1",
+     "qd_1", "target_q_1", "target_current_1", "target_moment_1",
+     "tau_measured_compensate1", "cartesian_position_0", "gravity_compensation_torque_1", "d_tau_1"],
 )  # fmt: skip
 def test_names_of_something_else(name: str) -> None:
     assert parse_name(name) is None
 
 
-@pytest.mark.parametrize("name", ["q1_deg", "q_1 [deg]", "q_deg_1", "dq_1[deg/s]"])
+@pytest.mark.parametrize("name", ["q1_deg", "q_1 [deg]", "q_deg_1", "dq_1[deg/s]", "actuator_1_velocity_deg"])
 def test_names_that_say_degrees(name: str) -> None:
     parsed = parse_name(name)
     assert parsed is not None

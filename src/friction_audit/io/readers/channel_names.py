@@ -10,48 +10,49 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.joint_names import is_finger
 from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
 
-# Channel -> names in use, lower case, the best first.
-ALIASES: dict[str, tuple[str, ...]] = {
-    "q": ("q", "actual_q", "joint_positions", "joint_position", "positions", "position", "joint_pos", "pos",
-          "joint_angles", "joint_angle", "angle"),
-    "dq": ("dq", "actual_qd", "qdot", "q_dot", "joint_velocities", "joint_velocity", "velocities", "velocity",
-           "joint_vel", "vel"),
-    "tau_J": ("tau_j", "motor_torques_measured", "tau_measured", "joint_torques", "joint_torque", "joint_efforts",
-              "joint_effort", "efforts", "effort", "torques", "torque", "tau", "actual_current_as_torque",
-              "actual_current", "joint_currents",
-              "joint_current", "motor_currents", "motor_current", "currents", "current"),
-    "tau_J_d": ("tau_j_d", "motor_torques_desired", "tau_desired", "tau_d"),
-    "tau_ext_hat_filtered": ("tau_ext_hat_filtered", "tau_ext_hat", "tau_j_ext", "tau_ext", "motor_torques_external",
-                             "external_joint_torques", "external_torques", "external_torque", "tau_external"),
-    "gravity": ("gravity", "tau_gravity", "gravity_torques", "gravity_torque", "tau_g", "g"),
-    "tau_interaction": ("tau_interaction", "interaction_torques", "interaction_torque", "tau_int", "f_m"),
-    "tau_compensation": ("tau_compensation", "tau_comp", "friction_compensation"),
-    "tau_passivity": ("tau_passivity", "tau_pc"),
-    "temperature": ("temperature", "temperatures", "joint_temperatures", "joint_temperature",
-                    "motor_temperature", "temp"),
-}  # fmt: skip
+# Channel -> words for its quantity, the best first. A name is read word by word: ``MeasuredJointPosition_A1`` holds a
+# quantity (position), words that say nothing about it (measured, joint, a) and one number, and nothing else.
+QUANTITIES: dict[str, tuple[str, ...]] = {
+    "q": ("q", "position", "positions", "pos", "angle", "angles", "qm", "qpos"),
+    "dq": ("dq", "qd", "qdot", "velocity", "velocities", "vel", "speed", "speeds", "dqm", "qvel"),
+    "tau_J": ("tau", "torque", "torques", "trq", "tor", "tq", "taum", "effort", "efforts", "moment", "moments"),
+    "temperature": ("temperature", "temperatures", "temp"),
+}
+_CURRENT = {"current", "currents", "curr"}  # of a motor, where no other word names the quantity
+# What a word makes of a torque; those of the second row may stand for the torque too.
+_TORQUES = {"ext": "tau_ext_hat_filtered", "external": "tau_ext_hat_filtered", "interaction": "tau_interaction",
+            "int": "tau_interaction", "compensation": "tau_compensation", "comp": "tau_compensation",
+            "passivity": "tau_passivity", "pc": "tau_passivity",
+            "gravity": "gravity", "grav": "gravity", "g": "gravity"}  # fmt: skip
+_WHOLE_NAMES = {"f_m": "tau_interaction", "friction_compensation": "tau_compensation"}
+_MEASURED = {"measured", "meas", "msr", "actual", "act", "j", "real", "feedback", "fb"}
+_SAYS_NOTHING = {"joint", "joints", "jnt", "axis", "axes", "a", "m", "motor", "motors", "actuator", "state", "sensor",
+                 "as", "hat", "est", "estimated", "filtered", "filt", "raw", "angular", "field"}  # fmt: skip
+_COMMANDED = {"desired", "des", "cmd", "command", "commands", "commanded", "target", "goal", "reference", "ref",
+              "setpoint", "action"}  # fmt: skip
+_DEGREES = {"deg", "degs", "degree", "degrees"}
+_UNITS = {*_DEGREES, "rad", "rads", "s", "nm", "degc"}
+_KNOWN = {*_CURRENT, *_TORQUES, *_MEASURED, *_SAYS_NOTHING, *_COMMANDED, *_UNITS, "d", "dot",
+          "f", "friction", *(word for words in QUANTITIES.values() for word in words)}  # fmt: skip
 
-_CHANNEL_OF = {alias: (channel, rank) for channel, aliases in ALIASES.items() for rank, alias in enumerate(aliases)}
-_QUANTITY = "|".join(re.escape(alias) for alias in sorted(_CHANNEL_OF, key=len, reverse=True))
 _HEAD = r"(?P<head>(?:.*[./])?)"
-_UNIT = r"(?:[ _]*(?P<unit>\[[a-zA-Z][^\]]*\]|\([^)]*\)|(?<=_)(?:rad_s|rads|rad|deg_s|degs|deg|nm|degc)))?"
-_NUMBERED_JOINT = r"(?P<joint>\w*?joint_?(?P<number>\d+))"
-_NAMED_JOINT = r"(?P<joint>(?!\w*joints|\w*joint_?state)\w*joint\w*)"
+_SPELLED = "|".join(sorted(_KNOWN, key=len, reverse=True))
+_WORDS = rf"(?:(?i:{_SPELLED})(?![a-z])[_ ]*)+"
+_NUMBERED_JOINT = r"(?P<joint>\w*?(?i:joint)_?(?P<index>\d+))"
+_NAMED_JOINT = r"(?P<joint>(?!\w*(?i:joints)|\w*(?i:joint)_?state)\w*(?i:joint)\w*)"
 _PATTERNS = tuple(
-    re.compile(pattern, re.IGNORECASE)
+    re.compile(pattern)
     for pattern in (
-        rf"{_HEAD}{_NUMBERED_JOINT}[./_ ](?P<quantity>{_QUANTITY}){_UNIT}",
-        rf"{_HEAD}{_NAMED_JOINT}[./](?P<quantity>{_QUANTITY}){_UNIT}",
-        rf"{_HEAD}(?P<quantity>{_QUANTITY}){_UNIT}(?:\[(?P<index>\d+)\])?",
-        rf"{_HEAD}(?P<quantity>{_QUANTITY}){_UNIT}[._ ]?(?P<index>\d+)",
-        rf"{_HEAD}(?P<quantity>{_QUANTITY})(?:\[(?P<index>\d+)\]|[._ ]?(?P<index2>\d+)){_UNIT}",
-        rf"{_HEAD}(?P<quantity>{_QUANTITY})[./_ ]{_NUMBERED_JOINT}{_UNIT}",
-        rf"{_HEAD}(?P<quantity>{_QUANTITY})[./]{_NAMED_JOINT}{_UNIT}",
+        rf"{_HEAD}{_NUMBERED_JOINT}[./_ ]*(?P<words>{_WORDS})",
+        rf"{_HEAD}{_NAMED_JOINT}[./](?P<words>{_WORDS})",
+        rf"{_HEAD}(?P<words>{_WORDS})[./]?{_NUMBERED_JOINT}[_ ]*(?P<more>{_WORDS})?",
+        rf"{_HEAD}(?P<words>{_WORDS})(?:[._ ]*(?:\[(?P<bracketed>\d+)\]|(?P<index>\d+))[._ ]*(?P<more>{_WORDS})?)?",
+        rf"{_HEAD}(?P<words>{_WORDS})[./]{_NAMED_JOINT}",
+        rf"{_HEAD}(?P<joint>\w*(?i:joint))_(?P<words>{_WORDS})",
     )
 )
-_COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|goal|reference|action)(?:[^a-z]|$)")
-_MOTOR_SIDE = re.compile(r"motor_state")
-_EXTERNAL = re.compile(r"tau_ext|external")
+_BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z][^\]]*\]|\([^)]*\)")
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z])")
 _SAYS_CURRENT = re.compile(
     r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])"
@@ -66,7 +67,8 @@ class ForeignName:
     """What a column's name says."""
 
     channel: str  # channel of JointLog
-    rank: int  # place in the table of aliases; the smallest is the best
+    rank: tuple[int, int, int]  # the smallest is the best: measured, the better word, few words
+    words: tuple[str, ...]  # its words, lower case
     template: str  # the name with {i} for the joint's number, or {joint} for its name
     index: int | None  # the joint's number as written, 0- or 1-based, or None
     joint: str | None  # the joint's name, or None
@@ -75,30 +77,53 @@ class ForeignName:
 
 def parse_name(name: str) -> ForeignName | None:
     """Return what a column's name says, or None if it is no joint channel."""
-    text = name.strip()
-    if is_finger(text):
-        return None
-    match = next((found for pattern in _PATTERNS if (found := pattern.fullmatch(text))), None)
+    text = name.strip("- ")
+    units = " ".join(_BRACKETED_UNIT.findall(text))
+    bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), text)
+    match = None if is_finger(text) else next((m for one in _PATTERNS if (m := one.fullmatch(bare))), None)
     if match is None:
         return None
     parts = match.groupdict()
-    named, rank = _CHANNEL_OF[parts["quantity"].lower()]
-    channel = _in_context(named, parts["head"].lower())
+    words = _words(f"{parts['words']} {parts.get('more') or ''}")
+    channel = _channel(words, parts["head"])
     if channel is None:
         return None
-    place = next((group for group in ("index", "index2", "number", "joint") if parts.get(group) is not None), None)
-    template = text
-    if place is not None:
-        start, stop = match.span(place)
-        template = text[:start] + ("{joint}" if place == "joint" else "{i}") + text[stop:]
+    place = next((group for group in ("index", "bracketed", "joint") if parts.get(group) is not None), None)
+    start, stop = match.span(place) if place else (len(text), len(text))
+    of_word = {word: rank for among in QUANTITIES.values() for rank, word in enumerate(among)}
+    best = min((of_word[word] for word in words if word in of_word), default=len(of_word))
     return ForeignName(
         channel=channel,
-        rank=rank,
-        template=template,
+        rank=(not _MEASURED & {*words} if best < len(of_word) else 2, best, len(words)),
+        words=words,
+        template=text[:start] + {None: "", "joint": "{joint}"}.get(place, "{i}") + text[stop:],
         index=None if place in (None, "joint") else int(parts[place or ""]),
         joint=parts.get("joint"),
-        degrees="deg" in (parts["unit"] or "").lower() and named in ("q", "dq"),
+        degrees=channel in ("q", "dq") and bool(_DEGREES & {*words, *_words(units)}),
     )
+
+
+def _words(text: str) -> tuple[str, ...]:
+    return tuple(word.lower() for word in _WORD.findall(text))
+
+
+def _channel(words: Sequence[str], head: str) -> str | None:
+    """Return the channel of a name's words, and of what stands before them: a commanded effort is tau_J_d."""
+    own, context = {*words}, {*_words(head)}
+    is_desired = bool((own | context) & _COMMANDED) or "d" in own
+    found = {channel for channel, among in QUANTITIES.items() if own & {*among}}
+    found = {"dq"} if {"q", "dot"} <= own else found or ({"tau_J"} if own & _CURRENT and not is_desired else set())
+    made = {_TORQUES[word] for word in own & _TORQUES.keys()}
+    made |= {"tau_ext_hat_filtered"} if context & {"ext", "external"} else set()
+    if {"motor", "state"} <= context or words[0] == "d" or ("qd" in own and not own & _MEASURED):  # qd: or q desired
+        return None
+    if own & {"f", "friction"}:  # a friction torque is no measured one
+        return None if is_desired else _WHOLE_NAMES.get("_".join(words))
+    if found == {"tau_J"} and is_desired:  # a target or command beside the measured one may hold gravity
+        return None if made or own & _COMMANDED - {"desired"} else "tau_J_d"
+    if not is_desired and len(made) == 1 and (found == {"tau_J"} or (not found and made == {"gravity"})):
+        return made.pop()
+    return found.pop() if len(found) == 1 and not made and not is_desired else None
 
 
 def torque_unit(name: str) -> str:
@@ -130,17 +155,6 @@ def _place(name: str) -> tuple[str, int] | None:
     """Return the message ``field.`` and the index 3 of ``field.position.3``."""
     match = _ELEMENT.fullmatch(name.strip())
     return None if match is None else (match["head"], int(match["a"] or match["b"]))
-
-
-def _in_context(channel: str, head: str) -> str | None:
-    """Return the channel after a look at what stands before the quantity: a commanded effort is tau_J_d."""
-    if _COMMANDED.search(head):
-        return "tau_J_d" if channel in ("tau_J", "tau_J_d") else None
-    if _MOTOR_SIDE.search(head):
-        return None
-    if _EXTERNAL.search(head):
-        return "tau_ext_hat_filtered" if channel in ("tau_J", "tau_ext_hat_filtered") else None
-    return channel
 
 
 _SERIAL_KEYS = {f"{whose}serial{what}" for whose in ("", "robot_", "arm_") for what in ("", "_number")}

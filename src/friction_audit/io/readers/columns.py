@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import (
-    ALIASES,
+    QUANTITIES,
     ForeignName,
     Group,
     JointKey,
@@ -125,7 +125,7 @@ def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -
     """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque; ``first`` column of each channel."""
     alone = joints == 1 and columns.robot == "unknown" and first.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
     name = parse_name(first["tau_J"]) if alone and "tau_J" not in columns.stated else None
-    if name is None or ALIASES["tau_J"][name.rank] not in _AMBIGUOUS:
+    if name is None or len(name.words) > 1 or name.words[0] not in _AMBIGUOUS:
         return ()
     message = (
         f"column {first['tau_J']!r} was read as tau_J, the joint torque with gravity; if it is the interaction torque, "
@@ -189,12 +189,12 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
 
 def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
     """Return the columns whose names, numbers aside, nearly are a known name of the channel."""
-    known = ("t", "time", "stamp", "timestamp") if channel == "t" else (*ALIASES[channel],)
+    known = ("t", "time", "stamp", "timestamp") if channel == "t" else (channel.lower(), *QUANTITIES.get(channel, ()))
     stems: dict[str, str] = {}
     for name in names[:_COMPARED]:
         stems.setdefault(re.sub(r"[\W_]*\d+\W*$", "", name).lower(), name)
-    taken = {alias for aliases in ALIASES.values() for alias in aliases}
-    close = {match for alias in known for match in difflib.get_close_matches(alias, stems, n=2, cutoff=0.7)}
+    taken = {word for words in QUANTITIES.values() for word in words}
+    close = {match for word in known for match in difflib.get_close_matches(word, stems, n=2, cutoff=0.7)}
     return [f"{stems[stem]} ({channel})" for stem in stems if stem in close and stem not in taken and len(stem) > 1]
 
 

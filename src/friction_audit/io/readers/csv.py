@@ -313,7 +313,9 @@ def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
     texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
     if texts and not any(is_number(text, dialect.decimal) for text in texts):
         return str
-    exact = len(time.cells) > 1 or any(text.lstrip("-").isdigit() and len(text) >= _LONG_INTEGER for text in texts)
+    whole = [text.lstrip("-").isdigit() for text in texts]
+    long = any(is_whole and len(text) >= _LONG_INTEGER for is_whole, text in zip(whole, texts, strict=True))
+    exact = long or (len(time.cells) > 1 and all(whole))
     return np.int64 if exact else float
 
 
