@@ -221,7 +221,7 @@ def test_wrong_extension_is_read_by_its_content_and_noticed(
     ("content", "message"),
     [
         (b"", r"empty"),
-        (b"hello world\nthis is a text\n", r"no column for t and q and dq and a torque|does not begin as"),
+        (b"hello world\nthis is a text\n", r"no column for t and q and a torque|does not begin as"),
         (b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4, NOTHING),
         (b"\0" * 5000, NOTHING),
         (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", r"git lfs pull|does not begin"),

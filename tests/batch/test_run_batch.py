@@ -84,7 +84,7 @@ def test_a_bad_file_is_listed_and_not_tried_again(rig: Path, batch: Batch) -> No
     first = batch(rig)
     assert len(first.sessions) == 4
     assert [failed.path for failed in first.failed] == ["rig/bad.csv", "rig/empty.mcap"]
-    assert first.failed[0].message.startswith("no column for dq")
+    assert first.failed[0].message.startswith("no column for a torque")
     executor = Inline()
     second = batch(rig, executor=executor)
     assert second.failed == first.failed

@@ -81,7 +81,7 @@ def test_limits_come_before_failures(rig: Path, run: Run) -> None:
     (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
     answer = run("batch-report", rig, "--fail-on", "coulomb=15%", "-q")
     assert (answer.code, "limit exceeded:" in answer.out) == (5, True), answer
-    assert "failed: rig/bad.csv: no column for dq" in answer.out
+    assert "failed: rig/bad.csv: no column for a torque" in answer.out
     assert run("batch-report", rig, "--fail-on", "coulomb=60%", "-q").code == 6
 
 

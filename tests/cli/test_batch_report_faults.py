@@ -71,7 +71,7 @@ def test_what_is_no_file_sinks_nothing(rig: Path, run: Run, monkeypatch: pytest.
         }  # fmt: skip
         assert "a link to absent.csv" in failed["dangling.csv"]
         assert "a pipe or a device" in failed["pipe.csv"]
-        assert "no column for dq" in failed["bad\\udcff.csv"]
+        assert "no column for a torque" in failed["bad\\udcff.csv"]
     assert run("batch-report", rig / "dangling.csv", rig / "rig-2026-03-01.npz", "-q", "-o", "other").code == 6
 
 

@@ -109,3 +109,22 @@ def test_a_part_beyond_the_end_is_refused_with_the_duration(path: Path, monkeypa
     monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
     with pytest.raises(UsageError, match=r"0 samples between 5000 s .*the log lasts from 0 to"):
         read_log(path, ReadOptions(t_start_s=5000.0))
+
+
+@pytest.mark.parametrize("mapping", [{}, {"dq": "derivative"}])
+def test_a_velocity_is_made_from_the_position(tmp_path: Path, mapping: dict[str, str]) -> None:
+    """KUKA's FRI gives no velocity, and many ROS drivers leave it empty, or fill it with zeros."""
+    t = np.cumsum(np.random.default_rng(0).uniform(0.0008, 0.0012, 8000))  # an uneven clock
+    turn = 2.0 * np.pi * 0.5 * t
+    columns = {"time": t, "MeasuredJointPosition_A1": np.sin(turn), "MeasuredTorque_A1": np.sign(np.cos(turn))}
+    if mapping:
+        columns["dq_1"] = np.zeros(len(t))
+    path = tmp_path / "fri.csv"
+    np.savetxt(path, np.column_stack([*columns.values()]), header=",".join(columns), comments="", delimiter=",")
+    if mapping:
+        with pytest.raises(InputError, match=r"velocity was not recorded: .* --map dq=derivative"):
+            read_log(path)
+    log = read_log(path, ReadOptions(mapping=mapping))
+    np.testing.assert_allclose(log.dq[:, 0], np.pi * np.cos(turn), atol=0.01)
+    assert "velocity_derived" in {finding.code for finding in log.source.findings}
+    assert log.source.channels["dq"] == "derivative"

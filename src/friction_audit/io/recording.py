@@ -11,6 +11,8 @@ from friction_audit.joint_log import Finding, Float
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
+DERIVATIVE = "derivative"  # name of the velocity that is made from q
+HALF_WINDOW_S = 0.01  # of the parabola whose slope is the velocity: shorter than a change of direction by hand
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
 
@@ -187,6 +189,36 @@ class Recording:
     def name_of(self, channel: str, joint: int) -> str:
         """Return how messages call a channel of a joint (0-based)."""
         return f"{channel} ({self.mapping.get(channel, channel)}) of {self.joint_names[joint]}"
+
+
+def with_velocity(recording: Recording, *, anew: bool) -> Recording:
+    """Return the recording with the derivative of q as dq (Savitzky and Golay, 1964), where it has none or ``anew``.
+
+    A parabola is fitted to the samples within HALF_WINDOW_S of each: to q and to t over the sample's number, so that an
+    uneven clock does no harm. There is no phase shift.
+
+    Raises:
+        WholeLogError: If it is read block by block.
+    """
+    if ("dq" in recording.channels and not anew) or "q" not in recording.channels:
+        return recording
+    if recording.blocks is not None:
+        raise WholeLogError
+    from scipy.signal import savgol_filter
+
+    t, first, numbers = np.unique(recording.t, return_index=True, return_inverse=True)
+    half = max(2, round(HALF_WINDOW_S / float(np.median(np.diff(t))))) if len(t) > 1 else 2
+    width = 2 * half + 1
+    rate = np.full((len(t), len(recording.joint_names)), np.nan)
+    if len(t) >= width:
+        q = savgol_filter(recording.channels["q"][first], width, 2, deriv=1, axis=0)
+        rate = q / savgol_filter(t, width, 2, deriv=1)[:, np.newaxis]
+    message = f"dq is the derivative of q ({recording.mapping.get('q', 'q')}), by a parabola through {width} samples"
+    if not anew:
+        message = f"no velocity was found: {message}; if there is one by another name, use --map dq=NAME"
+    finding = Finding(code="velocity_derived", message=message)
+    channels = {**recording.channels, "dq": np.asfortranarray(rate[numbers])}
+    return replace(recording, channels=channels, mapping={**recording.mapping, "dq": DERIVATIVE}).with_findings(finding)
 
 
 def take_rows(t: Float, channels: dict[str, Float], rows: NDArray[Any]) -> Block:

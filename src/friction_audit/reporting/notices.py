@@ -15,7 +15,8 @@ from friction_audit.reporting.words import MARK, NEWTON_METRES, in_unit, joints_
 RECORDING = (
     "dropped_samples", "gap", "jitter", "low_rate", "stale_samples", "slow_state", "unordered", "batched_stamps",
     "duplicate_stamps", "clock_stopped", "clock_disagreement", "robot_time_unit", "time_unit", "incomplete_rows",
-    "incomplete_messages", "degrees", "degrees_suspected", "velocity_unit", "velocity_dead", "position_mismatch",
+    "incomplete_messages", "degrees", "degrees_suspected", "velocity_unit", "velocity_dead", "velocity_derived",
+    "position_mismatch",
     "torque_dead", "torque_ambiguous", "wild_samples", "non_finite", "no_numbers", "damaged_numbers", "truncated",
     "missing_messages", "undecodable_messages", "file_grew", "empty_channel", "sparse_channel", "channel_empty",
     "incomplete_channel", "empty_joint", "first_row", "first_part", "topic_chosen", "suffix_mismatch", "few_cycles",

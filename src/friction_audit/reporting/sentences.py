@@ -16,7 +16,7 @@ SENTENCES: Mapping[str, str] = {
     # preprocessing
     "dq_late": "{joints}: dq lags q by {lags} ms (velocity filter); the lag is corrected",
     "dq_other_clock": "{joints}: dq lags q by {lags} ms, more than a filter: another clock; all energies are wrong; "
-    "log q, dq and torque in one message, or shift the dq columns earlier",
+    "make the velocity from q with --map dq=derivative, or log q, dq and torque in one message",
     "tau_ext_filtered": "the delay of tau_ext_hat_filtered appears as viscous friction (5 ms: up to half of the "
     "coefficient); viscous values are only comparable between logs of this channel",
     "payload_missing": "tau_J differs from the Panda's model by more than {most:g} N m: a payload is missing; to "

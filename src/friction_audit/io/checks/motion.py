@@ -177,8 +177,8 @@ def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], cl
     dead = (travelled > _TRAVELLED) & (dq.highest == dq.lowest) & (turned < 0.5 * travelled)
     said = [
         f"{recording.name_of('dq', joint)} is {dq.sample[0, joint] + 0.0:g} in all {clock.rows} rows while q moves by "
-        f"{travelled[joint]:.3g}; its velocity was not recorded: name another column "
-        "with --map dq=<column>, or record it"
+        f"{travelled[joint]:.3g}; its velocity was not recorded: name another column with --map dq=<column>, or make "
+        "the velocity from q with --map dq=derivative"
         for joint in map(int, np.flatnonzero(dead))
     ]
     if said and dead.sum() == np.count_nonzero(travelled > _TRAVELLED):

@@ -53,7 +53,7 @@ _PATTERNS = tuple(
 )
 _BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z][^\]]*\]|\([^)]*\)")
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
-_SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z])")
+_SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z{\d])")
 _SAYS_CURRENT = re.compile(
     r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])"
 )

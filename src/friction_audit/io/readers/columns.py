@@ -22,7 +22,7 @@ from friction_audit.io.readers.time_column import TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
-REQUIRED = ("q", "dq")
+REQUIRED = ("q",)  # a velocity is made from the position where there is none
 _SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
@@ -86,9 +86,11 @@ def map_columns(
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
+    if needed and "dq" not in groups and _near_misses("dq", bare):
+        needed = (*needed, "dq")  # a velocity under a misspelt name is not made anew
     lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
     if time is None or lacks:
-        raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
+        raise InputError(_missing_message(bare, groups, needed or REQUIRED, found_time=time is not None, path=path))
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
@@ -170,9 +172,11 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
     return Group(template=template, cells=kept, names=names, degrees=next(iter(cells.values())).degrees)
 
 
-def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
+def _missing_message(
+    names: Sequence[str], groups: Mapping[str, Group], needed: Sequence[str], *, found_time: bool, path: str
+) -> str:
     wanted = [] if found_time else ["t"]
-    wanted += [channel for channel in REQUIRED if channel not in groups]
+    wanted += [channel for channel in needed if channel not in groups]
     torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
     listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
     near = [hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)]
@@ -182,8 +186,6 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
     examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted]
     examples += ["--map tau_J=<column with {i} for the joint>"] if torques else []
     parts.append(f"name what is missing with {' '.join(examples)}")
-    if "dq" in wanted and "q" in groups:
-        parts.append("dq is not made from q: a derivative of the position is too noisy for an energy balance")
     return "; ".join(parts)
 
 
@@ -202,7 +204,7 @@ def _align(
     groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str, needed: Sequence[str]
 ) -> ColumnMap:
     """Bring all channels to the same joints, in the same order."""
-    there = [c for c in REQUIRED if c in groups] or list(groups)
+    there = [c for c in ("q", "dq") if c in groups] or list(groups)
     reference = next((groups[c] for c in there if not groups[c].in_order), groups[there[0]])
     joints = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
     keys = _in_order_of_names(_sorted_keys(reference.cells), joints)
@@ -214,7 +216,7 @@ def _align(
         own = tuple(group.cells.values()) if fits else tuple(group.cells[key] for key in keys if key in group.cells)
         if len(own) == len(keys):
             channels[channel] = own
-        elif channel in REQUIRED or torques == [channel]:
+        elif channel in ("q", "dq") or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
             text = (

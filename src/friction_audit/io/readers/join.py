@@ -53,7 +53,7 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
 
 def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) -> None:
     """Refuse files that are no log together."""
-    lost = [c for c in ("q", "dq") if c not in joined.channels]
+    lost = [] if "q" in joined.channels else ["q"]
     lost += [] if joined.channels.keys() & {*TORQUE_CHANNELS} else [f"a torque ({', '.join(TORQUE_CHANNELS)})"]
     if lost:
         names = ", ".join(path.name for path, _ in parts)

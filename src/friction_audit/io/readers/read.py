@@ -32,7 +32,7 @@ from friction_audit.io.readers.reader import (
     refuse_lfs_pointer,
 )
 from friction_audit.io.readers.table import read_table
-from friction_audit.io.recording import Recording, WholeLogError
+from friction_audit.io.recording import DERIVATIVE, Recording, WholeLogError, with_velocity
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source
 from friction_audit.joint_numbers import require_joints, write_joint_numbers
 from friction_audit.log_in_blocks import LogInBlocks
@@ -76,6 +76,7 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen =
 
 
 def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLog:
+    options, anew = _velocity_anew(options)
     files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
     at, damage, mismatches = files[0], list[Finding](), list[Finding]()
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
@@ -90,7 +91,7 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
                 parts.append((at[0], part))
             at = files[0]
             recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
-            recording = _convert_torque(recording, options, str(path))
+            recording = _convert_torque(with_velocity(recording, anew=anew), options, str(path))
             recording = _examined(recording, options, str(path), listen)
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
@@ -116,6 +117,13 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
     return replace(log, source=replace(log.source, joined=joined)) if joined else log
 
 
+def _velocity_anew(options: ReadOptions) -> tuple[ReadOptions, bool]:
+    """Return what is left for a reader to do, and whether ``--map dq=derivative`` asks for a velocity made from q."""
+    anew = options.mapping.get("dq") == DERIVATIVE
+    mapping = {channel: name for channel, name in options.mapping.items() if not anew or channel != "dq"}
+    return replace(options, mapping=mapping), anew
+
+
 def _own_options(options: ReadOptions, *, first: bool) -> ReadOptions:
     """Return how one of several files is read: the parts and the topic are those of the first one."""
     if not options.join:
@@ -138,7 +146,9 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
         InputError: If it cannot be read as a joint log.
     """
     arrays = arrays_of_frame(frame, name)
-    recording = _convert_torque(read_table(ArrayTable(Path(name), arrays), options), options, name)
+    options, anew = _velocity_anew(options)
+    recording = with_velocity(read_table(ArrayTable(Path(name), arrays), options), anew=anew)
+    recording = _convert_torque(recording, options, name)
     recording = _doubt_current(_examined(recording, options, name, lambda _: None))
     digest = sha256()
     for column, array in arrays.items():
