@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.io.readers.message_layout import Layout, LayoutError, find_layout
-from friction_audit.io.readers.message_stream import Block, block_of_payloads
+from friction_audit.io.readers.message_layout import Layout, find_layout
+from friction_audit.io.readers.message_stream import Block, BrokenError, block_of_payloads
 from tests.io.bag_writing import header, ros1_store, ros2_store
 
 STORES = {"ros1": ros1_store(), "cdr": ros2_store()}
@@ -111,5 +111,5 @@ def test_layout_of_a_cdr_message_known_by_hand() -> None:
     ids=["empty", "header only", "cut off", "too long"],
 )
 def test_payload_that_does_not_fit_has_no_layout(payload: bytes) -> None:
-    with pytest.raises(LayoutError):
+    with pytest.raises(BrokenError):
         layout_of("cdr", payload)

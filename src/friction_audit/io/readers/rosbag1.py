@@ -2,6 +2,7 @@
 
 import re
 import struct
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from io import BytesIO
@@ -16,6 +17,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
     Block,
     BlockCollector,
+    BrokenError,
     Connection,
     Heads,
     MessageStream,
@@ -31,10 +33,6 @@ _LARGEST_HEADER = 1 << 24  # a header names a topic, a time and a size; definiti
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 _NANOSECONDS = 10**9
-
-
-class BrokenRecordError(Exception):
-    """The bag has no whole record here."""
 
 
 class Chunk(NamedTuple):
@@ -59,7 +57,7 @@ class Rosbag1Stream(MessageStream):
         """Find chunks and connections; InputError if this is no such bag, or nothing in it is whole."""
         super().__init__(path)
         self._connections: dict[int, dict[str, bytes]] = {}
-        self._counts: dict[int, int] = {}
+        self._counts = Counter[int]()
         self._chunks: list[Chunk] = []
         self._times: dict[int, tuple[int, int]] = {}
         self._uncounted = 0  # of the chunks, the last ones, which no index follows
@@ -69,22 +67,16 @@ class Rosbag1Stream(MessageStream):
             counted = self._chunks[: len(self._chunks) - self._uncounted]
             for chunk, data in self._unpacked():  # connections are in the chunks themselves, too
                 for block in self._find_messages(chunk, data, None):
-                    if chunk not in counted:
-                        self._counts[block.key] = self._counts.get(block.key, 0) + len(block)
-        if self._damage and not self._connections:
-            raise InputError(
-                f"{path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first whole "
-                "message; nothing can be saved; copy it again or record again"
-            )
+                    self._counts[block.key] += 0 if chunk in counted else len(block)
+        self._refuse_without(self._connections, "message")
         self.connections = tuple(
             Connection(
                 key=key,
                 topic=header["topic"].decode(errors="replace"),
                 type=header.get("type", b"").decode(errors="replace").replace("/", "/msg/", 1),
                 encoding="ros1",
-                definition=header.get("message_definition", b""),
-                definition_format="ros1msg",
-                messages=self._counts.get(key, 0),
+                definition=("ros1msg", header.get("message_definition", b"")),
+                messages=self._counts[key],
             )
             for key, header in self._connections.items()
         )
@@ -113,7 +105,7 @@ class Rosbag1Stream(MessageStream):
                 header, size = _read_header(file)
                 start = file.tell()
                 self._survey_record(file, header, (offset, start), size)
-            except BrokenRecordError as error:
+            except BrokenError as error:
                 self._note(offset, str(error))
                 return
             file.seek(start + size)
@@ -130,14 +122,13 @@ class Rosbag1Stream(MessageStream):
             self._chunks.append(Chunk(*place, packed, compression, claimed, unfinished))
             self._uncounted += 1
             if unfinished:
-                raise BrokenRecordError("the last chunk has no end")
+                raise BrokenError("the last chunk has no end")
         elif size > left:
-            raise BrokenRecordError("a record is cut off")
+            raise BrokenError("a record is cut off")
         elif kind == _CONNECTION:
             self._learn(header, file.read(size))
         elif kind == _INDEX:
-            key = _number(header, "conn")
-            self._counts[key] = self._counts.get(key, 0) + _number(header, "count")
+            self._counts[_number(header, "conn")] += _number(header, "count")
             self._uncounted = 0
         elif kind == _CHUNK_INFO:
             place_of_chunk = int.from_bytes(header.get("chunk_pos", b""), "little")
@@ -157,7 +148,7 @@ class Rosbag1Stream(MessageStream):
                     header, size = _read_header(stream)
                     start = stream.tell()
                     if start + size > len(data):
-                        raise BrokenRecordError("a record in a chunk is cut off or broken")  # noqa: TRY301
+                        raise BrokenError("a record in a chunk is cut off or broken")  # noqa: TRY301
                     if _kind(header) == _MESSAGE:
                         heads = _heads_like(data[position:start])
                     else:
@@ -166,9 +157,9 @@ class Rosbag1Stream(MessageStream):
                     continue
                 key, sec, nsec, size = struct.unpack("<4I", match["conn"] + match["time"] + match["length"])
                 if match.end() + size > len(data):
-                    raise BrokenRecordError("a message runs over the end of its chunk")  # noqa: TRY301
+                    raise BrokenError("a message runs over the end of its chunk")  # noqa: TRY301
                 position += collector.add(key, sec * _NANOSECONDS + nsec, match.end(), size, heads)
-        except BrokenRecordError as error:
+        except BrokenError as error:
             if not chunk.unfinished:
                 self._note(chunk.offset, str(error))
         return collector.finish()
@@ -188,11 +179,11 @@ def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
         start = file.tell()
         claimed = int.from_bytes(file.read(_LENGTH.size), "little")
         if claimed > _LARGEST_HEADER:
-            raise BrokenRecordError(f"a record's header claims {claimed} bytes")
+            raise BrokenError(f"a record's header claims {claimed} bytes")
         file.seek(start)
         return Header.read(file), int(_LENGTH.unpack(file.read(_LENGTH.size))[0])
     except (ReaderError, UnicodeDecodeError, struct.error, OSError) as error:
-        raise BrokenRecordError("a record is cut off, or its header is broken") from error
+        raise BrokenError("a record is cut off, or its header is broken") from error
 
 
 def _kind(header: Mapping[str, bytes]) -> int:
@@ -202,7 +193,7 @@ def _kind(header: Mapping[str, bytes]) -> int:
 def _field(header: Mapping[str, bytes], name: str, size: int = _LENGTH.size) -> bytes:
     value = header.get(name, b"")
     if len(value) != size:
-        raise BrokenRecordError(f"a record's header has no {name}")
+        raise BrokenError(f"a record's header has no {name}")
     return value
 
 
@@ -215,7 +206,7 @@ def _heads_like(head: bytes) -> Heads:
     conn, time = head.find(b"\x09\0\0\0conn=") + 9, head.find(b"\x0d\0\0\0time=") + 9  # each with its length
     end = len(head) - _LENGTH.size
     if min(conn, time) < 9 or conn + 4 > end or time + 8 > end:  # noqa: PLR2004
-        raise BrokenRecordError("a message record has no connection or no time")
+        raise BrokenError("a message record has no connection or no time")
     text, copied = b"", 0
     for name, begin, stop in sorted(((b"conn", conn, conn + 4), (b"time", time, time + 8)), key=itemgetter(1)):
         text += re.escape(head[copied:begin]) + b"(?P<%b>.{%d})" % (name, stop - begin)
