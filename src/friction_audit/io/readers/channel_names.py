@@ -49,9 +49,13 @@ _PATTERNS = tuple(
         rf"{_HEAD}(?P<quantity>{_QUANTITY})[./]{_NAMED_JOINT}{_UNIT}",
     )
 )
-_COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|goal|reference|action)(?:[^a-z]|$)")
-_MOTOR_SIDE = re.compile(r"motor_state")
-_EXTERNAL = re.compile(r"tau_ext|external")
+# What stands before a quantity -> the channels that it then can be: a commanded effort is tau_J_d.
+_CONTEXTS: tuple[tuple[re.Pattern[str], dict[str, str]], ...] = (
+    (re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|goal|reference|action)(?:[^a-z]|$)"),
+     dict.fromkeys(("tau_J", "tau_J_d"), "tau_J_d")),
+    (re.compile(r"motor_state"), {}),
+    (re.compile(r"tau_ext|external"), dict.fromkeys(("tau_J", "tau_ext_hat_filtered"), "tau_ext_hat_filtered")),
+)  # fmt: skip
 _SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z])")
 _SAYS_CURRENT = re.compile(
     r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])"
@@ -83,7 +87,8 @@ def parse_name(name: str) -> ForeignName | None:
         return None
     parts = match.groupdict()
     named, rank = _CHANNEL_OF[parts["quantity"].lower()]
-    channel = _in_context(named, parts["head"].lower())
+    head = parts["head"].lower()
+    channel = next((known.get(named) for context, known in _CONTEXTS if context.search(head)), named)
     if channel is None:
         return None
     place = next((group for group in ("index", "index2", "number", "joint") if parts.get(group) is not None), None)
@@ -130,17 +135,6 @@ def _place(name: str) -> tuple[str, int] | None:
     """Return the message ``field.`` and the index 3 of ``field.position.3``."""
     match = _ELEMENT.fullmatch(name.strip())
     return None if match is None else (match["head"], int(match["a"] or match["b"]))
-
-
-def _in_context(channel: str, head: str) -> str | None:
-    """Return the channel after a look at what stands before the quantity: a commanded effort is tau_J_d."""
-    if _COMMANDED.search(head):
-        return "tau_J_d" if channel in ("tau_J", "tau_J_d") else None
-    if _MOTOR_SIDE.search(head):
-        return None
-    if _EXTERNAL.search(head):
-        return "tau_ext_hat_filtered" if channel in ("tau_J", "tau_ext_hat_filtered") else None
-    return channel
 
 
 _SERIAL_KEYS = {f"{whose}serial{what}" for whose in ("", "robot_", "arm_") for what in ("", "_number")}

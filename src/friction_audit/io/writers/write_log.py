@@ -31,13 +31,11 @@ def _write_parquet(log: JointLog, path: Path) -> None:
 def _write_parquet_lists(log: JointLog, path: Path) -> None:
     import pyarrow as pa
 
-    lists = {
-        name: pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1]).cast(
-            pa.list_(pa.float64())
-        )
-        for name, channel in log.channels().items()
-    }
-    _write(pa.table({"time": pa.array(log.t), **lists}), log, path)
+    columns = {"time": pa.array(log.t)}
+    for name, channel in log.channels().items():
+        lists = pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1])
+        columns[name] = lists.cast(pa.list_(pa.float64()))
+    _write(pa.table(columns), log, path)
 
 
 def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
@@ -61,26 +59,17 @@ def _write_npz(log: JointLog, path: Path) -> None:
         np.savez_compressed(stream, joint_names=np.array(log.joint_names), **arrays)
 
 
-PARQUET = Writer(
-    name="parquet",
-    suffix=".parquet",
-    write=_write_parquet,
-    summary="tidy Parquet, one column per channel and joint; every channel, to the bit",
-)
-PARQUET_LISTS = Writer(
-    name="parquet-lists",
-    suffix=".parquet",
-    write=_write_parquet_lists,
-    summary="Parquet with one list-valued column per channel",
-)
-NPZ = Writer(
-    name="npz",
-    suffix=".npz",
-    write=_write_npz,
-    summary="NumPy archive with the keys of panda-py's get_log(); milliseconds, other numbers to the bit",
-    lossless=False,
-)
-WRITERS: tuple[Writer, ...] = (PARQUET, PARQUET_LISTS, *CSV_DIALECTS, NPZ, *BAGS, *MCAP_DIALECTS)
+WRITERS: tuple[Writer, ...] = (
+    Writer("parquet", ".parquet", _write_parquet,
+           "tidy Parquet, one column per channel and joint; every channel, to the bit"),
+    Writer("parquet-lists", ".parquet", _write_parquet_lists, "Parquet with one list-valued column per channel"),
+    *CSV_DIALECTS,
+    Writer("npz", ".npz", _write_npz,
+           "NumPy archive with the keys of panda-py's get_log(); milliseconds, other numbers to the bit",
+           lossless=False),
+    *BAGS,
+    *MCAP_DIALECTS,
+)  # fmt: skip
 
 
 def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrite: bool = False) -> Writer:
@@ -95,23 +84,19 @@ def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrit
 def choose_writer(path: Path, dialect: str | None = None) -> Writer:
     """Return the writer of a dialect, or the first one of the file name's ending."""
     suffix = path.suffix.lower()
-    if dialect is None:
-        found = next((writer for writer in WRITERS if writer.suffix and writer.suffix == suffix), None)
-        if found is None:
-            endings = ", ".join(dict.fromkeys(writer.suffix for writer in WRITERS if writer.suffix))
-            raise UsageError(f"{path}: ending {suffix or 'missing'}: expected one of {endings}, or name a --dialect")
-        return found
-    named = next((writer for writer in WRITERS if writer.name == dialect), None)
-    if named is None:
+    ending = f"{path}: ending {suffix or 'missing'}"
+    found = next((one for one in WRITERS if (one.name == dialect if dialect else one.suffix == suffix != "")), None)
+    if found is None and dialect is None:
+        endings = ", ".join(dict.fromkeys(writer.suffix for writer in WRITERS if writer.suffix))
+        raise UsageError(f"{ending}: expected one of {endings}, or name a --dialect")
+    if found is None:
         names = [writer.name for writer in WRITERS]
-        near = get_close_matches(dialect, names, n=2, cutoff=0.5)
+        near = get_close_matches(str(dialect), names, n=2, cutoff=0.5)
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise UsageError(f"--dialect {dialect}: expected one of {', '.join(names)}{hint}")
-    if named.suffix and named.suffix != suffix:
-        raise UsageError(
-            f"{path}: ending {suffix or 'missing'}: the dialect {dialect} writes {named.suffix}; rename it"
-        )
-    return named
+    if found.suffix not in ("", suffix):
+        raise UsageError(f"{ending}: the dialect {dialect} writes {found.suffix}; rename it")
+    return found
 
 
 def check_fit(log: JointLog, writer: Writer) -> None:
