@@ -106,7 +106,7 @@ class McapStream(MessageStream):
                     yield begin, bytes(loose)
                     loose.clear()
                 reason = "it ends without the closing records" if opcode is None else "a record is cut off"
-                if opcode == _CHUNK and (is_cut or window is None or not window.leaves_out(_times_of_chunk(file))):
+                if opcode == _CHUNK and (is_cut or window is None or window.keeps(*_times_of_chunk(file)).any()):
                     reason = "the last chunk is cut off; its whole messages were read without its checksum"
                     yield from self._records_of_chunk(file, offset, length, cut=is_cut)
                 if is_cut:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from friction_audit.errors import InputError
 
@@ -106,6 +106,10 @@ class Block:
     def __len__(self) -> int:
         return len(self.log_time)
 
+    def at(self, kept: NDArray[np.bool_]) -> "Block":
+        """Return some of the messages."""
+        return Block(self.key, self.log_time[kept], self.buffer, self.start[kept], self.size[kept])
+
     def payload(self, index: int) -> bytes:
         """Return one payload."""
         first = int(self.start[index])
@@ -126,23 +130,14 @@ class Window:
     after: bool = False  # true if messages after it were left out
     latest: float = -inf  # latest log time of the messages left out before it [ns]
 
-    def leaves_out(self, times: tuple[int, int]) -> bool:
-        """Return True if messages from one log time to another lie outside; times that run back are not trusted."""
-        first, last = times
-        earlier, later = first <= last < self.first, last >= first > self.last
-        self.after |= later
-        if earlier:
-            self.before, self.latest = True, max(self.latest, last)
-        return earlier or later
-
-    def part_of(self, block: Block) -> Block:
-        """Return the messages of a block that lie inside."""
-        earlier, later = block.log_time < self.first, block.log_time > self.last
+    def keeps(self, first: ArrayLike, last: ArrayLike) -> NDArray[np.bool_]:
+        """Return which stretches of log time reach inside, and note what does not; one that runs back is kept."""
+        first, last = np.atleast_1d(first), np.atleast_1d(last)
+        earlier, later = (first <= last) & (last < self.first), (first <= last) & (first > self.last)
         self.after |= bool(later.any())
         if earlier.any():
-            self.before, self.latest = True, max(self.latest, float(block.log_time[earlier].max()))
-        kept = ~(earlier | later)
-        return Block(block.key, block.log_time[kept], block.buffer, block.start[kept], block.size[kept])
+            self.before, self.latest = True, max(self.latest, float(last[earlier].max()))
+        return ~(earlier | later)
 
 
 @dataclass(frozen=True, slots=True)

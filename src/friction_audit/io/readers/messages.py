@@ -228,7 +228,7 @@ def _collect(
     """Decode the messages of the topic chosen; returns how many each connection has."""
     seen: Counter[int] = Counter()
     for found in stream.blocks(list(decoder.chosen.decoders), window):
-        block = window.part_of(found) if window else found
+        block = found.at(window.keeps(found.log_time, found.log_time)) if window else found
         seen[block.key] += len(block)
         if len(block):
             samples.add(decoder.decode(block))

@@ -90,7 +90,7 @@ class Rosbag1Stream(MessageStream):
         """Yield the chunks whose records can be decompressed."""
         with open_log(self._path) as file:
             for chunk in self._chunks:
-                if window and chunk.record in self._times and window.leaves_out(self._times[chunk.record]):
+                if window and not window.keeps(*self._times.get(chunk.record, (1, 0))).any():
                     continue
                 file.seek(chunk.offset)
                 packed = file.read(chunk.size)
