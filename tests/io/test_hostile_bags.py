@@ -32,7 +32,7 @@ from tests.io.bag_writing import (
     write_rosbag2,
 )
 
-BOMB_BYTES = 300 << 20
+BOMB_BYTES = 40 << 20  # in some kB
 ZEROS = bytes(1 << 20)
 KIND = "foxglove.JointStates"
 JOINT_STATE = "sensor_msgs/msg/JointState"
