@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
@@ -213,12 +212,8 @@ def _heads_like(head: bytes) -> Heads:
         copied = stop
     text += re.escape(head[copied:end]) + b"(?P<length>.{4})"
     constant = (slice(time), slice(time + 8, len(head)))
-    return Heads(len(head), constant, time, _in_ns, re.compile(text, re.DOTALL))
-
-
-def _in_ns(clock: NDArray[np.uint8]) -> NDArray[np.int64]:
-    sec, nsec = clock.view("<u4").T
-    return np.asarray(sec.astype(np.int64) * _NANOSECONDS + nsec)
+    pattern = re.compile(text, re.DOTALL)
+    return Heads(len(head), constant, time, lambda one: one.view("<u4").astype(np.int64) @ (_NANOSECONDS, 1), pattern)
 
 
 read, topics = partial(read_messages, Rosbag1Stream), partial(topics_of, Rosbag1Stream)

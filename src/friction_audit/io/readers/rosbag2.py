@@ -77,7 +77,9 @@ def _opened(path: Path) -> Iterator[MessageStream]:
 
 def _storage_files(path: Path, metadata: str) -> list[Path]:
     """Find the storage files of a bag, in the order of their numbers."""
-    names = sorted((one.name for one in path.iterdir() if one.name.endswith(_STORAGE_NAMES)), key=_by_number)
+    by_number = [(re.split(r"(\d+)", file.name), file.name) for file in path.iterdir()]
+    by_number.sort(key=lambda one: [(int(part), "") if part.isdigit() else (-1, part) for part in one[0]])
+    names = [name for _, name in by_number if name.endswith(_STORAGE_NAMES)]
     listed = [Path(text).name for text in _ITEM.findall(metadata) if text.endswith(_STORAGE_NAMES)]
     if not names:
         raise InputError(f"{path}: no storage file; expected *.db3 or *.mcap in the directory of a ROS 2 bag")
@@ -96,10 +98,6 @@ def _storage_files(path: Path, metadata: str) -> list[Path]:
             "give one of the files"
         )
     return [path / name for name in names]
-
-
-def _by_number(name: str) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
 
 
 def _decompress_file(path: Path, folder: Path) -> Path:

@@ -5,8 +5,9 @@ A format is added by writing one file and naming its records in WRITERS.
 
 import json
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,36 +19,22 @@ from friction_audit.io.writers.ros_messages import BAGS
 from friction_audit.io.writers.tables import Writer, tidy_columns
 from friction_audit.joint_log import JointLog
 
-if TYPE_CHECKING:
+
+def _write_parquet(log: JointLog, path: Path, *, lists: bool = False) -> None:
+    """Write a compressed table, of scalars or of lists, with the joints' names in its key-value metadata."""
     import pyarrow as pa
-
-
-def _write_parquet(log: JointLog, path: Path) -> None:
-    import pyarrow as pa
-
-    _write(pa.table({name: pa.array(column) for name, column in tidy_columns(log).items()}), log, path)
-
-
-def _write_parquet_lists(log: JointLog, path: Path) -> None:
-    import pyarrow as pa
-
-    columns = {"time": pa.array(log.t)}
-    for name, channel in log.channels().items():
-        lists = pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1])
-        columns[name] = lists.cast(pa.list_(pa.float64()))
-    _write(pa.table(columns), log, path)
-
-
-def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
-    """Write a table compressed, with the joints' names in its key-value metadata."""
     import pyarrow.parquet as pq
 
+    columns = {name: pa.array(column) for name, column in ({"time": log.t} if lists else tidy_columns(log)).items()}
+    for name, channel in log.channels().items() if lists else ():
+        of_one_length = pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1])
+        columns[name] = of_one_length.cast(pa.list_(pa.float64()))
     notes = {"joint_names": json.dumps(log.joint_names), "robot": log.source.robot}
     if log.source.start_s is not None:
         notes["start_s"] = repr(log.source.start_s)
     if log.source.serial:
         notes["serial"] = log.source.serial
-    pq.write_table(table.replace_schema_metadata(notes), path, compression="zstd", write_page_checksum=True)
+    pq.write_table(pa.table(columns).replace_schema_metadata(notes), path, compression="zstd", write_page_checksum=True)
 
 
 def _write_npz(log: JointLog, path: Path) -> None:
@@ -62,7 +49,8 @@ def _write_npz(log: JointLog, path: Path) -> None:
 WRITERS: tuple[Writer, ...] = (
     Writer("parquet", ".parquet", _write_parquet,
            "tidy Parquet, one column per channel and joint; every channel, to the bit"),
-    Writer("parquet-lists", ".parquet", _write_parquet_lists, "Parquet with one list-valued column per channel"),
+    Writer("parquet-lists", ".parquet", partial(_write_parquet, lists=True),
+           "Parquet with one list-valued column per channel"),
     *CSV_DIALECTS,
     Writer("npz", ".npz", _write_npz,
            "NumPy archive with the keys of panda-py's get_log(); milliseconds, other numbers to the bit",
