@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 
 from friction_audit.io.readers.message_layout import Layout, find_layout
 from friction_audit.io.readers.message_stream import Block, block_of_payloads
-from tests.io.bag_writing import header, ros1_store, ros2_store
+from tests.io.bag_writing import JOINT_STATE, header, ros1_store, ros2_store
 
 STORES = {"ros1": ros1_store(), "cdr": ros2_store()}
-KIND = "sensor_msgs/msg/JointState"
 NUMBERS = ("header.stamp.sec", "header.stamp.nanosec", "position", "velocity", "effort")
 any_name = st.text(st.characters(codec="utf-8", exclude_characters="\x00"), max_size=12)
 
@@ -24,7 +23,7 @@ def same_layout(draw: st.DrawFn) -> tuple[str, list[Any]]:
     names, frame = draw(st.lists(any_name, max_size=5)), draw(any_name)
     lengths = [draw(st.integers(0, 5)) for _ in range(3)]
     numbers = [st.lists(st.floats(width=64, allow_nan=True), min_size=k, max_size=k) for k in lengths]
-    kind: Any = STORES[encoding].types[KIND]
+    kind: Any = STORES[encoding].types[JOINT_STATE]
     return encoding, [
         kind(header(STORES[encoding], index, frame), names, *(np.array(draw(one), np.float64) for one in numbers))
         for index in range(draw(st.integers(1, 6)))
@@ -33,11 +32,11 @@ def same_layout(draw: st.DrawFn) -> tuple[str, list[Any]]:
 
 def serialise(encoding: str, message: Any) -> bytes:
     store = STORES[encoding]
-    return bytes((store.serialize_cdr if encoding == "cdr" else store.serialize_ros1)(message, KIND))
+    return bytes((store.serialize_cdr if encoding == "cdr" else store.serialize_ros1)(message, JOINT_STATE))
 
 
 def layout_of(encoding: str, payload: bytes) -> Layout:
-    return find_layout(payload, KIND, STORES[encoding].fielddefs, encoding=encoding)
+    return find_layout(payload, JOINT_STATE, STORES[encoding].fielddefs, encoding=encoding)
 
 
 @settings(max_examples=50)
@@ -50,7 +49,7 @@ def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], da
     assert records is not None
     for record, payload in zip(records, payloads, strict=True):
         store = STORES[encoding]
-        reference: Any = (store.deserialize_cdr if encoding == "cdr" else store.deserialize_ros1)(payload, KIND)
+        reference: Any = (store.deserialize_cdr if encoding == "cdr" else store.deserialize_ros1)(payload, JOINT_STATE)
         assert list(layout.strings["name"]) == reference.name
         assert layout.strings["header.frame_id"] == (reference.header.frame_id,)
         assert record["header.stamp.nanosec"][0] == reference.header.stamp.nanosec
@@ -64,7 +63,7 @@ def test_equals_the_librarys_decoder_bit_for_bit(case: tuple[str, list[Any]], da
 
 @pytest.mark.parametrize("gaps", [(0, 0), (5, 5), (3, 11)], ids=["joined", "even", "uneven"])
 def test_a_message_known_by_hand_wherever_it_lies(gaps: tuple[int, int]) -> None:
-    kind: Any = STORES["cdr"].types[KIND]
+    kind: Any = STORES["cdr"].types[JOINT_STATE]
     values = np.array([1.0, 2.0])
     names = ["a_joint1", "a_joint2"]
     payload = serialise("cdr", kind(header(STORES["cdr"], 0, "base"), names, values, -values, 10 * values))

@@ -17,6 +17,7 @@ from mcap.writer import CompressionType
 from friction_audit.errors import InputError
 from friction_audit.io.readers import read_log
 from tests.io.bag_writing import (
+    JOINT_STATE,
     STEP_NS,
     damage,
     joint_states,
@@ -35,7 +36,6 @@ from tests.io.test_rosbag2 import edited, execute
 BOMB_BYTES = 40 << 20  # in some kB
 ZEROS = bytes(1 << 20)
 KIND = "foxglove.JointStates"
-JOINT_STATE = "sensor_msgs/msg/JointState"
 
 
 def zstd_bomb() -> bytes:

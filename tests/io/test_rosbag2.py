@@ -15,6 +15,7 @@ from friction_audit.io.readers import list_topics, read_log, rosbag2
 from friction_audit.io.readers.message_decoder import _ERRORS, _FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.io.readers.reader import ReadOptions
 from tests.io.bag_writing import (
+    JOINT_STATE,
     JOINTS,
     STEP_NS,
     Samples,
@@ -92,7 +93,7 @@ def test_storage_file_that_metadata_lists_is_gone(tmp_path: Path) -> None:
 def test_messages_that_lack_joints(tmp_path: Path) -> None:
     values = samples(10)
     messages = [(stamp_ns(i), joint_state(STORE, i, values, names=JOINTS[: 7 - i % 2])) for i in range(10)]
-    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", "sensor_msgs/msg/JointState", messages)]))
+    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", JOINT_STATE, messages)]))
     assert np.isnan(recording.channels["q"][1::2, 6]).all()
     np.testing.assert_array_equal(recording.channels["q"][:, :6], values["q"][:, :6])
     assert [finding.code for finding in recording.findings] == ["incomplete_messages"]
@@ -134,7 +135,7 @@ def test_franka_state_of_no_known_generation(tmp_path: Path) -> None:
 def test_big_endian_messages_are_decoded_one_by_one(tmp_path: Path) -> None:
     values = samples(10)
     messages = (joint_state(STORE, i, values) for i in range(10))
-    payloads = (bytes(STORE.serialize_cdr(one, "sensor_msgs/msg/JointState", little_endian=False)) for one in messages)
+    payloads = (bytes(STORE.serialize_cdr(one, JOINT_STATE, little_endian=False)) for one in messages)
     commands = [("UPDATE messages SET data = ? WHERE id = ?", (one, i)) for i, one in enumerate(payloads, start=1)]
     assert_read(read(edited(tmp_path, 10, *commands)[0]), values)
 
@@ -284,7 +285,7 @@ def test_directory_without_storage(tmp_path: Path) -> None:
 
 
 def test_a_topic_without_messages(tmp_path: Path) -> None:
-    path = write_rosbag2(tmp_path / "silent", STORE, [("/joint_states", "sensor_msgs/msg/JointState", [])])
+    path = write_rosbag2(tmp_path / "silent", STORE, [("/joint_states", JOINT_STATE, [])])
     with pytest.raises(InputError, match=r"/joint_states .*0 messages"):
         read(path)
     with pytest.raises(InputError, match="topic /joint_states has no messages"):
