@@ -1,4 +1,5 @@
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -33,18 +34,28 @@ def test_the_file_appears_only_when_the_block_succeeds(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
-def test_a_failure_leaves_nothing_and_keeps_what_was_there(tmp_path: Path) -> None:
-    target = tmp_path / "result.json"
-    target.write_text("old")
-    with pytest.raises(ZeroDivisionError), whole_file(target, overwrite=True) as draft:
-        fail_half_way(draft)
-    assert target.read_text() == "old"
-    assert list(tmp_path.iterdir()) == [target]
-
-
 def fail_half_way(draft: Path) -> None:
     draft.write_text("half")
-    raise ZeroDivisionError
+    raise ZeroDivisionError("half way")
+
+
+def fill_the_disk(draft: Path) -> None:
+    draft.write_text("half of it")
+    Path("/dev/full").write_text("the other half")
+
+
+@pytest.mark.parametrize(
+    ("fail", "error", "words"),
+    [(fail_half_way, ZeroDivisionError, "half way"), (fill_the_disk, UsageError, r"result.json: .*No space.*room")],
+)
+def test_a_failure_leaves_nothing_and_keeps_what_was_there(
+    fail: Callable[[Path], None], error: type[Exception], words: str, tmp_path: Path
+) -> None:
+    target = tmp_path / "result.json"
+    target.write_text("old")
+    with pytest.raises(error, match=words), whole_file(target, overwrite=True) as draft:
+        fail(draft)
+    assert state(tmp_path) == {"result.json": b"old"}
 
 
 def test_a_bag_is_refused_unless_asked_and_then_replaced_whole(tmp_path: Path) -> None:
@@ -112,55 +123,31 @@ def test_a_link_stays_and_its_target_is_written(tmp_path: Path) -> None:
         pass
 
 
-@pytest.mark.parametrize("where", ["absent/file.csv", "link.csv"])
-def test_a_link_that_no_file_can_be_written_through_is_refused(where: str, tmp_path: Path) -> None:
-    link = tmp_path / "link.csv"
-    link.symlink_to(where)
-    with pytest.raises(UsageError, match="is a link"), whole_file(link, overwrite=True):
-        pass
-    assert link.readlink() == Path(where)
-    assert list(tmp_path.iterdir()) == [link]
-
-
-def test_what_is_no_regular_file_is_not_replaced(tmp_path: Path) -> None:
-    pipe = tmp_path / "pipe.csv"
-    os.mkfifo(pipe)
-    with pytest.raises(UsageError, match="no regular file"), whole_file(pipe, overwrite=True):
-        pass
-    assert pipe.is_fifo()
-
-
-def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("nowhere.csv", "is a link"),
+        ("itself.csv", "is a link"),
+        ("pipe.csv", "no regular file"),
+        ("file/out.json", r"cannot be written.*choose another place"),
+    ],
+)
+def test_places_where_nothing_can_be_written_are_refused(name: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "nowhere.csv").symlink_to("absent/file.csv")
+    (tmp_path / "itself.csv").symlink_to("itself.csv")
     (tmp_path / "file").touch()
-    with (
-        pytest.raises(UsageError, match=r"cannot be written.*choose another place"),
-        whole_file(tmp_path / "file" / "out.json"),
-    ):
-        pass
-
-
-def test_a_disk_that_is_full_is_said_and_nothing_is_left(tmp_path: Path) -> None:
-    target = tmp_path / "result.json"
-    target.write_text("old")
+    os.mkfifo(tmp_path / "pipe.csv")
     before = state(tmp_path)
-    with pytest.raises(UsageError, match=r"result.json: .*No space.*room"), whole_file(target, overwrite=True) as draft:
-        fill_the_disk(draft)
+    with pytest.raises(UsageError, match=words), whole_file(tmp_path / name, overwrite=True):
+        pass
     assert state(tmp_path) == before
+    assert (tmp_path / "nowhere.csv").readlink() == Path("absent/file.csv")
+    assert (tmp_path / "pipe.csv").is_fifo()
 
 
-def fill_the_disk(draft: Path) -> None:
-    draft.write_text("half of it")
-    Path("/dev/full").write_text("the other half")
-
-
-@pytest.mark.parametrize(("length", "fits"), [(255, True), (256, False)])
-def test_names_as_long_as_names_can_be(length: int, fits: bool, tmp_path: Path) -> None:
-    target = tmp_path / ("x" * length)
-    if not fits:
-        with pytest.raises(UsageError, match="name too long"), whole_file(target) as draft:
-            draft.write_text("text")
-    else:
-        with whole_file(target) as draft:
-            draft.write_text("text")
-        assert target.read_text() == "text"
-    assert len(list(tmp_path.iterdir())) == fits
+def test_names_as_long_as_names_can_be(tmp_path: Path) -> None:
+    with whole_file(tmp_path / ("x" * 255)) as draft:
+        draft.write_text("text")
+    with pytest.raises(UsageError, match="name too long"), whole_file(tmp_path / ("x" * 256)) as draft:
+        draft.write_text("text")
+    assert state(tmp_path) == {"x" * 255: b"text"}

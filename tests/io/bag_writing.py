@@ -19,6 +19,7 @@ from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 
+JOINT_STATE = "sensor_msgs/msg/JointState"
 JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
 START_NS = 1_700_000_000_000_000_123
 STEP_NS = 1_000_000
@@ -65,39 +66,25 @@ def stamp_ns(index: int) -> int:
     return START_NS + index * STEP_NS
 
 
-def header(store: Typestore, index: int, frame: str = "", *, stamp: int | None = None) -> Any:
-    ns = stamp_ns(index) if stamp is None else stamp
+def header(store: Typestore, index: int, frame: str = "") -> Any:
     times: Any = store.types["builtin_interfaces/msg/Time"]
     kind: Any = store.types["std_msgs/msg/Header"]
     extra = {"seq": index} if "seq" in kind.__dataclass_fields__ else {}
-    return kind(stamp=times(sec=ns // 10**9, nanosec=ns % 10**9), frame_id=frame, **extra)
+    return kind(stamp=times(*divmod(stamp_ns(index), 10**9)), frame_id=frame, **extra)
 
 
 def joint_state(
-    store: Typestore,
-    index: int,
-    values: Samples,
-    *,
-    names: Sequence[str] = JOINTS,
-    stamp: int | None = None,
-    empty: Sequence[str] = (),
+    store: Typestore, index: int, values: Samples, *, names: Sequence[str] = JOINTS, empty: Sequence[str] = ()
 ) -> Any:
     """One JointState; the columns of the values follow JOINTS, whatever the order of the names."""
-    order = [JOINTS.index(name) if name in JOINTS else -1 for name in names]
-    picked = {
-        channel: np.zeros(0)
-        if channel in empty
-        else np.array([array[index, at] if at >= 0 else 99.0 for at in order], np.float64)
+    kind: Any = store.types[JOINT_STATE]
+    numbers = [
+        np.array(
+            [array[index, JOINTS.index(name)] if name in JOINTS else 99.0 for name in names if channel not in empty]
+        )
         for channel, array in values.items()
-    }
-    kind: Any = store.types["sensor_msgs/msg/JointState"]
-    return kind(
-        header=header(store, index, stamp=stamp),
-        name=list(names),
-        position=picked["q"],
-        velocity=picked["dq"],
-        effort=picked["tau_J"],
-    )
+    ]
+    return kind(header(store, index), list(names), *numbers)
 
 
 Stream = tuple[str, str, Sequence[tuple[int, Any]]]
@@ -107,9 +94,8 @@ Stream = tuple[str, str, Sequence[tuple[int, Any]]]
 def joint_states(
     store: Typestore, values: Samples, topic: str = "/joint_states", *, every: int = 1, **options: Any
 ) -> Stream:
-    count = len(values["q"])
-    messages = [(stamp_ns(i) + LOG_DELAY_NS, joint_state(store, i, values, **options)) for i in range(0, count, every)]
-    return topic, "sensor_msgs/msg/JointState", messages
+    rows = range(0, len(values["q"]), every)
+    return topic, JOINT_STATE, [(stamp_ns(i) + LOG_DELAY_NS, joint_state(store, i, values, **options)) for i in rows]
 
 
 def fill(store: Typestore, typename: str, **fields: Any) -> Any:
@@ -131,21 +117,19 @@ def _zero(store: Typestore, description: Any) -> Any:
 
 def franka_messages(store: Typestore, typename: str, values: Samples, names: Sequence[str] = JOINTS) -> Stream:
     """Messages of any generation of franka_msgs; their own time runs from 3 s on."""
-    messages = []
-    for i in range(len(values["q"])):
-        state = joint_state(store, i, values, names=names)
-        desired = joint_state(store, i, {**values, "tau_J": -values["tau_J"]}, names=names)
-        external = joint_state(store, i, {**values, "tau_J": 2 * values["tau_J"]}, names=names, empty=["q", "dq"])
-        flat = "q" in {name for name, _ in store.fielddefs[typename][1]}
+    messages, flat = [], "q" in {name for name, _ in store.fielddefs[typename][1]}
+    tau = values["tau_J"]
+    for i in range(len(tau)):
+        external = joint_state(store, i, {**values, "tau_J": 2 * tau}, names=names, empty=["q", "dq"])
         fields = {
             "header": header(store, i),
             "q": values["q"][i],
             "dq": values["dq"][i],
-            **dict.fromkeys(("tau_j", "tau_J"), values["tau_J"][i]),
-            **dict.fromkeys(("tau_j_d", "tau_J_d"), -values["tau_J"][i]),
-            "tau_ext_hat_filtered": 2 * values["tau_J"][i] if flat else external,
-            "measured_joint_state": state,
-            "desired_joint_state": desired,
+            **dict.fromkeys(("tau_j", "tau_J"), tau[i]),
+            **dict.fromkeys(("tau_j_d", "tau_J_d"), -tau[i]),
+            "tau_ext_hat_filtered": 2 * tau[i] if flat else external,
+            "measured_joint_state": joint_state(store, i, values, names=names),
+            "desired_joint_state": joint_state(store, i, {**values, "tau_J": -tau}, names=names),
             "time": 3.0 + i / 1000,
         }
         messages.append((stamp_ns(i), fill(store, typename, **fields)))
@@ -156,11 +140,7 @@ def write_rosbag1(path: Path, store: Typestore, streams: Sequence[Stream], compr
     writer = Rosbag1Writer(path)
     if compression:
         writer.set_compression(Rosbag1Writer.CompressionFormat[compression])
-    with writer:
-        connections = [writer.add_connection(topic, kind, typestore=store) for topic, kind, _ in streams]
-        for at, time, message in _in_order(streams):
-            writer.write(connections[at], time, store.serialize_ros1(message, streams[at][1]))
-    return path
+    return _fill_bag(path, writer, store, streams, store.serialize_ros1)
 
 
 def write_rosbag2(
@@ -169,10 +149,14 @@ def write_rosbag2(
     writer = Rosbag2Writer(path, version=9, storage_plugin=StoragePlugin[storage])
     if compression:
         writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)
+    return _fill_bag(path, writer, store, streams, store.serialize_cdr)
+
+
+def _fill_bag(path: Path, writer: Any, store: Typestore, streams: Sequence[Stream], serialise: Any) -> Path:
     with writer:
         connections = [writer.add_connection(topic, kind, typestore=store) for topic, kind, _ in streams]
         for at, time, message in _in_order(streams):
-            writer.write(connections[at], time, store.serialize_cdr(message, streams[at][1]))
+            writer.write(connections[at], time, serialise(message, streams[at][1]))
     return path
 
 

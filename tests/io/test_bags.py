@@ -12,6 +12,7 @@ from mcap.writer import CompressionType, IndexType
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.read import choose_reader
 from tests.io.bag_writing import (
+    JOINT_STATE,
     JOINTS,
     STEP_NS,
     Stream,
@@ -29,7 +30,6 @@ from tests.io.bag_writing import (
     write_rosbag2,
 )
 
-KIND = "sensor_msgs/msg/JointState"
 Write = Callable[[Path, Sequence[Stream]], Path]
 
 
@@ -78,7 +78,7 @@ def test_joint_states(tmp_path: Path, write: Write) -> None:
     assert recording.mapping == {"q": "position[{i}]", "dq": "velocity[{i}]", "tau_J": "effort[{i}]"}
     assert recording.findings == ()
     found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in choose_reader(path).topics(path)}
-    assert found == {("/joint_states", KIND, 1500, True), ("/note", "std_msgs/msg/String", 1, False)}
+    assert found == {("/joint_states", JOINT_STATE, 1500, True), ("/note", "std_msgs/msg/String", 1, False)}
     with pytest.raises(InputError, match=r"no topic /joint_stats; did you mean /joint_states\?"):
         read(path, topic="/joint_stats")
     with pytest.raises(InputError, match="/note of type std_msgs/msg/String holds no joint state"):
@@ -102,7 +102,7 @@ def test_order_that_changes_between_messages(tmp_path: Path, write: Write) -> No
     orders = (JOINTS, JOINTS[::-1], (*JOINTS[3:], *JOINTS[:3], "panda_finger_joint1"))
     at = (orders[i * i % 3 if i < 60 else i // 3000] for i in range(5000))  # each time, then once for good
     messages = [(stamp_ns(i), joint_state(store, i, values, names=names)) for i, names in enumerate(at)]
-    assert_read(read(write(tmp_path, [("/joint_states", KIND, messages)])), values)
+    assert_read(read(write(tmp_path, [("/joint_states", JOINT_STATE, messages)])), values)
 
 
 @ANY
@@ -114,11 +114,11 @@ def test_scrambled_order_fingers_and_empty_names(tmp_path: Path, write: Write) -
     (said,) = [one.message for one in recording.findings if one.code == "joints_left_out"]
     assert said.endswith(": panda_finger_joint1, panda_finger_joint2")
     assert recording.joint_names == JOINTS
-    kind: Any = store.types[KIND]
+    kind: Any = store.types[JOINT_STATE]
     rows = ([values[c][i] for c in ("q", "dq", "tau_J")] for i in range(20))
     nameless = [(stamp_ns(i), kind(header(store, i), [], *row)) for i, row in enumerate(rows)]
     (tmp_path / "nameless").mkdir()
-    recording = read(write(tmp_path / "nameless", [("/j", KIND, nameless)]))
+    recording = read(write(tmp_path / "nameless", [("/j", JOINT_STATE, nameless)]))
     assert_read(recording, values)
     assert recording.joint_names == tuple(f"joint{i}" for i in range(1, 8))
     assert recording.robot == "unknown"

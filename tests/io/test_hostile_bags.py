@@ -2,7 +2,6 @@
 
 import bz2
 import json
-import sqlite3
 import struct
 import time
 from collections.abc import Callable
@@ -18,6 +17,7 @@ from mcap.writer import CompressionType
 from friction_audit.errors import InputError
 from friction_audit.io.readers import read_log
 from tests.io.bag_writing import (
+    JOINT_STATE,
     STEP_NS,
     damage,
     joint_states,
@@ -31,11 +31,11 @@ from tests.io.bag_writing import (
     write_rosbag1,
     write_rosbag2,
 )
+from tests.io.test_rosbag2 import edited, execute
 
-BOMB_BYTES = 300 << 20
+BOMB_BYTES = 40 << 20  # in some kB
 ZEROS = bytes(1 << 20)
 KIND = "foxglove.JointStates"
-JOINT_STATE = "sensor_msgs/msg/JointState"
 
 
 def zstd_bomb() -> bytes:
@@ -94,26 +94,19 @@ def test_chunk_that_is_a_bomb_is_left_out(tmp_path: Path, write: Callable[[Path]
 
 
 def test_message_that_is_a_bomb_is_left_out(tmp_path: Path) -> None:
-    bag = write_rosbag2(tmp_path / "bag", ros2_store(), [joint_states(ros2_store(), samples(20))])
-    file = next(bag.glob("*.db3"))
-    with sqlite3.connect(file) as database:
-        database.execute("UPDATE messages SET data = ? WHERE id = 7", (zstd_bomb(),))
-    database.close()
-    assert len(read(file).t) == 19
+    bag, _ = edited(tmp_path, 20, ("UPDATE messages SET data = ? WHERE id = 7", (zstd_bomb(),)))
+    assert len(read(bag).t) == 19
 
 
 def test_message_that_an_expression_makes_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "a.db3"
-    with sqlite3.connect(path) as database:
-        database.execute("CREATE TABLE topics (id INTEGER PRIMARY KEY, name, type, serialization_format)")
-        database.execute("INSERT INTO topics VALUES (1, '/joint_states', 'sensor_msgs/msg/JointState', 'cdr')")
-        database.execute(
-            "CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id, timestamp, data BLOB AS (zeroblob(900000000)))"
-        )
-        database.executemany("INSERT INTO messages VALUES (?, 1, ?)", [(row, stamp_ns(row)) for row in range(12)])
-    database.close()
+    rows = [("INSERT INTO messages VALUES (?, 1, ?)", (row, stamp_ns(row))) for row in range(12)]
+    commands = (
+        "CREATE TABLE topics (id INTEGER PRIMARY KEY, name, type, serialization_format)",
+        "INSERT INTO topics VALUES (1, '/joint_states', 'sensor_msgs/msg/JointState', 'cdr')",
+        "CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id, timestamp, data BLOB AS (zeroblob(900000000)))",
+    )
     with pytest.raises(InputError):
-        read(path)
+        read(execute(tmp_path / "a.db3", *((one,) for one in commands), *rows))
 
 
 def test_bag_that_is_a_bomb_is_refused_and_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,6 +17,7 @@ from friction_audit.io.readers.rosbag1 import Rosbag1Stream
 from friction_audit.io.recording import Recording
 from friction_audit.io.writers.mcap import _descriptors
 from tests.io.bag_writing import (
+    JOINT_STATE,
     JOINTS,
     STEP_NS,
     assert_read,
@@ -96,12 +97,12 @@ def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
 def test_two_arms_in_one_message(tmp_path: Path) -> None:
     values = samples(20, joints=6)
     names = [f"{side}_panda_joint{i}" for i in (1, 2, 3) for side in ("left", "right")]
-    kind: Any = STORE.types["sensor_msgs/msg/JointState"]
+    kind: Any = STORE.types[JOINT_STATE]
     messages = [
         (stamp_ns(i), kind(header(STORE, i), names, values["q"][i], values["dq"][i], values["tau_J"][i]))
         for i in range(20)
     ]
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [("/joint_states", "sensor_msgs/msg/JointState", messages)])
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [("/joint_states", JOINT_STATE, messages)])
     with pytest.raises(UsageError, match="--topic '/joint_states#right_panda'"):
         read(path)
     recording = read(path, topic="/joint_states#right_panda")
@@ -264,14 +265,13 @@ def test_chunk_with_a_flipped_bit_is_left_out(tmp_path: Path, compression: Compr
 
 def test_broken_definition_matters_only_on_the_topic_asked_for(tmp_path: Path) -> None:
     values = samples(5)
-    kind = "sensor_msgs/msg/JointState"
-    good = [(stamp_ns(i), bytes(STORE2.serialize_cdr(joint_state(STORE2, i, values), kind))) for i in range(5)]
+    good = [(stamp_ns(i), bytes(STORE2.serialize_cdr(joint_state(STORE2, i, values), JOINT_STATE))) for i in range(5)]
     schemas = {
-        kind: STORE2.generate_msgdef(kind, ros_version=2)[0].encode(),
+        JOINT_STATE: STORE2.generate_msgdef(JOINT_STATE, ros_version=2)[0].encode(),
         "a/msg/Bad": b"this is ! no definition",
         "a/msg/Half": b"b/Unknown q",
     }
-    streams = [("/j", kind, good), ("/bad", "a/msg/Bad", good), ("/half", "a/msg/Half", good)]
+    streams = [("/j", JOINT_STATE, good), ("/bad", "a/msg/Bad", good), ("/half", "a/msg/Half", good)]
     path = write_mcap_payloads(tmp_path / "a.mcap", streams, schemas, "cdr", "ros2msg")
     assert_read(read(path), values)
     assert [topic.readable for topic in list_topics(path)[1]] == [True, False, False]

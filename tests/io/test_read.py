@@ -70,7 +70,7 @@ def test_readers_and_writers_are_listed_without_their_libraries() -> None:
 
 
 LOGS = sorted((Path(__file__).parents[2] / "sample_logs" / "formats").iterdir())
-WINDOWS = [(0.5, 1.5), (None, 1.0), (1.0, None), (-3.0, 1.0)]
+WINDOWS = [(0.5, 1.5), (1.0, None), (-3.0, 1.0)]
 
 
 @pytest.mark.parametrize("is_large", [False, True], ids=["small", "large"])
@@ -81,10 +81,8 @@ def test_a_part_is_the_part_of_the_whole(path: Path, is_large: bool, monkeypatch
         monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
     whole = read_log(path)
     for start_s, stop_s in WINDOWS:
-        part, expected = (
-            read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s)),
-            whole.take_window(start_s, stop_s),
-        )
+        part = read_log(path, ReadOptions(t_start_s=start_s, t_end_s=stop_s))
+        expected = whole.take_window(start_s, stop_s)
         np.testing.assert_array_equal(part.t, expected.t)
         for channel, array in expected.channels().items():
             np.testing.assert_array_equal(part.channels()[channel], array)

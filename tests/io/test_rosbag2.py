@@ -3,18 +3,19 @@
 import os
 import shutil
 import sqlite3
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from rosbags.typesys.store import Typestore
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import list_topics, read_log, rosbag2
 from friction_audit.io.readers.message_decoder import _ERRORS, _FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.io.readers.reader import ReadOptions
 from tests.io.bag_writing import (
+    JOINT_STATE,
     JOINTS,
     STEP_NS,
     Samples,
@@ -32,10 +33,27 @@ from tests.io.bag_writing import (
 )
 
 STORE = ros2_store()
+STATE, REAL = "franka_msgs/msg/FrankaState", os.environ.get("FRICTION_AUDIT_REAL_LOGS")
 
 
 def storage_file(bag: Path) -> Path:
     return next(entry for entry in bag.iterdir() if entry.name != "metadata.yaml")
+
+
+def execute(database: Path, *commands: tuple[Any, ...]) -> Path:
+    """Change what is in a database."""
+    with closing(sqlite3.connect(database)) as connection, connection:
+        for command in commands:
+            connection.execute(*command)
+    return database
+
+
+def edited(folder: Path, count: int, *commands: tuple[Any, ...]) -> tuple[Path, Samples]:
+    """Write a bag and change what is in its database."""
+    values = samples(count)
+    path = write_rosbag2(folder / "bag", STORE, [joint_states(STORE, values)])
+    execute(storage_file(path), *commands)
+    return path, values
 
 
 @pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
@@ -75,36 +93,26 @@ def test_storage_file_that_metadata_lists_is_gone(tmp_path: Path) -> None:
 def test_messages_that_lack_joints(tmp_path: Path) -> None:
     values = samples(10)
     messages = [(stamp_ns(i), joint_state(STORE, i, values, names=JOINTS[: 7 - i % 2])) for i in range(10)]
-    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", "sensor_msgs/msg/JointState", messages)]))
+    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", JOINT_STATE, messages)]))
     assert np.isnan(recording.channels["q"][1::2, 6]).all()
     np.testing.assert_array_equal(recording.channels["q"][:, :6], values["q"][:, :6])
     assert [finding.code for finding in recording.findings] == ["incomplete_messages"]
 
 
-def franka_store(typename: str, generation: int) -> Typestore:
-    types = list(_franka_definitions(typename))[generation]
-    store = ros2_store()
-    store.register(types)
-    return store
-
-
-GENERATIONS = [("FrankaRobotState", 2)] + [
-    (name.partition("_")[0], index * len(_ERRORS) + flags)
-    for index, name in enumerate(_FRANKA_GENERATIONS)
-    for flags in range(len(_ERRORS))
-]
+NO_DEFINITIONS = ("DROP TABLE message_definitions",)  # as recorded before Iron
+GENERATIONS = [("FrankaRobotState", 2), *((name, 2 * i + f) for i, name in enumerate(
+    name.partition("_")[0] for name in _FRANKA_GENERATIONS) for f in range(len(_ERRORS)))]  # fmt: skip
 
 
 @pytest.mark.parametrize(("name", "generation"), GENERATIONS)
 @pytest.mark.parametrize("definitions", [True, False])
 def test_franka_generations(tmp_path: Path, name: str, generation: int, definitions: bool) -> None:
-    typename = f"franka_msgs/msg/{name}"
-    store = franka_store(typename, generation)
-    values = samples(30)
+    typename, store, values = f"franka_msgs/msg/{name}", ros2_store(), samples(30)
+    store.register(list(_franka_definitions(typename))[generation])
     stream = franka_messages(store, typename, values, JOINTS[::-1])
     bag = write_rosbag2(tmp_path / "bag", store, [stream])
     if not definitions:
-        remove_definitions(storage_file(bag))
+        execute(storage_file(bag), NO_DEFINITIONS)
     recording = read(bag)
     tau = values["tau_J"]
     assert_read(recording, {**values, "tau_J_d": -tau, "tau_ext_hat_filtered": 2 * tau})
@@ -112,43 +120,22 @@ def test_franka_generations(tmp_path: Path, name: str, generation: int, definiti
     assert recording.topic == stream[0]
 
 
-def remove_definitions(database: Path) -> None:
-    """Make a bag as recorded before Iron: no table of definitions."""
-    with sqlite3.connect(database) as connection:
-        connection.execute("DROP TABLE message_definitions")
-    connection.close()
-
-
 def test_franka_state_of_no_known_generation(tmp_path: Path) -> None:
-    typename = "franka_msgs/msg/FrankaState"
-    store = ros2_store((typename, "std_msgs/Header header\nfloat64[7] q\nfloat64[7] dq\nfloat64[7] tau_j\n"))
+    store = ros2_store((STATE, "std_msgs/Header header\nfloat64[7] q\nfloat64[7] dq\nfloat64[7] tau_j\n"))
     values = samples(5)
-    messages = [
-        (stamp_ns(i), fill(store, typename, q=values["q"][i], dq=values["dq"][i], tau_j=values["tau_J"][i]))
-        for i in range(5)
-    ]
-    bag = write_rosbag2(tmp_path / "bag", store, [("/state", typename, messages)])
+    rows = [{name.lower() if name == "tau_J" else name: array[i] for name, array in values.items()} for i in range(5)]
+    messages = [(stamp_ns(i), fill(store, STATE, **row)) for i, row in enumerate(rows)]
+    bag = write_rosbag2(tmp_path / "bag", store, [("/state", STATE, messages)])
     assert_read(read(bag), values)
-    remove_definitions(storage_file(bag))
+    execute(storage_file(bag), NO_DEFINITIONS)
     with pytest.raises(InputError, match=r"no topic with measured joint states.*/state"):
         read(bag)
-
-
-def edited(folder: Path, count: int, *commands: tuple[Any, ...]) -> tuple[Path, Samples]:
-    """Write a bag and change what is in its database."""
-    values = samples(count)
-    path = write_rosbag2(folder / "bag", STORE, [joint_states(STORE, values)])
-    with sqlite3.connect(storage_file(path)) as connection:
-        for command in commands:
-            connection.execute(*command)
-    connection.close()
-    return path, values
 
 
 def test_big_endian_messages_are_decoded_one_by_one(tmp_path: Path) -> None:
     values = samples(10)
     messages = (joint_state(STORE, i, values) for i in range(10))
-    payloads = (bytes(STORE.serialize_cdr(one, "sensor_msgs/msg/JointState", little_endian=False)) for one in messages)
+    payloads = (bytes(STORE.serialize_cdr(one, JOINT_STATE, little_endian=False)) for one in messages)
     commands = [("UPDATE messages SET data = ? WHERE id = ?", (one, i)) for i, one in enumerate(payloads, start=1)]
     assert_read(read(edited(tmp_path, 10, *commands)[0]), values)
 
@@ -175,13 +162,11 @@ def test_messages_that_are_no_messages_are_left_out(
 def test_messages_that_are_still_in_the_write_ahead_journal(tmp_path: Path) -> None:
     values = samples(12)
     file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
-    connection = sqlite3.connect(file)
-    connection.execute("PRAGMA journal_mode=WAL")
-    connection.execute("DELETE FROM messages WHERE id > 10")
-    connection.commit()
-    recording = read(file)
-    connection.close()
-    assert_read(recording, {name: array[:10] for name, array in values.items()})
+    with closing(sqlite3.connect(file)) as connection:
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("DELETE FROM messages WHERE id > 10")
+        connection.commit()
+        assert_read(read(file), {name: array[:10] for name, array in values.items()})
 
 
 def test_no_message_that_fits(tmp_path: Path) -> None:
@@ -252,10 +237,11 @@ def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(
 
 def test_deleted_messages_do_not_come_back_from_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples]) -> None:
     bag = shutil.copytree(long_bag[0], tmp_path / "whole")
-    with sqlite3.connect(storage_file(bag)) as connection:
-        connection.execute("PRAGMA secure_delete = OFF")
-        connection.execute("DELETE FROM messages WHERE id BETWEEN 1001 AND 3000")
-    connection.close()
+    execute(
+        storage_file(bag),
+        ("PRAGMA secure_delete = OFF",),
+        ("DELETE FROM messages WHERE id BETWEEN 1001 AND 3000",),
+    )
     recording = read(cut(bag, tmp_path / "bag", 0.5))
     kept = np.isin(long_bag[1]["q"][:, 0], recording.channels["q"][:, 0])
     assert not kept[1000:3000].any()
@@ -288,12 +274,8 @@ def test_page_that_is_lost_leaves_out_its_messages_alone(tmp_path: Path) -> None
 
 
 def test_other_database(tmp_path: Path) -> None:
-    path = tmp_path / "other.db3"
-    with sqlite3.connect(path) as connection:
-        connection.execute("CREATE TABLE logs (id INTEGER)")
-    connection.close()
     with pytest.raises(InputError, match=r"no table messages and no table topics.*tables are logs"):
-        read(path)
+        read(execute(tmp_path / "other.db3", ("CREATE TABLE logs (id INTEGER)",)))
 
 
 def test_directory_without_storage(tmp_path: Path) -> None:
@@ -303,14 +285,11 @@ def test_directory_without_storage(tmp_path: Path) -> None:
 
 
 def test_a_topic_without_messages(tmp_path: Path) -> None:
-    path = write_rosbag2(tmp_path / "silent", STORE, [("/joint_states", "sensor_msgs/msg/JointState", [])])
+    path = write_rosbag2(tmp_path / "silent", STORE, [("/joint_states", JOINT_STATE, [])])
     with pytest.raises(InputError, match=r"/joint_states .*0 messages"):
         read(path)
     with pytest.raises(InputError, match="topic /joint_states has no messages"):
         read(path, topic="joint_states")
-
-
-REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
 
 
 @pytest.mark.skipif(REAL is None, reason="real logs are not here")

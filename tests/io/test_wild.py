@@ -115,12 +115,6 @@ def test_the_row_s_number_is_not_named_where_rows_were_left_out_before() -> None
     assert "row " not in message.replace("1 row left out", "")
 
 
-@pytest.mark.parametrize("name", ["bench_rig.csv", "compensated.parquet", "hand_guided.parquet"])
-def test_nothing_of_a_sample_log_is_wild(name: str) -> None:
-    log = read_log(Path(__file__).parents[2] / "sample_logs" / name)
-    assert "wild_samples" not in codes(log)
-
-
 @pytest.mark.parametrize(
     ("column", "rows"), [("q_1", (130, 190)), ("dq_1", (640, 700)), ("q_1", (0, 40)), ("q_1", (1170, 1200))]
 )

@@ -134,33 +134,31 @@ def check_place(path: Path, *, overwrite: bool, folder: bool | None = None) -> N
     if not overwrite:
         raise UsageError(f"{path}: exists already; nothing was written; use --overwrite or another name")
     target = Path(os.path.realpath(path))
-    if target.is_symlink() or not target.parent.is_dir():
-        what = f"is a link to {target}, which cannot be made"
-    elif target.is_dir() and (folder is False or not _is_own_bag(target)):
-        what = "is a folder, and only a ROS 2 bag that friction-audit wrote, with no other file in it, is replaced"
-    elif target.exists() and folder and not target.is_dir():
-        what = "is a file, and a bag is a folder"
-    elif target.exists() and not (target.is_dir() or target.is_file()):
-        what = "is no regular file"
-    else:
-        return
-    raise UsageError(f"{path}: {what}; nothing was written; choose another name")
+    _refuse(path, {
+        f"is a link to {target}, which cannot be made": target.is_symlink() or not target.parent.is_dir(),
+        "is a folder, and only a ROS 2 bag that friction-audit wrote, with no other file in it, is replaced":
+            target.is_dir() and (folder is False or not _is_own_bag(target)),
+        "is a file, and a bag is a folder": bool(target.exists() and folder and not target.is_dir()),
+        "is no regular file": target.exists() and not (target.is_dir() or target.is_file()),
+    })  # fmt: skip
 
 
 def keep_input(path: Path, log: Path) -> None:
     """Refuse to write over an input, over a folder that holds it, or over a file of it where it is a bag."""
     target, source = Path(os.path.realpath(path)), Path(os.path.realpath(log))
-    if not (target.exists() and source.exists()):
-        return
-    if target.samefile(source):
-        what = "is the log itself"
-    elif target.is_dir() and source.is_relative_to(target):
-        what = f"holds the log {log}"
-    elif target.parent == source and (target.name == METADATA or target.suffix in STORAGES):
-        what = f"is a part of the log {log}"
-    else:
-        return
-    raise UsageError(f"{path}: {what}; nothing was written; choose another name or folder")
+    if target.exists() and source.exists():
+        is_part = target.parent == source and (target.name == METADATA or target.suffix in STORAGES)
+        _refuse(path, {
+            "is the log itself": target.samefile(source),
+            f"holds the log {log}": target.is_dir() and source.is_relative_to(target),
+            f"is a part of the log {log}": is_part,
+        })  # fmt: skip
+
+
+def _refuse(path: Path, faults: Mapping[str, bool]) -> None:
+    what = next((what for what, is_so in faults.items() if is_so), None)
+    if what is not None:
+        raise UsageError(f"{path}: {what}; nothing was written; choose another name or folder")
 
 
 def _is_own_bag(folder: Path) -> bool:

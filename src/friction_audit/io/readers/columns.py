@@ -57,17 +57,10 @@ def map_columns(
     needed: Sequence[str] = REQUIRED,
     may_be_long: bool = False,
 ) -> ColumnMap:
-    """Find time, joints and channels among the columns of a table.
+    """Find time, joints and channels among the columns of a table; ``labels`` and so on are what a ``Table`` knows.
 
-    Args:
-        names: Name of every column that holds one number per row; elements of lists as ``name[0]``, ``name[1]``...
-        path: The file, for messages.
-        mapping: What the user says, channel or ``"t"`` -> name; wins.
-        labels: Position of a column -> its joint, where the table holds joint names next to the numbers.
-        constant: Positions of columns seen not to change.
-        arm: The arm to read, where the table holds several.
-        needed: Channels without which it is no log, and with them a torque; none where other files have them.
-        may_be_long: Whether the table may have one row per joint and time.
+    ``mapping`` is what the user says, channel or ``"t"`` -> name, and wins; ``arm`` is the one to read of several;
+    ``needed`` are channels without which it is no log, and with them a torque: none where other files have them.
     """
     bare = [name.strip() for name in names]
     refuse_absent(mapping, bare, path)
@@ -93,10 +86,7 @@ def map_columns(
         raise InputError(_missing_message(bare, groups, needed or REQUIRED, found_time=time is not None, path=path))
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
-    columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
-    first = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
-    doubts = doubt_torque(columns, first, joints=len(columns.joint_names))
-    return replace(columns, findings=(*columns.findings, *doubts))
+    return replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
 
 
 def _joint_column(names: Sequence[str], mapping: Mapping[str, str]) -> int | None:
@@ -123,15 +113,18 @@ def _of_long_table(
     )
 
 
-def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -> tuple[Finding, ...]:
-    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque; ``first`` column of each channel."""
-    alone = joints == 1 and columns.robot == "unknown" and first.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
-    name = parse_name(first["tau_J"]) if alone and "tau_J" not in columns.stated else None
-    if name is None or len(name.words) > 1 or name.words[0] not in _AMBIGUOUS:
+def doubt_torque(columns: ColumnMap, names: Sequence[str]) -> tuple[Finding, ...]:
+    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque."""
+    alone = len(columns.joint_names) == 1 and columns.robot == "unknown" and "tau_J" not in columns.stated
+    if not alone or columns.channels.keys() & {*TORQUE_CHANNELS, "gravity"} != {"tau_J"}:
+        return ()
+    name = names[columns.channels["tau_J"][0]].strip()
+    parsed = parse_name(name)
+    if parsed is None or len(parsed.words) > 1 or parsed.words[0] not in _AMBIGUOUS:
         return ()
     message = (
-        f"column {first['tau_J']!r} was read as tau_J, the joint torque with gravity; if it is the interaction torque, "
-        f"without gravity, use --map tau_interaction={first['tau_J']}"
+        f"column {name!r} was read as tau_J, the joint torque with gravity; if it is the interaction torque, without "
+        f"gravity, use --map tau_interaction={name}"
     )
     return (Finding(code="torque_ambiguous", message=message),)
 
@@ -207,7 +200,11 @@ def _align(
     there = [c for c in ("q", "dq") if c in groups] or list(groups)
     reference = next((groups[c] for c in there if not groups[c].in_order), groups[there[0]])
     joints = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
-    keys = _in_order_of_names(_sorted_keys(reference.cells), joints)
+    keys = _sorted_keys(reference.cells)
+    # The joints are sorted by the numbers in their names, if all of them are joints of one arm.
+    key_of = {joints[key]: key for key in keys if key in joints}
+    arms = list(arms_in(list(key_of)).values())
+    keys = [key_of[name] for name in arms[0]] if len(arms) == 1 and len(arms[0]) == len(keys) else keys
     channels, findings, short = {}, [], []
     torques = [c for c in TORQUE_CHANNELS if c in groups]
     for channel in (c for c in JOINT_CHANNELS if c in groups):
@@ -219,10 +216,9 @@ def _align(
         elif channel in ("q", "dq") or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
-            text = (
-                f"{channel} has columns for {len(group.cells)} of {len(keys)} joints ({group.template}); it is left out"
-            )
-            findings.append(Finding(code="incomplete_channel", message=text, amount=float(len(group.cells))))
+            some = len(group.cells)
+            text = f"{channel} has columns for {some} of {len(keys)} joints ({group.template}); it is left out"
+            findings.append(Finding(code="incomplete_channel", message=text, amount=float(some)))
     if short or (needed and not any(c in channels for c in TORQUE_CHANNELS)):
         raise InputError(
             f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "
@@ -242,16 +238,7 @@ def _align(
 
 
 def _sorted_keys(cells: Mapping[JointKey, int]) -> list[JointKey]:
-    numbers = sorted(key for key in cells if isinstance(key, int))
-    return [*numbers, *(key for key in cells if isinstance(key, str))]
-
-
-def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> list[JointKey]:
-    """Sort the joints by the numbers in their names, if all of them are joints of one arm."""
-    key_of = {names[key]: key for key in keys if key in names}
-    arms = arms_in(list(key_of))
-    ordered = [key_of[name] for joints in arms.values() for name in joints]
-    return ordered if len(arms) == 1 and len(ordered) == len(keys) else keys
+    return sorted(cells, key=lambda key: (isinstance(key, str), key if isinstance(key, int) else 0))
 
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:

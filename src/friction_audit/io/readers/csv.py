@@ -1,5 +1,6 @@
 """Text tables -> Recording: libfranka's logToCSV, rostopic echo -p, bag exports, tidy and long tables."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
@@ -17,7 +18,6 @@ from friction_audit.io.readers.csv_lines import (
     Dialect,
     blocks_of_lines,
     count_lines,
-    is_number,
     open_table,
     separator_of,
     sniff_csv,
@@ -27,7 +27,7 @@ from friction_audit.io.readers.csv_lines import (
 )
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
-from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
+from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
 from friction_audit.io.recording import Recording, WholeLogError
 from friction_audit.joint_log import Finding, find_window
 
@@ -35,7 +35,6 @@ _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
 _MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column is not what its name says
 _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
-_NANOSECONDS = 1_000_000_000
 _SLOWER = 4  # times as long as numbers take in other files, so that smaller tables are not read twice
 _COUNTED_BYTES = 256 << 20  # lines of a larger file are not counted where it is only listed: that takes seconds
 
@@ -92,7 +91,7 @@ class CsvTable(Table):
 
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
         """Read the columns; of a large table the part asked for alone."""
-        dialect, time = self._dialect, columns.time
+        dialect, time, path = self._dialect, columns.time, str(self.path)
         cells = [cell for own in columns.channels.values() for cell in own]
         words = [*self._labels] if columns.joint is None else [columns.joint]
         kind = _time_kind(dialect, time)
@@ -104,36 +103,25 @@ class CsvTable(Table):
         plain = columns.joint is None and kind is not str and not self.is_libfranka
         if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
             rows = count_lines(self.path, dialect)
-            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), str(self.path))
-        part = _PartOfClock(options, unit, self.path) if options.reads_part(8 * rows * len(self._kinds)) else None
+            return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), path)
+        part = _PartOfClock(options, unit, path) if options.reads_part(8 * rows * len(self._kinds)) else None
         if part is None:
             refuse_too_large(self.path, size, dialect.size)
-        stamps, found = self._gather(time, part, in_order=columns.joint is None)
-        raw = np.concatenate(stamps) if stamps else np.empty(0)
-        channels = {c: np.empty((len(raw), len(own)), order="F") for c, own in columns.channels.items()}
-        for channel, own in columns.channels.items():
-            for place, cell in enumerate(own):
-                np.concatenate(found[cell] or [raw], out=channels[channel][:, place])
-                if cells.count(cell) == 1:
-                    found[cell].clear()  # one column at a time is in memory twice
-        joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [raw])
-        clock = to_clock(raw, unit, path=str(self.path)) if part is None else part.clock(raw)
-        return Part(clock=clock, channels=channels, joint=joint, first_s=None if part is None else part.first_s)
-
-    def _gather(
-        self, time: TimeColumn, part: "_PartOfClock | None", *, in_order: bool
-    ) -> tuple[list[NDArray[Any]], dict[int, list[NDArray[Any]]]]:
-        """Return stamps and columns, block by block."""
         stamps, found = list[NDArray[Any]](), {cell: list[NDArray[Any]]() for cell in self._kinds}
-        for raw, block in self._blocks(time):
+        for block in self._blocks(self._kinds, time):
+            raw = stamps_of([block[cell] for cell in time.cells])
             kept = part.rows_of(raw) if part else slice(None)
-            if kept is None and in_order:
-                break
-            if kept is not None:  # the joints of a long table may follow each other
+            if kept is not None:
                 stamps.append(raw[kept])
                 for cell, array in block.items():
                     found[cell].append(array[kept])
-        return stamps, found
+            elif columns.joint is None:  # the joints of a long table may follow each other
+                break
+        raw = np.concatenate(stamps) if stamps else np.empty(0)
+        joint = None if columns.joint is None else np.concatenate(found[columns.joint] or [raw])
+        clock = part.clock(raw) if part else to_clock(raw, unit, path=path)
+        channels = _channels(columns, found, len(raw))
+        return Part(clock=clock, channels=channels, joint=joint, first_s=part.first_s if part else None)
 
     def findings(self) -> tuple[Finding, ...]:
         """Return what is damaged."""
@@ -143,41 +131,29 @@ class CsvTable(Table):
         message = f"{self._bad_lines} lines hold what is no number ({'; '.join(self._bad)}); these are missing values"
         return (*found, Finding(code="no_numbers", message=message, amount=float(self._bad_lines), damaged=True))
 
-    def _blocks(self, time: TimeColumn) -> Iterator[tuple[NDArray[Any], Block]]:
-        """Yield the stamps of whole lines, and their columns."""
+    def _blocks(self, kinds: Mapping[int, Any], time: TimeColumn | None) -> Iterator[Block]:
+        """Yield columns of whole lines, dates in nanoseconds; without a clock WholeLogError if a line has a fault."""
         for line, block, is_last in blocks_of_lines(self.path, self._dialect):
             kept = block
             if is_last:
                 kept, self._cut = without_cut_line(self._dialect, block, line, self._kinds)
+            columns = _parse(self._dialect, kept, kinds) if kept.strip() else None
+            if time is None and (columns is None or self._cut is not None):
+                raise WholeLogError
             if not kept.strip():
                 continue
             self._lines += kept.count(b"\n")
-            columns = _parse(self._dialect, kept, self._kinds) or self._by_line(kept, line)
+            columns = columns or self._by_line(kept, line)
             for cell, label in self._labels.items():
                 if cell in columns:
                     self._refuse_moving_label(columns[cell], label, line)
-            stamps = columns[time.cells[0]]
-            if self._kinds[time.cells[0]] is str:
-                stamps, dated = self._dates(stamps, time.name)
-                columns = {cell: array[dated] for cell, array in columns.items()}
-            elif len(time.cells) > 1:
-                stamps = stamps * _NANOSECONDS + columns[time.cells[1]]
-            yield stamps, columns
+            yield columns if time is None or kinds[time.cells[0]] is not str else self._dated(columns, time)
 
     def _pieces(self, rows: int, cells: Sequence[int]) -> Iterator[Block]:
         """Yield columns of whole lines; WholeLogError if a line has a fault, or there are not so many."""
-        kinds = {cell: self._kinds[cell] for cell in (*cells, *self._labels)}
-        for line, block, is_last in blocks_of_lines(self.path, self._dialect):
-            kept, cut = without_cut_line(self._dialect, block, line, self._kinds) if is_last else (block, None)
-            columns = _parse(self._dialect, kept, kinds)
-            if (
-                cut is not None
-                or columns is None
-                or any((columns[c] != label).any() for c, label in self._labels.items())
-            ):
-                raise WholeLogError
-            rows -= len(columns[cells[0]])
-            yield columns
+        for block in self._blocks({cell: self._kinds[cell] for cell in (*cells, *self._labels)}, None):
+            rows -= len(block[cells[0]])
+            yield block
         if rows:
             raise WholeLogError
 
@@ -225,50 +201,59 @@ class CsvTable(Table):
                     "order of the joints changes; expected one order in the whole table; sort the columns by joint"
                 )
 
-    def _dates(self, words: NDArray[Any], name: str) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return dates in nanoseconds since 1970, without what is none or beyond what these can hold; and which are."""
+    def _dated(self, columns: Block, time: TimeColumn) -> Block:
+        """Return the rows with dates, which become nanoseconds since 1970; not those beyond what these can hold."""
         import pandas as pd
 
+        (cell,), words = time.cells, columns[time.cells[0]]
         dates = pd.to_datetime(pd.Series(words), format="ISO8601", utc=True, errors="coerce")
         dates = dates.where(dates.between(pd.Timestamp.min.tz_localize("UTC"), pd.Timestamp.max.tz_localize("UTC")))
         dated = dates.notna().to_numpy()
         if not dated.all():
-            what = f"column {name} holds neither a number nor an ISO 8601 date: {words[~dated][0]!r}"
+            what = f"column {time.name} holds neither a number nor an ISO 8601 date: {words[~dated][0]!r}"
             self._complain(int(np.count_nonzero(~dated)), what)
         stamps = dates[dated].dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
-        return stamps, dated
+        return {own: array[dated] for own, array in columns.items()} | {cell: stamps}
 
 
 class _PartOfClock:
     """The part asked for of a table that is read in blocks."""
 
-    def __init__(self, options: ReadOptions, unit: str | None, path: Path) -> None:
-        self._options, self._unit, self._path = options, unit, str(path)
+    def __init__(self, options: ReadOptions, unit: str | None, path: str) -> None:
+        self._options, self._unit, self._path = options, unit, path
         self._origin: Any = None  # the first stamp
-        self._lowest, self._highest = np.inf, -np.inf
+        self.first_s, self._last_s = np.inf, -np.inf  # of the whole table as far as it was read, since the first stamp
 
     def rows_of(self, stamps: NDArray[Any]) -> NDArray[np.bool_] | None:
         """Return which rows of a block are in the part; None where all come after it."""
         if self._origin is None:
             self._unit = to_clock(stamps.copy(), self._unit, path=self._path).unit
             self._origin = stamps[np.isfinite(stamps).argmax()]
-        start, stop = (end * UNITS[self._unit or "s"] + self._origin for end in self._options.window_of_clock())
-        lowest = float(np.nanmin(stamps))
-        self._lowest, self._highest = min(self._lowest, lowest), max(self._highest, float(np.nanmax(stamps)))
-        rows: NDArray[np.bool_] = (stamps >= start) & (stamps < stop)
-        return None if lowest > stop else rows
+        t = to_clock(stamps.copy(), self._unit, path=self._path, origin=self._origin).t
+        self.first_s, self._last_s = min(self.first_s, float(np.nanmin(t))), max(self._last_s, float(np.nanmax(t)))
+        start, stop = self._options.window_of_clock()
+        rows: NDArray[np.bool_] = (t >= start) & (t < stop)
+        return None if np.nanmin(t) > stop else rows
 
     def clock(self, stamps: NDArray[Any]) -> Clock:
         """Return the clock of the rows that were read."""
         if len(stamps) == 0:
-            length = (self._highest - self._lowest) / UNITS[self._unit or "s"] * self._options.time_scale
+            length = (self._last_s - self.first_s) * self._options.time_scale
             find_window(np.array([0.0, length]), self._options.t_start_s, self._options.t_end_s, self._path)
         return to_clock(stamps, self._unit, path=self._path, origin=self._origin)
 
-    @property
-    def first_s(self) -> float:
-        """First stamp of the whole table on that clock."""
-        return float(self._lowest - self._origin) / UNITS[self._unit or "s"]
+
+def _channels(columns: ColumnMap, found: dict[int, list[NDArray[Any]]], rows: int) -> dict[str, NDArray[np.float64]]:
+    """Join the pieces of each column; one column at a time is in memory twice."""
+    channels = {c: np.empty((rows, len(cells)), order="F") for c, cells in columns.channels.items()}
+    left = Counter(cell for cells in columns.channels.values() for cell in cells)
+    for channel, cells in columns.channels.items():
+        for place, cell in enumerate(cells):
+            np.concatenate(found[cell] or [np.empty(0)], out=channels[channel][:, place])
+            left[cell] -= 1
+            if not left[cell]:
+                found[cell].clear()
+    return channels
 
 
 _DTYPES: dict[Any, Any] = {str: object, float: np.float64, np.int64: np.int64}
@@ -311,7 +296,7 @@ def _parse(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Block | 
 def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
     """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
     texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
-    if texts and not any(is_number(text, dialect.decimal) for text in texts):
+    if texts and all(value_of(text, float, dialect.decimal) is None for text in texts):
         return str
     whole = [text.lstrip("-").isdigit() for text in texts]
     long = any(is_whole and len(text) >= _LONG_INTEGER for is_whole, text in zip(whole, texts, strict=True))

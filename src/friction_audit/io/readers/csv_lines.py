@@ -97,11 +97,6 @@ def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401
         return None
 
 
-def is_number(text: str, decimal: str = ".") -> bool:
-    """Return True if a field is a number or one of the usual ways to write that there is none."""
-    return value_of(text, float, decimal) is not None
-
-
 def split_line(line: str, separator: str) -> tuple[str, ...]:
     """Split one line into its fields, quotes respected."""
     if separator == " ":
@@ -135,15 +130,12 @@ def sniff_csv(path: Path) -> Dialect:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
     separator = separator_of(texts[start])
     fields = split_line(texts[start], separator)
-    if all(is_number(field, "," if separator == ";" else ".") for field in fields):
-        first = start
-        names = (
-            split_line(texts[start - 1].lstrip("#"), separator) if texts[start - 1].startswith("#") and start else ()
-        )
-        has_header = len(names) == len(fields)
+    has_header = any(value_of(field, float, "," if separator == ";" else ".") is None for field in fields)
+    first, header = start + has_header, texts[start - (not has_header)] if has_header or start else ""
+    names = split_line(header.lstrip("#"), separator)
+    if not has_header:
+        has_header = header.startswith("#") and len(names) == len(fields)
         names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
-    else:
-        first, has_header, names = start + 1, True, split_line(texts[start].lstrip("#"), separator)
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
         raise InputError(

@@ -66,17 +66,14 @@ def _refuse_lacks(parts: Sequence[tuple[Path, Recording]], joined: Recording) ->
 
 def _refuse_unused(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[str, str]) -> None:
     """Refuse what ``--map`` names and no file has."""
-    used = [part.mapping for _, part in parts]
-    unused = [
-        f"--map {channel}={name}"
-        for channel, name in mapping.items()
-        if not any(one.get(channel, "").startswith(name.rpartition(":")[0] or name) for one in used)
-    ]
+    unused = []
+    for channel, name in mapping.items():
+        stem = name.rpartition(":")[0] or name
+        if not any(part.mapping.get(channel, "").startswith(stem) for _, part in parts):
+            unused.append(f"no column for --map {channel}={name}")
     if unused:
         names = ", ".join(str(path) for path, _ in parts)
-        raise InputError(
-            f"{names}: no column for {' and no column for '.join(unused)} in any of these files; correct it"
-        )
+        raise InputError(f"{names}: {' and '.join(unused)} in any of these files; correct it")
 
 
 def _on_clock_of(first_path: Path, first: Recording, path: Path, other: Recording) -> Float:
@@ -115,10 +112,14 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
         message = f"{', '.join(both)} of {path.name} are left out: {first_path.name} has them"
         findings.append(Finding(code="not_joined", message=message))
     names = {channel: other.mapping[channel] for channel in new if channel in other.mapping}
-    robot, unit = (first.robot, first.torque_unit) if first.robot != "unknown" else (other.robot, first.torque_unit)
-    serial = first.serial or other.serial
-    found = replace(first, channels=channels, mapping={**first.mapping, **names}, robot=robot, serial=serial)
-    return replace(found, torque_unit=unit or other.torque_unit).with_findings(*findings)
+    return replace(
+        first,
+        channels=channels,
+        mapping={**first.mapping, **names},
+        robot=other.robot if first.robot == "unknown" else first.robot,
+        serial=first.serial or other.serial,
+        torque_unit=first.torque_unit or other.torque_unit,
+    ).with_findings(*findings)
 
 
 def _joints_in_order(first_path: Path, first: Recording, path: Path, other: Recording) -> list[int]:

@@ -92,7 +92,7 @@ class _EpisodeTable(ArrayTable):
 def _motors(names: Any) -> list[str]:  # noqa: ANN401 - JSON
     """Return the names of a feature's elements: a list, a list of one list, or a list under one key."""
     while isinstance(names, dict | list) and len(names) == 1:
-        inner = next(iter(names.values())) if isinstance(names, dict) else names[0]
+        (inner,) = names.values() if isinstance(names, dict) else names
         if not isinstance(inner, dict | list):
             break
         names = inner
@@ -101,8 +101,7 @@ def _motors(names: Any) -> list[str]:  # noqa: ANN401 - JSON
 
 def _features(path: Path) -> dict[str, Any]:
     try:
-        info = json.loads((path / DATA_SET).read_text(encoding="utf-8"))
-        features = info["features"]
+        features = json.loads((path / DATA_SET).read_text(encoding="utf-8"))["features"]
         return {name: one for name, one in features.items() if isinstance(one, dict)}
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
         raise InputError(

@@ -1,6 +1,7 @@
 """MCAP files -> Recording: ROS 2 (CDR), ROS 1, JSON and protobuf messages, also from files that break off."""
 
 import struct
+from collections import Counter
 from collections.abc import Collection, Iterator
 from functools import partial
 from io import SEEK_CUR, BytesIO
@@ -8,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 from zlib import crc32
 
-from friction_audit.errors import InputError
 from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
 from friction_audit.io.readers.message_stream import (
     LARGEST_CHUNK,
@@ -50,20 +50,15 @@ class McapStream(MessageStream):
     def __init__(self, path: Path) -> None:
         """Find the channels, from the summary at the end or, where that is missing, by reading everything once."""
         super().__init__(path)
-        self._channels: dict[int, Channel] = {}
-        self._schemas: dict[int, Schema] = {}
-        self._counts: dict[int, int] = {}
         with open_log(path, MAGIC, "an MCAP file") as file:
             is_whole = self._read_summary(file)
         if not is_whole:
-            self._channels, self._schemas, self._counts = {}, {}, {}
+            self._channels: dict[int, Channel] = {}
+            self._schemas: dict[int, Schema] = {}
+            self._counts = Counter[int]()
             for block in self.blocks(None):
-                self._counts[block.key] = self._counts.get(block.key, 0) + len(block)
-            if self._damage and not self._channels:
-                raise InputError(
-                    f"{path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first whole "
-                    "chunk; no message can be saved; copy it again or record again"
-                )
+                self._counts[block.key] += len(block)
+            self._refuse_without(self._channels, "chunk")
         self.connections = tuple(map(self._connection, self._channels.values()))
 
     def blocks(self, keys: Collection[int] | None, window: Window | None = None) -> Iterator[Block]:
@@ -82,11 +77,10 @@ class McapStream(MessageStream):
                     channel, _, time = _MESSAGE_TIME.unpack_from(data, position + _RECORD_START.size)
                     position += collector.add(channel, time & LATEST_TIME_NS, start, following - start, _HEADS)
                     continue
-                if opcode in (_MESSAGE, _METADATA) or (keys is None and opcode in (_SCHEMA, _CHANNEL)):
-                    try:
-                        self._learn(opcode, data[position + _RECORD_START.size : following])
-                    except _BROKEN as error:
-                        self._note(offset, f"a record is broken: {error}")
+                if opcode == _MESSAGE:
+                    self._note(offset, "a record is broken: it ends early")
+                elif opcode == _METADATA or keys is None:
+                    self._learn(opcode, offset, data[position + _RECORD_START.size : following])
                 position = following
             if position != len(data):
                 self._note(offset, "a message runs over the end of its chunk")
@@ -112,7 +106,7 @@ class McapStream(MessageStream):
                     yield begin, bytes(loose)
                     loose.clear()
                 reason = "it ends without the closing records" if opcode is None else "a record is cut off"
-                if opcode == _CHUNK and (is_cut or window is None or not window.leaves_out(_times_of_chunk(file))):
+                if opcode == _CHUNK and (is_cut or window is None or window.keeps(*_times_of_chunk(file)).any()):
                     reason = "the last chunk is cut off; its whole messages were read without its checksum"
                     yield from self._records_of_chunk(file, offset, length, cut=is_cut)
                 if is_cut:
@@ -147,18 +141,20 @@ class McapStream(MessageStream):
             return False  # a file without a sound end is read from its beginning instead
         if summary is None or summary.statistics is None or summary.statistics.channel_count != len(summary.channels):
             return False
-        self._counts = dict(summary.statistics.channel_message_counts)
+        self._counts = Counter(summary.statistics.channel_message_counts)
         self._channels, self._schemas = summary.channels, summary.schemas
-        return sum(self._counts.values()) == summary.statistics.message_count
+        return self._counts.total() == summary.statistics.message_count
 
-    def _learn(self, opcode: int, content: bytes) -> None:
-        record = _parse(opcode, content)
+    def _learn(self, opcode: int, offset: int, content: bytes) -> None:
+        try:
+            record: Any = _parse(opcode, content) if opcode in (_SCHEMA, _CHANNEL, _METADATA) else None
+        except _BROKEN as error:
+            self._note(offset, f"a record is broken: {error}")
+            return
         if opcode == _METADATA:
             self.notes = {**self.notes, **record.metadata}
-        elif opcode == _CHANNEL:
-            self._channels[record.id] = record
-        elif opcode == _SCHEMA:
-            self._schemas[record.id] = record
+        elif record:
+            (self._channels if opcode == _CHANNEL else self._schemas)[record.id] = record
 
     def _connection(self, channel: "Channel") -> Connection:
         schema = self._schemas.get(channel.schema_id)
@@ -170,9 +166,8 @@ class McapStream(MessageStream):
             topic=channel.topic,
             type=name,
             encoding=encoding,
-            definition=schema.data if schema else b"",
-            definition_format=schema.encoding if schema else "",
-            messages=self._counts.get(channel.id, 0),
+            definition=(schema.encoding, schema.data) if schema else ("", b""),
+            messages=self._counts[channel.id],
         )
 
 
@@ -187,12 +182,11 @@ def _times_of_chunk(file: BinaryIO) -> tuple[int, int]:
 def _parse(opcode: int, content: bytes) -> Any:  # noqa: ANN401
     from mcap.data_stream import ReadDataStream
     from mcap.exceptions import EndOfFile
-    from mcap.records import Channel, Chunk, Message, Metadata, Schema
+    from mcap.records import Channel, Chunk, Metadata, Schema
 
-    stream = ReadDataStream(BytesIO(content))
     kinds: dict[int, Any] = {_CHUNK: Chunk, _SCHEMA: Schema, _CHANNEL: Channel, _METADATA: Metadata}
     try:
-        return Message.read(stream, len(content)) if opcode == _MESSAGE else kinds[opcode].read(stream)
+        return kinds[opcode].read(ReadDataStream(BytesIO(content)))
     except EndOfFile as error:
         raise EOFError("it ends early") from error  # without a text of its own in the library
 

@@ -4,14 +4,15 @@ The definition of a ROS message is from the file, from the standard set, or one 
 """
 
 import json
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, partial
+from itertools import product
 from typing import TYPE_CHECKING
 
-from friction_audit.io.readers.message_layout import Layout, LayoutError, find_layout
-from friction_audit.io.readers.message_stream import Connection, UndecodableError
+from friction_audit.io.readers.message_layout import Layout, element_of, find_layout
+from friction_audit.io.readers.message_stream import BrokenError, Connection
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import Typesdict
@@ -25,10 +26,6 @@ _DEEPEST, _MOST_FIELDS = 64, 100_000  # the largest state message, FrankaRobotSt
 _STAMP_TYPES = ("builtin_interfaces/msg/Time",)
 
 
-class DefinitionError(Exception):
-    """The definition that a file carries cannot be used."""
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class MessageDecoder:
     """Decodes payloads of one connection."""
@@ -36,37 +33,27 @@ class MessageDecoder:
     # Dotted paths of the fields that hold numbers, strings or time stamps, one level of nesting deep; list[].field for
     # the fields of a list's entries.
     paths: tuple[str, ...]
-    library: Callable[[bytes], object]  # what decodes one message
+    decode: Callable[[bytes], object]  # decodes one message
     errors: tuple[type[Exception], ...]  # what that raises
-    # Finds where the numbers lie in a payload; JSON and protobuf have no constant layout.
-    layout: Callable[[bytes], Layout | None] = lambda _: None
-
-    def decode(self, payload: bytes) -> object:
-        """Decode one message; raises UndecodableError."""
-        try:
-            return self.library(payload)
-        except self.errors as error:
-            raise UndecodableError(str(error)) from error
+    # Finds where the numbers lie in a payload, or raises BrokenError; JSON and protobuf have no constant layout.
+    layout: Callable[[bytes], Layout] | None = None
 
 
-def decoder_for(connection: Connection, payload: bytes | None = None) -> MessageDecoder | None:
-    """Make the decoder of a connection; None if its type is not known, or cannot be known without a message.
+def decoder_for(connection: Connection, payloads: Iterable[bytes]) -> MessageDecoder | None:
+    """Make the decoder of a connection, from its first payloads where nothing else says what they hold.
 
-    DefinitionError if the definition in the file cannot be used.
+    None if its type is not known; BrokenError if the definition in the file cannot be used.
     """
     if connection.encoding in ("cdr", "ros1"):
-        types = _find_definition(connection, payload)
+        types = _find_definition(connection, payloads)
         return None if types is None or connection.type not in types else _ros_decoder(connection, types)
-    if connection.encoding == "json" and payload is not None:
-        return _json_decoder(payload)
     if connection.encoding == "protobuf":
         return _protobuf_decoder(connection)
+    for payload in payloads if connection.encoding == "json" else ():
+        with suppress(ValueError, RecursionError):
+            if paths := tuple(_json_paths(json.loads(payload))):  # the first message that has fields
+                return MessageDecoder(paths, json.loads, (ValueError, RecursionError))
     return None
-
-
-def needs_message(connection: Connection) -> bool:
-    """Return True if a decoder may be found once a message is at hand."""
-    return connection.encoding == "json" or bool(connection.definition) or connection.type in _FRANKA_TYPES
 
 
 def _ros_decoder(connection: Connection, types: "Typesdict") -> MessageDecoder:
@@ -74,7 +61,7 @@ def _ros_decoder(connection: Connection, types: "Typesdict") -> MessageDecoder:
     from rosbags.serde import SerdeError
     from rosbags.typesys import Stores, TypesysError, get_typestore
 
-    is_cdr, name = connection.encoding == "cdr", connection.type
+    encoding, name = connection.encoding, connection.type
 
     @cache
     def store() -> "Typestore":  # generated when it is first needed
@@ -83,26 +70,14 @@ def _ros_decoder(connection: Connection, types: "Typesdict") -> MessageDecoder:
         return made
 
     def decode(payload: bytes) -> object:
-        return (store().deserialize_cdr if is_cdr else store().deserialize_ros1)(payload, name)
-
-    def layout(payload: bytes) -> Layout | None:
-        with suppress(LayoutError):
-            return find_layout(payload, name, types, encoding=connection.encoding)
-        return None
+        return (store().deserialize_cdr if encoding == "cdr" else store().deserialize_ros1)(payload, name)
 
     try:
         paths = tuple(_ros_paths(name, types))
     except KeyError as error:
-        raise DefinitionError(f"its definition does not say what {error} is") from error
+        raise BrokenError(f"its definition does not say what {error} is") from error
+    layout = partial(find_layout, typename=name, types=types, encoding=encoding)
     return MessageDecoder(paths, decode, (SerdeError, TypesysError, KeyError), layout)  # KeyError: of an unknown type
-
-
-def _json_decoder(payload: bytes) -> MessageDecoder:
-    """Return the decoder of JSON messages; the fields are those of the first message."""
-    decoder = MessageDecoder((), json.loads, (ValueError, RecursionError))
-    with suppress(UndecodableError):
-        return replace(decoder, paths=tuple(_json_paths(decoder.decode(payload))))
-    return decoder
 
 
 def _protobuf_decoder(connection: Connection) -> MessageDecoder:
@@ -112,32 +87,32 @@ def _protobuf_decoder(connection: Connection) -> MessageDecoder:
     from mcap.records import Schema
     from mcap_protobuf.decoder import DecoderFactory
 
-    schema = Schema(id=1, name=connection.type, encoding=connection.definition_format, data=connection.definition)
+    language, content = connection.definition
+    schema = Schema(id=1, name=connection.type, encoding=language, data=content)
     try:
         decode = DecoderFactory().decoder_for("protobuf", schema)
     except (McapError, DecodeError, TypeError, KeyError) as error:
-        raise DefinitionError(f"its protobuf descriptors cannot be used ({error})") from error
+        raise BrokenError(f"its protobuf descriptors cannot be used ({error})") from error
     if decode is None:
-        raise DefinitionError(f"its schema is of encoding {connection.definition_format!r}, not protobuf")
+        raise BrokenError(f"its schema is of encoding {language!r}, not protobuf")
     return MessageDecoder(tuple(_protobuf_paths(decode(b"").DESCRIPTOR)), decode, (DecodeError,))
 
 
-def _find_definition(connection: Connection, payload: bytes | None) -> "Typesdict | None":
+def _find_definition(connection: Connection, payloads: Iterable[bytes]) -> "Typesdict | None":
     """Find the definition of a connection's type and of all that it contains, as rosbags parses them."""
     from rosbags.typesys import Stores, get_typestore
 
-    if connection.definition:
+    if connection.definition[1]:
         return _parse(connection)
     standard = get_typestore(Stores.ROS1_NOETIC if connection.encoding == "ros1" else Stores.ROS2_HUMBLE).fielddefs
     if connection.type in standard:
         return standard
-    if connection.type in _FRANKA_TYPES and payload is not None:
+    for payload in payloads if connection.type in _FRANKA_TYPES else ():
         for types in _franka_definitions(connection.type):  # the generation whose layout has the payload's length
-            try:
-                find_layout(payload, connection.type, {**standard, **types}, encoding=connection.encoding)
-            except LayoutError:
-                continue
-            return {**standard, **types}
+            known = {**standard, **types}
+            with suppress(BrokenError):
+                find_layout(payload, connection.type, known, encoding=connection.encoding)
+                return known
     return None
 
 
@@ -145,10 +120,10 @@ def _parse(connection: Connection) -> "Typesdict":
     from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 
     types: Typesdict = dict(get_typestore(Stores.EMPTY).fielddefs)
-    separator = "=" * 80 + "\n"
+    separator, (language, content) = "=" * 80 + "\n", connection.definition
     try:
-        text = connection.definition.decode()
-        if connection.definition_format != "ros2idl":
+        text = content.decode()
+        if language != "ros2idl":
             types.update(get_types_from_msg(text, connection.type))
         elif text.startswith(f"{separator}IDL: "):
             for part in text.split(separator)[1:]:
@@ -156,7 +131,7 @@ def _parse(connection: Connection) -> "Typesdict":
         else:
             types.update(get_types_from_idl(text))
     except (TypesysError, UnicodeDecodeError, RecursionError) as error:
-        raise DefinitionError(f"its definition cannot be parsed ({error})") from error
+        raise BrokenError(f"its definition cannot be parsed ({error})") from error
     if connection.type in types:
         _count_fields(connection.type, types)
     return types
@@ -165,37 +140,25 @@ def _parse(connection: Connection) -> "Typesdict":
 def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()) -> int:
     """Return how many fields a message has at least, arrays of numbers counted once.
 
-    DefinitionError if it contains itself, or arrays of messages that a decoder would not come to an end of.
+    BrokenError if it contains itself, or arrays of messages that a decoder would not come to an end of.
     """
     if typename in above or len(above) > _DEEPEST:
-        raise DefinitionError(f"{typename} contains itself, or is nested more than {_DEEPEST} deep")
+        raise BrokenError(f"{typename} contains itself, or is nested more than {_DEEPEST} deep")
     count = 1
-    length: int | None
     for _, description in types.get(typename, ((), ()))[1]:
-        # Node types of rosbags: 2 a named message, 3 an array, 4 a sequence (whose length a payload bounds).
-        match description:
-            case (2, inner):
-                length = None
-            case (3, ((2, inner), size)):
-                length = int(size)
-            case (_, ((2, inner), _)):
-                length = 1
-            case _:
-                count += 1
-                continue
-        own = _count_fields(str(inner), types, (*above, typename))
-        if own == 1 and length is not None:
-            raise DefinitionError(f"{typename} has an array of empty messages")
-        count += own * (1 if length is None else length)
+        is_message, detail, length = element_of(description)
+        own = _count_fields(detail, types, (*above, typename)) if is_message else 1
+        if own == 1 and is_message and length is not None:
+            raise BrokenError(f"{typename} has an array of empty messages")
+        count += own * (max(length or 1, 1) if is_message else 1)
         if count > _MOST_FIELDS:
-            raise DefinitionError(f"{typename} has more than {_MOST_FIELDS} fields")
+            raise BrokenError(f"{typename} has more than {_MOST_FIELDS} fields")
     return count
 
 
 def _franka_definitions(typename: str) -> Iterator["Typesdict"]:
-    for generation in _FRANKA_GENERATIONS:
-        for errors in _ERRORS:
-            yield franka_types((errors, "CollisionIndicators", "Elbow", generation), typename)
+    for generation, errors in product(_FRANKA_GENERATIONS, _ERRORS):
+        yield franka_types((errors, "CollisionIndicators", "Elbow", generation), typename)
 
 
 def franka_types(names: Sequence[str], own: str) -> "Typesdict":
@@ -214,18 +177,11 @@ def franka_types(names: Sequence[str], own: str) -> "Typesdict":
 
 def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[str]:
     for name, description in types[typename][1]:
-        path = prefix + name
-        kind, detail = int(description[0]), description[1]
-        if kind == 1 or detail in _STAMP_TYPES:
+        path, (is_message, detail, length) = prefix + name, element_of(description)
+        if not is_message or (length is None and detail in _STAMP_TYPES):
             yield path
-        elif kind == 2 and not prefix:  # noqa: PLR2004
-            yield from _ros_paths(str(detail), types, f"{path}.")
-        elif kind > 2:  # noqa: PLR2004
-            match detail:
-                case ((1, _), _):
-                    yield path
-                case ((2, str(inner)), _) if "." not in path:
-                    yield from _ros_paths(inner, types, f"{path}[].")
+        elif not prefix:
+            yield from _ros_paths(detail, types, f"{path}." if length is None else f"{path}[].")
 
 
 def _json_paths(message: object, prefix: str = "") -> Iterator[str]:

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.io.readers.message_stream import Block
+from friction_audit.io.readers.message_stream import Block, BrokenError
 
 if TYPE_CHECKING:
-    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.interfaces.typing import Typesdict
 
-
+# Node types of rosbags; 1 is a base type, 4 a sequence, whose length lies before it.
+_MESSAGE, _ARRAY = 2, 3
 _CDR_HEADER_BYTES = 4
 _CDR_LITTLE_ENDIAN = b"\x00\x01"
 _CDR_TRAILING_PADDING_BYTES = 3
@@ -26,10 +27,6 @@ _NUMBER_TYPES = {"bool": "u1", "byte": "u1", "char": "u1", "int8": "i1", "uint8"
                  "float64": "<f8"}  # fmt: skip
 
 Records = NDArray[np.void]
-
-
-class LayoutError(Exception):
-    """The payload does not fit its definition, or the definition has no constant layout."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +58,7 @@ class Layout:
         buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
         stride = int(steps[0]) if count > 1 else size
         if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
-            buffer, start, stride = b"".join(block.payload(index) for index in range(count)), 0, size
+            buffer, start, stride = b"".join(block.payloads()), 0, size
         rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
         if not (rows[:, self.fixed] == self.content).all():
             return None
@@ -73,19 +70,28 @@ class Layout:
 
 
 def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: str) -> Layout:
-    """Walk a message definition over one payload; LayoutError if they do not fit, or the payload is big-endian."""
+    """Walk a message definition over one payload; BrokenError if they do not fit, or the payload is big-endian."""
     if encoding == "cdr" and payload[:2] != _CDR_LITTLE_ENDIAN:
-        raise LayoutError("not little-endian plain CDR")
+        raise BrokenError("not little-endian plain CDR")
     walk = _Walk(payload, types, is_cdr=encoding == "cdr")
     try:
         walk.message(typename, "")
     except (struct.error, UnicodeDecodeError, KeyError) as error:
-        raise LayoutError(str(error)) from error
+        raise BrokenError(str(error)) from error
     spare = len(payload) - walk.position
     if spare < 0 or spare > (_CDR_TRAILING_PADDING_BYTES if walk.is_cdr else 0):
-        raise LayoutError(f"{spare} bytes left over")
+        raise BrokenError(f"{spare} bytes left over")
     fixed = np.flatnonzero(walk.fixed)
     return Layout(len(payload), walk.numbers, walk.strings, fixed, np.frombuffer(payload, np.uint8)[fixed])
+
+
+def element_of(description: Any) -> tuple[bool, Any, int | None]:  # noqa: ANN401
+    """Return of a field, or of a list's elements: whether it is a message, its type, the list's length (-1: any)."""
+    node, detail = description
+    if node <= _MESSAGE:
+        return node == _MESSAGE, detail, None
+    (inner, detail), size = detail
+    return inner == _MESSAGE, detail, size if node == _ARRAY else -1
 
 
 class _Walk:
@@ -99,32 +105,24 @@ class _Walk:
 
     def message(self, typename: str, prefix: str) -> None:
         for name, description in self.types[typename][1]:
-            self.field(description, prefix + name)
-
-    def field(self, description: "FieldDesc", path: str) -> None:
-        # Node types of rosbags: 1 a base type, 2 a named message, 3 an array, 4 a sequence (with its length before it).
-        node: Any = int(description[0])
-        detail: Any = description[1]
-        count = None
-        if node > 2:  # noqa: PLR2004
-            (inner, detail), size = detail
-            node, count = int(inner), size if node == 3 else self.length()  # noqa: PLR2004
-        if node == 1 and detail[0] == "string":
-            self.strings[path] = tuple(self.string() for _ in range(1 if count is None else count))
-        elif node == 1:
-            self.numeric(detail[0], path, 1 if count is None else count)
-        else:
-            for index in range(1 if count is None else count):
-                self.message(detail, f"{path}." if count is None else f"{path}[{index}].")
+            path, (is_message, detail, size) = prefix + name, element_of(description)
+            count = 1 if size is None else self.length() if size < 0 else size
+            if is_message:
+                for index in range(count):
+                    self.message(detail, f"{path}." if size is None else f"{path}[{index}].")
+            elif detail[0] == "string":
+                self.strings[path] = tuple(self.string() for _ in range(count))
+            else:
+                self.numeric(detail[0], path, count)
 
     def numeric(self, base: str, path: str, count: int) -> None:
         if base not in _NUMBER_TYPES:
-            raise LayoutError(f"{path} is of type {base}")
+            raise BrokenError(f"{path} is of type {base}")
         width = np.dtype(_NUMBER_TYPES[base]).itemsize
         if count:
             self.align(width)
         if self.position + count * width > len(self.payload):
-            raise LayoutError(f"{path} ends after the payload")
+            raise BrokenError(f"{path} ends after the payload")
         self.numbers[path] = Leaf(self.position, _NUMBER_TYPES[base], count)
         self.position += count * width
 
@@ -134,14 +132,14 @@ class _Walk:
         self.fixed[self.position : self.position + 4] = True
         self.position += 4
         if value > len(self.payload):
-            raise LayoutError(f"a sequence of {value} elements")
+            raise BrokenError(f"a sequence of {value} elements")
         return int(value)
 
     def string(self) -> str:
         size = self.length()
         content = self.payload[self.position : self.position + size]
         if len(content) < size or (self.is_cdr and content[-1:] != b"\x00"):
-            raise LayoutError("a string without end")
+            raise BrokenError("a string without end")
         self.fixed[self.position : self.position + size] = True
         self.position += size
         return (content[:-1] if self.is_cdr else content).decode()

@@ -1,7 +1,9 @@
 """The values of some joints in messages, block by block and as arrays, and their clock."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,9 +11,9 @@ from numpy.typing import NDArray
 
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import numbered_joints
-from friction_audit.io.readers.message_kinds import Candidate, Row, row_of
+from friction_audit.io.readers.message_kinds import Candidate, Row, rows_of
 from friction_audit.io.readers.message_layout import Layout, Records
-from friction_audit.io.readers.message_stream import Block, Int, UndecodableError
+from friction_audit.io.readers.message_stream import Block, BrokenError, Int
 from friction_audit.joint_log import Finding, Float
 
 _NANOSECONDS = 10**9
@@ -75,31 +77,25 @@ class JointDecoder:
 
     def __init__(self, chosen: Candidate, joints: tuple[str, ...], channels: Sequence[str]) -> None:
         self.undecodable = self.incomplete = 0  # messages that do not fit their definition, or lack some of the joints
-        kind = chosen.kind
         self.chosen, self.joints, self._channels = chosen, joints, channels
-        paths = [*(kind.fields[name] for name in channels), *kind.stamp_paths, kind.robot_time]
+        kind = chosen.kind
+        self._stamp = [f"{path}.{part}" for path in kind.stamps[:1] for part in ("sec", "nanosec")]
+        paths = [*(kind.fields[name] for name in channels), *self._stamp, kind.robot_time]
         self._paths = list(dict.fromkeys(path for path in paths if path))
         self._layouts: dict[int, Layout] = {}
-        self._columns: dict[tuple[str, ...], NDArray[np.intp]] = {}
 
     def decode(self, block: Block) -> Piece:
         """Decode by the layout in use, or by that of the block's own first message; else message by message."""
-        layout = self._layouts.get(block.key)
+        layout, find = self._layouts.get(block.key), self.chosen.decoders[block.key].layout
         records = layout.records(block, self._paths) if layout else None
-        if records is None and (layout := self.chosen.decoders[block.key].layout(block.payload(0))):
-            records = layout.records(block, self._paths)
+        if records is None and find:
+            with suppress(BrokenError):
+                layout = find(block.payload(0))
+                records = layout.records(block, self._paths)
         if layout is None or records is None:
             return self.of_messages(block)
         self._layouts[block.key] = layout
         return self._of_records(records, layout, block) or self.of_messages(block)
-
-    def _columns_of(self, names: tuple[str, ...]) -> NDArray[np.intp]:
-        """Return, for each joint, its index in a message with these names, or -1 where it lacks the joint."""
-        columns = self._columns.get(names)
-        if columns is None:
-            place = {name: index for index, name in reversed(list(enumerate(names)))}
-            columns = self._columns[names] = np.array([place.get(joint, -1) for joint in self.joints], np.intp)
-        return columns
 
     def _of_records(self, records: Records, layout: Layout, block: Block) -> Piece | None:
         """View records of constant layout; None if their arrays do not fit their names."""
@@ -108,30 +104,26 @@ class JointDecoder:
         if not any(names):
             counts = [layout.numbers[path].count for path in kind.fields.values() if path in layout.numbers]
             names = numbered_joints(max(counts))
-        columns, fields = self._columns_of(names), {name: records[kind.fields[name]] for name in self._channels}
+        columns, fields = _columns_of(names, self.joints), {name: records[kind.fields[name]] for name in self._channels}
         if (columns < 0).any() or any(field.shape[1] != len(names) for field in fields.values()):
             return None
         times = {"log_time": block.log_time}
-        if kind.stamps:
-            seconds, nanoseconds = kind.stamp_paths
-            times["header_stamp"] = records[seconds][:, 0].astype(np.int64) * _NANOSECONDS + records[nanoseconds][:, 0]
+        if self._stamp:
+            seconds, nanoseconds = (records[path][:, 0] for path in self._stamp)
+            times["header_stamp"] = seconds.astype(np.int64) * _NANOSECONDS + nanoseconds
         if kind.robot_time:
             times["robot_time"] = records[kind.robot_time][:, 0]
         return Piece(times, {name: [field[:, column] for column in columns] for name, field in fields.items()})
 
     def of_messages(self, block: Block) -> Piece:
         """Decode message by message, with the library's decoder; one that holds none of the joints is passed over."""
-        decoder, found = self.chosen.decoders[block.key], list[tuple[int, Row, NDArray[np.intp]]]()
-        for index, log_time in enumerate(block.log_time.tolist()):
-            try:
-                row = row_of(decoder.decode(block.payload(index)), self.chosen.kind)
-            except UndecodableError:
+        found = list[tuple[int, Row, NDArray[np.intp]]]()
+        rows = rows_of(block, self.chosen.decoders[block.key], self.chosen.kind)
+        for log_time, row in zip(block.log_time.tolist(), rows, strict=True):
+            if row is None or len(row.names) > MOST_JOINTS:
                 self.undecodable += 1
                 continue
-            columns = self._columns_of(row.names) if len(row.names) <= MOST_JOINTS else None
-            if columns is None:
-                self.undecodable += 1
-                continue
+            columns = _columns_of(row.names, self.joints)
             self.incomplete += bool((columns < 0).any() and (columns >= 0).any())
             if (columns >= 0).any():
                 found.append((log_time, row, columns))
@@ -148,6 +140,13 @@ class JointDecoder:
         times = {name: np.array(readings) for name, readings in own.items() if None not in readings}
         times["log_time"] = np.array([log_time for log_time, *_ in found], np.int64)
         return Piece(times, {name: list(array) for name, array in arrays.items()})
+
+
+@lru_cache(maxsize=64)
+def _columns_of(names: tuple[str, ...], joints: tuple[str, ...]) -> NDArray[np.intp]:
+    """Return, for each joint, its index in a message with these names, or -1 where it lacks the joint."""
+    place = {name: index for index, name in reversed(list(enumerate(names)))}
+    return np.array([place.get(joint, -1) for joint in joints], np.intp)
 
 
 _FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from something else than 1970
@@ -170,10 +169,6 @@ class MessageClock:
     findings: tuple[Finding, ...]
     first: Any  # its smallest reading
     per_second: float  # of its units
-
-    def time_of(self, times: Times) -> Float:
-        """Return t of other messages."""
-        return np.asarray((times.get(self.name, times["log_time"]) - self.first) / self.per_second)
 
 
 def choose_clock(times: Times) -> MessageClock:
@@ -204,9 +199,7 @@ def _robot_unit(robot_time: Float, log_time: Int) -> tuple[float, list[Finding]]
     ratio = float(np.ptp(robot_time)) / logged_s if logged_s > 0.0 else 1.0
     for factor, unit in _ROBOT_TIME_UNITS:
         if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
-            text = (
-                f"the robot's own time counts in {unit}, by comparison with the log time; it was divided by {factor:g}"
-            )
+            text = f"the robot's own time counts in {unit} by the log time; it was divided by {factor:g}"
             return factor, [Finding(code="robot_time_unit", message=text, amount=factor)]
     return 1.0, []
 
@@ -220,11 +213,12 @@ def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
     drift = float(centred @ difference / (centred @ centred))
     sd_s = float(np.std(difference - drift * centred))
     limit_s = max(_DISAGREEMENT_SD_S, _DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
-    findings = []
+    texts = {}
     if sd_s > limit_s:
-        text = f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"
-        findings.append(Finding(code="clock_disagreement", amount=sd_s, message=f"{text}; {chosen} was used"))
+        texts[f"{_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"] = sd_s
     if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
-        text = f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"
-        findings.append(Finding(code="clock_disagreement", amount=drift, message=f"{text}; {chosen} was used"))
-    return findings
+        texts[f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"] = drift
+    return [
+        Finding(code="clock_disagreement", amount=amount, message=f"{text}; {chosen} was used")
+        for text, amount in texts.items()
+    ]

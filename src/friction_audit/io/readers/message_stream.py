@@ -3,8 +3,9 @@
 import re
 from abc import abstractmethod
 from bz2 import BZ2Decompressor
+from collections import defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from io import BytesIO
 from math import inf
@@ -12,7 +13,7 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from friction_audit.errors import InputError
 
@@ -23,12 +24,8 @@ _SMALLEST_BOUND = 1 << 20  # below it the ratio is not checked [byte]
 LARGEST_CHUNK = 256 << 20
 
 
-class UnpackError(Exception):
-    """The data cannot be decompressed, or are not of the size that they claim."""
-
-
-class UndecodableError(Exception):
-    """One payload does not fit its definition."""
+class BrokenError(Exception):
+    """A part of a file is not what it claims to be: a definition, a record, packed data, a payload."""
 
 
 def bound_of(packed_bytes: int) -> int:
@@ -37,29 +34,27 @@ def bound_of(packed_bytes: int) -> int:
 
 
 def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:
-    """Decompress data whose header claims a size, without making more than that.
+    """Decompress data whose header claims a size, and no more than that; of ``cut`` data what there is.
 
-    Of ``cut`` data, whose end is missing, what there is. UnpackError if they are broken, or of another size.
+    BrokenError if they cannot be decompressed, or are of another size.
     """
     if compression in ("none", ""):
         return packed
     most = min(bound_of(len(packed)), LARGEST_CHUNK)
     if claimed > most and not cut:
-        raise UnpackError(f"{len(packed)} bytes claim to hold {claimed}, expected at most {most}")
+        raise BrokenError(f"{len(packed)} bytes claim to hold {claimed}, expected at most {most}")
     try:
         data = _decompress(compression, packed, min(claimed, most))
     except (OSError, EOFError, ValueError, RuntimeError, MemoryError) as error:
-        raise UnpackError(str(error) or "not enough memory") from error
+        raise BrokenError(str(error) or "not enough memory") from error
     if len(data) != claimed and not cut:
         held = "more" if len(data) > claimed else f"only {len(data)}"
-        raise UnpackError(f"{len(packed)} bytes claim to hold {claimed} bytes, and hold {held}")
+        raise BrokenError(f"{len(packed)} bytes claim to hold {claimed} bytes, and hold {held}")
     return data
 
 
 def _decompress(compression: str, packed: bytes, limit: int) -> bytes:
     """Decompress as far as it goes, up to one byte more than the limit."""
-    if compression == "zstd":
-        return _zstd(packed, limit)
     if compression == "bz2":
         return BZ2Decompressor().decompress(packed, max_length=limit + 1)
     if compression == "lz4":
@@ -67,17 +62,13 @@ def _decompress(compression: str, packed: bytes, limit: int) -> bytes:
 
         data: bytes = LZ4FrameDecompressor().decompress(packed, max_length=limit + 1)
         return data
-    raise ValueError(f"unknown compression {compression!r}")
-
-
-def _zstd(packed: bytes, limit: int) -> bytes:
+    if compression != "zstd":
+        raise ValueError(f"unknown compression {compression!r}")
     from zstandard import ZstdDecompressor, ZstdError, frame_content_size
 
-    try:
-        if frame_content_size(packed) == limit:  # the stream, which reads cut frames too, takes 1.3 times as long
+    with suppress(ZstdError):  # the stream says what is wrong; it reads cut frames too, and takes 1.3 times as long
+        if frame_content_size(packed) == limit:
             return ZstdDecompressor().decompress(packed, max_output_size=limit)
-    except ZstdError:
-        pass  # the stream says what is wrong, or how far it goes
     try:
         with ZstdDecompressor().stream_reader(BytesIO(packed)) as stream:
             return stream.read(limit + 1)
@@ -97,8 +88,8 @@ class Connection:
     topic: str  # topic name, with its leading slash if the file has one
     type: str  # message type, package/msg/Name for ROS
     encoding: str  # how payloads are serialised: "ros1", "cdr", "json", "protobuf" or something else
-    definition: bytes = b""  # the message definition that the file carries, empty if it carries none
-    definition_format: str = ""  # language of the definition, e.g. "ros2msg", "ros2idl", "protobuf"
+    # Language ("ros2msg", "ros2idl", "protobuf"...) and text of the definition in the file, empty if it has none.
+    definition: tuple[str, bytes] = ("", b"")
     messages: int = 0  # number of messages
 
 
@@ -113,13 +104,20 @@ class Block:
     size: Int  # length of each payload, shape (n,) [byte]
 
     def __len__(self) -> int:
-        """Return the number of messages."""
         return len(self.log_time)
+
+    def at(self, kept: NDArray[np.bool_]) -> "Block":
+        """Return some of the messages."""
+        return Block(self.key, self.log_time[kept], self.buffer, self.start[kept], self.size[kept])
 
     def payload(self, index: int) -> bytes:
         """Return one payload."""
         first = int(self.start[index])
         return self.buffer[first : first + int(self.size[index])]
+
+    def payloads(self) -> Iterator[bytes]:
+        """Yield all payloads."""
+        return map(self.payload, range(len(self)))
 
 
 @dataclass(slots=True)
@@ -132,23 +130,14 @@ class Window:
     after: bool = False  # true if messages after it were left out
     latest: float = -inf  # latest log time of the messages left out before it [ns]
 
-    def leaves_out(self, times: tuple[int, int]) -> bool:
-        """Return True if messages from one log time to another lie outside; times that run back are not trusted."""
-        first, last = times
-        earlier, later = first <= last < self.first, last >= first > self.last
-        self.after |= later
-        if earlier:
-            self.before, self.latest = True, max(self.latest, last)
-        return earlier or later
-
-    def part_of(self, block: Block) -> Block:
-        """Return the messages of a block that lie inside."""
-        earlier, later = block.log_time < self.first, block.log_time > self.last
+    def keeps(self, first: ArrayLike, last: ArrayLike) -> NDArray[np.bool_]:
+        """Return which stretches of log time reach inside, and note what does not; one that runs back is kept."""
+        first, last = np.atleast_1d(first), np.atleast_1d(last)
+        earlier, later = (first <= last) & (last < self.first), (first <= last) & (first > self.last)
         self.after |= bool(later.any())
         if earlier.any():
-            self.before, self.latest = True, max(self.latest, float(block.log_time[earlier].max()))
-        kept = ~(earlier | later)
-        return Block(block.key, block.log_time[kept], block.buffer, block.start[kept], block.size[kept])
+            self.before, self.latest = True, max(self.latest, float(last[earlier].max()))
+        return ~(earlier | later)
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,11 +177,19 @@ class MessageStream(AbstractContextManager["MessageStream"]):
     def _note(self, byte: int | None, reason: str, whole: int | None = None) -> None:
         self._damage[reason if byte is None else byte] = Damage(byte, whole or self._bytes, reason)
 
+    def _refuse_without(self, found: Collection[object], first: str) -> None:
+        """Refuse a damaged file in which nothing was found."""
+        if self._damage and not found:
+            raise InputError(
+                f"{self._path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first "
+                f"whole {first}; nothing can be saved; copy it again or record again"
+            )
+
     def _unpack(self, offset: int, compression: str, packed: bytes, claimed: int, *, cut: bool) -> bytes | None:
         """Return the records of the chunk at an offset, None if they cannot be decompressed."""
         try:
             return unpack(compression, packed, claimed, cut=cut)
-        except UnpackError as error:
+        except BrokenError as error:
             self._note(offset, f"a chunk cannot be decompressed: {error}")
             return None
 
@@ -214,7 +211,7 @@ class BlockCollector:
         """Keep the chunk's records, and the keys of the connections wanted, None for all."""
         self.blocks: list[Block] = []
         self._data, self._keys = data, keys
-        self._mixed: dict[int, list[tuple[int, int, int]]] = {}
+        self._mixed = defaultdict[int, list[tuple[int, int, int]]](list)
         self._alternating = False
 
     def add(self, key: int, time: int, start: int, size: int, heads: Heads) -> int:
@@ -222,7 +219,7 @@ class BlockCollector:
         wanted, stride = self._keys is None or key in self._keys, heads.width + size
         if self._alternating:
             if wanted:
-                self._mixed.setdefault(key, []).append((start, size, time))
+                self._mixed[key].append((start, size, time))
             return stride
         begin = start - heads.width
         count = (len(self._data) - begin) // stride

@@ -1,7 +1,7 @@
 """A stream of messages -> Recording: what all message containers have in common."""
 
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
@@ -17,14 +17,14 @@ from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.joint_names import robot_of
-from friction_audit.io.readers.message_decoder import DefinitionError, MessageDecoder, decoder_for, needs_message
-from friction_audit.io.readers.message_kinds import Candidate, MessageKind, Row, choose_topic, match_kind, row_of
+from friction_audit.io.readers.message_decoder import MessageDecoder, decoder_for
+from friction_audit.io.readers.message_kinds import Candidate, MessageKind, choose_topic, match_kind, rows_of
 from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
 from friction_audit.io.readers.message_stream import (
     Block,
+    BrokenError,
     Connection,
     MessageStream,
-    UndecodableError,
     Window,
     block_of_payloads,
 )
@@ -48,8 +48,7 @@ _Readable = tuple[Connection, MessageDecoder, MessageKind, Block]  # with its fi
 def read_messages(open_stream: Open, path: Path, options: ReadOptions) -> Recording:
     """Read the joint states in a file; InputError, or SeveralLogsError if it holds several arms and none was named."""
     with open_stream(path) as stream:
-        recording = _read(path, stream, options)
-        return replace(recording, serial=serial_in(stream.notes))
+        return replace(_read(path, stream, options), serial=serial_in(stream.notes))
 
 
 def topics_of(open_stream: Open, path: Path) -> tuple[Topic, ...]:
@@ -61,39 +60,33 @@ def topics_of(open_stream: Open, path: Path) -> tuple[Topic, ...]:
 def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
     candidates = _candidates(path, stream, options)
     chosen, joints, findings = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
-    decoder = JointDecoder(chosen, joints, chosen.channels)
-    row_bytes = np.float64().itemsize * (len(chosen.channels) * len(joints) + _CLOCKS)
+    decoder, names = JointDecoder(chosen, joints, chosen.channels), chosen.channels
+    row_bytes = np.float64().itemsize * (len(names) * len(joints) + _CLOCKS)
     expected = min(chosen.messages, _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes)
     size, missing, blocks, skipped = expected * row_bytes, list[Finding](), None, 0
     part = _read_part(path, stream, decoder, options) if options.reads_part(size) else None
-    if part is None:
-        in_blocks = options.in_blocks and stream.is_lasting and size > IN_BLOCKS_BYTES
-        if in_blocks:  # the clocks alone
+    if part is not None:
+        samples, skipped = part
+    else:
+        if options.in_blocks and stream.is_lasting and size > IN_BLOCKS_BYTES:  # the clocks alone
             samples = JointSamples(len(joints), (), expected, every=-(-expected // _MOST_CLOCKS))
         else:
             refuse_too_large(path, size, size)
-            samples = JointSamples(len(joints), chosen.channels, expected)
+            samples = JointSamples(len(joints), names, expected)
         decoder.undecodable = decoder.incomplete = 0
         missing = _missing(stream, chosen, _collect(stream, decoder, samples))
-    else:
-        samples, skipped = part
     if not samples.count:
         raise InputError(
             f"{path}: none of the messages on topic {chosen.topic} can be decoded as {chosen.type}; choose another "
             "topic with --topic"
         )
-    clock, kind = choose_clock(samples.times), chosen.kind
+    clock = choose_clock(samples.times)
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
     if not channels:
-        t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in chosen.channels}
+        t, channels = np.empty(0), {name: np.empty((0, len(joints))) for name in names}
         blocks = Blocks(rows=samples.rows, read=partial(_blocks, stream, decoder, clock, samples.rows))
-    shown = f"{kind.elements}[{{i}}].%s" if kind.elements else "%s[{i}]"
+    paths = {name: chosen.kind.fields[name] for name in channels}
     units = {name: found[0] for name, text in options.mapping.items() if (found := _UNIT.search(text))}
-    left_out = dict.fromkeys(name for row in chosen.rows for name in row.names if name not in joints)
-    if left_out:  # as the joints of a gripper are
-        text = f"left out, no joints of the arm: {', '.join(left_out)}"
-        findings += (Finding(code="joints_left_out", message=text, amount=float(len(left_out))),)
-    findings += (*_empty_channels(chosen, candidates), *_losses(stream, decoder, samples.rows), *missing)
     return Recording(
         t=t,
         channels=channels,
@@ -104,8 +97,17 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         origin_s=clock.origin_s,
         robot=_robot(joints, candidates),
         topic=chosen.topic,
-        mapping={name: shown % kind.fields[name] + units.get(name, "") for name in channels},
-        findings=(*findings, *clock.findings),
+        mapping={
+            name: (path.replace("[]", "[{i}]") if "[]" in path else f"{path}[{{i}}]") + units.get(name, "")
+            for name, path in paths.items()
+        },
+        findings=(
+            *findings,
+            *_joints_and_channels(decoder, candidates),
+            *_losses(stream, decoder, samples.rows),
+            *missing,
+            *clock.findings,
+        ),
         blocks=blocks,
     )
 
@@ -125,15 +127,15 @@ def _blocks(
             samples.add(decoder.decode(block))
         if samples.count >= (1 if block is None else _BLOCK_ROWS):
             samples.resize(samples.count)
-            yield clock.time_of(samples.times), samples.channels
+            yield (samples.times[clock.name] - clock.first) / clock.per_second, samples.channels
             samples = JointSamples(len(joints), wanted, _BLOCK_ROWS)
 
 
 def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:
     readable = {candidate.topic for candidate in candidates}
-    groups: dict[str, list[Connection]] = {}
+    groups = defaultdict[str, list[Connection]](list)
     for connection in stream.connections:
-        groups.setdefault(connection.topic, []).append(connection)
+        groups[connection.topic].append(connection)
     return tuple(
         Topic(name=name, type=own[-1].type, messages=sum(c.messages for c in own), readable=name in readable)
         for name, own in groups.items()
@@ -145,82 +147,61 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
     wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
     # actual.velocities[{i}] names the array actual.velocities
     stated = {c: _UNIT.sub("", text).replace("[{i}]", "").replace(".{i}", "") for c, text in options.mapping.items()}
-    found: dict[str, list[_Readable]] = {}
+    found = defaultdict[str, list[_Readable]](list)
     refusals: list[InputError] = []
     for connection in stream.connections:
-        if connection.messages == 0:
-            continue
-        is_wanted = wanted in (None, connection.topic.strip("/"))
-        decoder, first = _decoder(path, stream, connection, is_wanted=connection.topic.strip("/") == wanted)
         try:
-            kind = _kind(path, connection, decoder.paths, stated if is_wanted else {}) if decoder else None
+            if connection.messages and (readable := _readable(path, stream, connection, stated, wanted)):
+                found[connection.topic].append(readable)
         except InputError as error:
             refusals.append(error)
-            continue
-        if decoder and kind and (first := first or _first_block(stream, connection)):
-            found.setdefault(connection.topic, []).append((connection, decoder, kind, first))
     if refusals and (wanted is not None or not found):
         raise refusals[0]
-    return [
-        _candidate(path, topic, group, is_wanted=wanted in (None, topic.strip("/"))) for topic, group in found.items()
-    ]
+    return [_candidate(path, own, is_wanted=wanted in (None, topic.strip("/"))) for topic, own in found.items()]
 
 
-def _candidate(path: Path, topic: str, group: Sequence[_Readable], *, is_wanted: bool) -> Candidate:
+def _readable(
+    path: Path, stream: MessageStream, connection: Connection, stated: Mapping[str, str], wanted: str | None
+) -> _Readable | None:
+    """Find out what a connection's messages hold; None if these are no joint states."""
+    topic, first = connection.topic, map(_first_block, [stream], [connection])  # read when it is asked for
+    try:
+        decoder = decoder_for(connection, (payload for block in first if block for payload in block.payloads()))
+    except BrokenError as error:  # a broken definition matters only on the topic that the user asked for
+        if topic.strip("/") != wanted:
+            return None
+        raise InputError(
+            f"{path}: topic {topic} of type {connection.type} cannot be read: {error}; choose another topic with "
+            "--topic, or convert the log"
+        ) from error
+    own = stated if wanted in (None, topic.strip("/")) else {}
+    kind = _kind(path, connection, decoder.paths, own) if decoder else None
+    block = _first_block(stream, connection) if kind else None
+    return (connection, decoder, kind, block) if decoder and kind and block else None
+
+
+def _candidate(path: Path, group: Sequence[_Readable], *, is_wanted: bool) -> Candidate:
     """Decode the first messages of a topic's connections of the kind of the first one."""
     first, _, kind, _ = group[0]
     same = [one for one in group if one[2] == kind]
-    rows = [row for _, decoder, _, block in same for row in _first_rows(block, decoder, kind)]
+    rows = [row for _, decoder, _, block in same for row in rows_of(block, decoder, kind) if row]
     joints = max((len(row.names) for row in rows), default=0)
     if joints > MOST_JOINTS and is_wanted:
         raise InputError(
-            f"{path}: a message on topic {topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
+            f"{path}: a message on topic {first.topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
             "choose another topic with --topic"
         )
     decoders = {connection.key: decoder for connection, decoder, *_ in same}
     messages = sum(connection.messages for connection, *_ in same)
-    return Candidate(topic=topic, type=first.type, messages=messages, kind=kind, decoders=decoders, rows=rows)
-
-
-def _decoder(
-    path: Path, stream: MessageStream, connection: Connection, *, is_wanted: bool
-) -> tuple[MessageDecoder | None, Block | None]:
-    """Make a decoder, from the first messages where the file does not define them, which are then returned too."""
-    first = None
-    try:
-        decoder = decoder_for(connection, None)
-        if decoder is None and needs_message(connection):
-            first = _first_block(stream, connection)
-            payloads = map(first.payload, range(len(first))) if first else ()
-            made = (decoder_for(connection, payload) for payload in payloads)
-            decoder = next((one for one in made if one is not None and one.paths), None)
-    except DefinitionError as error:  # a broken definition matters only on the topic that the user asked for
-        if not is_wanted:
-            return None, None
-        raise InputError(
-            f"{path}: topic {connection.topic} of type {connection.type} cannot be read: {error}; "
-            "choose another topic with --topic, or convert the log"
-        ) from error
-    return decoder, first
+    return Candidate(topic=first.topic, type=first.type, messages=messages, kind=kind, decoders=decoders, rows=rows)
 
 
 def _first_block(stream: MessageStream, connection: Connection) -> Block | None:
     """Return the first messages of a connection, which may lie in several blocks."""
     blocks = stream.blocks([connection.key])
-    timed = ((int(one.log_time[index]), one.payload(index)) for one in blocks for index in range(len(one)))
+    timed = (one for block in blocks for one in zip(block.log_time.tolist(), block.payloads(), strict=True))
     found = list(islice(timed, min(_SAMPLED_MESSAGES, connection.messages)))
     return block_of_payloads(connection.key, *zip(*found, strict=True)) if found else None
-
-
-def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> Iterator[Row]:
-    for index in range(len(block)):
-        try:
-            row = row_of(decoder.decode(block.payload(index)), kind)
-        except UndecodableError:
-            continue  # counted when the topic is read
-        yield row
-        if len(row.names) > MOST_JOINTS:
-            return
 
 
 def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapping[str, str]) -> MessageKind | None:
@@ -236,8 +217,7 @@ def _kind(path: Path, connection: Connection, paths: Sequence[str], stated: Mapp
     kind = match_kind(paths)
     if not stated:
         return kind
-    stamps = ("header.stamp",) if "header.stamp" in paths else ()
-    kind = kind or MessageKind(rank=0, fields={}, required=(), stamps=stamps)
+    kind = kind or MessageKind(rank=0, fields={}, stamps=tuple({"header.stamp"} & {*paths}))
     fields = {**kind.fields, **{channel: field for channel, field in stated.items() if channel != "t"}}
     return replace(kind, fields=fields, robot_time=stated.get("t", kind.robot_time))
 
@@ -248,7 +228,7 @@ def _collect(
     """Decode the messages of the topic chosen; returns how many each connection has."""
     seen: Counter[int] = Counter()
     for found in stream.blocks(list(decoder.chosen.decoders), window):
-        block = window.part_of(found) if window else found
+        block = found.at(window.keeps(found.log_time, found.log_time)) if window else found
         seen[block.key] += len(block)
         if len(block):
             samples.add(decoder.decode(block))
@@ -315,6 +295,21 @@ def _losses(stream: MessageStream, decoder: JointDecoder, count: int) -> Iterato
         yield Finding(code="incomplete_messages", message=text, amount=float(some))
 
 
+def _joints_and_channels(decoder: JointDecoder, candidates: Sequence[Candidate]) -> Iterator[Finding]:
+    """Say which joints are not of the arm, which main channels of the kind hold nothing, and which topic has them."""
+    chosen = decoder.chosen
+    left_out = dict.fromkeys(name for name in chosen.names if name not in decoder.joints)
+    if left_out:  # as the joints of a gripper are
+        text = f"left out, no joints of the arm: {', '.join(left_out)}"
+        yield Finding(code="joints_left_out", message=text, amount=float(len(left_out)))
+    empty = [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]
+    if empty:
+        better = [c.topic for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
+        hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
+        fields = ", ".join(chosen.kind.fields[name] for name in empty)
+        yield Finding(code="channel_empty", message=f"{chosen.topic} holds no values in {fields}{hint}")
+
+
 def _robot(joints: Sequence[str], candidates: Sequence[Candidate]) -> str:
     """Return the robot by the joints' names; where the topic has none, by those of the other topics."""
     robot = robot_of(joints)
@@ -322,14 +317,3 @@ def _robot(joints: Sequence[str], candidates: Sequence[Candidate]) -> str:
         return robot
     others = {robot_of(row.names) for candidate in candidates for row in candidate.rows[:1]} - {"unknown"}
     return others.pop() if len(others) == 1 else "unknown"
-
-
-def _empty_channels(chosen: Candidate, candidates: Sequence[Candidate]) -> list[Finding]:
-    """Say which of the kind's main channels hold nothing, and which topic has them."""
-    empty = [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]
-    if not empty:
-        return []
-    better = [c.topic for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
-    hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
-    fields = ", ".join(chosen.kind.fields[name] for name in empty)
-    return [Finding(code="channel_empty", message=f"{chosen.topic} holds no values in {fields}{hint}")]

@@ -56,11 +56,6 @@ class Entry:
         """Bytes in the file."""
         return self.info.compress_size
 
-    @property
-    def is_mapped(self) -> bool:
-        """Whether its columns lie one after the other in the file, as they are."""
-        return self.by_column and self.info.compress_type == zipfile.ZIP_STORED
-
 
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read a NumPy archive."""
@@ -93,13 +88,12 @@ class NpzTable(ArrayTable):
     def in_blocks(self, columns: ColumnMap) -> Part | None:
         """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""
         cells = [*columns.time.cells, *(cell for own in columns.channels.values() for cell in own)]
-        wanted = {self._cells[cell][0]: self._entries[self._cells[cell][0]] for cell in cells}
-        for entry in wanted.values():
-            if entry.is_mapped:
-                for _ in _pieces(self._archive, entry):  # a map says nothing of a wrong checksum
-                    pass
-            elif entry.by_column:
-                return None
+        by_column = [e for e in (self._entries[self._cells[cell][0]] for cell in cells) if e.by_column]
+        if any(entry.info.compress_type != zipfile.ZIP_STORED for entry in by_column):
+            return None
+        for entry in dict.fromkeys(by_column):  # a map says nothing of a wrong checksum
+            for _ in _pieces(self._archive, entry):
+                pass
 
         def pieces(cells: Sequence[int]) -> Iterator[dict[int, NDArray[Any]]]:
             names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
@@ -136,8 +130,8 @@ def _entries(archive: zipfile.ZipFile, path: Path) -> tuple[dict[str, Entry], tu
         try:
             entry = _entry(archive, info)
         except _DAMAGED as error:
-            message = f"array {name!r} is damaged and left out ({error})"
-            damage.append(Finding(code="damaged_numbers", message=message, damaged=True))
+            text = f"array {name!r} is damaged and left out ({error})"
+            damage.append(Finding(code="damaged_numbers", message=text, damaged=True))
             continue
         if entry.dtype.hasobject:
             raise InputError(
@@ -190,7 +184,7 @@ def _pieces(archive: zipfile.ZipFile, entry: Entry) -> Iterator[tuple[int, slice
 
 def _chunks(archive: zipfile.ZipFile, entry: Entry) -> Iterator[NDArray[Any]]:
     """Yield the rows of an array, (m, k), in pieces that are alike for all arrays of one length."""
-    if not entry.is_mapped:
+    if not entry.by_column:
         yield from (chunk for _, _, chunk in _pieces(archive, entry))
         return
     name, samples = str(archive.filename), entry.shape[0]

@@ -116,12 +116,12 @@ class ReadOptions:
         """Raise UsageError if the factor is not above zero, a channel does not exist, or the part holds no time."""
         join = (self.join,) if isinstance(self.join, str | Path) else self.join
         object.__setattr__(self, "join", tuple(map(str, join)))
-        wrong = []
-        for channel in (one for one in self.mapping if one not in _MAPPABLE):
-            near = " or ".join(get_close_matches(channel, _MAPPABLE, n=2))
-            wrong.append(f"--map {channel}: no such channel" + (f" (did you mean {near}?)" if near else ""))
-        if wrong:
-            raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(_MAPPABLE)}")
+        if wrong := [channel for channel in self.mapping if channel not in _MAPPABLE]:
+            near = {channel: " or ".join(get_close_matches(channel, _MAPPABLE, n=2)) for channel in wrong}
+            hints = [
+                f"--map {one}: no such channel{f' (did you mean {near[one]}?)' if near[one] else ''}" for one in wrong
+            ]
+            raise UsageError(f"{'; '.join(hints)}; channels are {', '.join(_MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
         for name in ("torque_constant", "gear_ratio", "torque_scale"):

@@ -2,6 +2,7 @@
 
 import re
 import struct
+from collections import Counter
 from collections.abc import Collection, Iterator, Mapping
 from functools import partial
 from io import BytesIO
@@ -10,12 +11,12 @@ from pathlib import Path
 from typing import BinaryIO, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
     Block,
     BlockCollector,
+    BrokenError,
     Connection,
     Heads,
     MessageStream,
@@ -31,10 +32,6 @@ _LARGEST_HEADER = 1 << 24  # a header names a topic, a time and a size; definiti
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 _NANOSECONDS = 10**9
-
-
-class BrokenRecordError(Exception):
-    """The bag has no whole record here."""
 
 
 class Chunk(NamedTuple):
@@ -59,7 +56,7 @@ class Rosbag1Stream(MessageStream):
         """Find chunks and connections; InputError if this is no such bag, or nothing in it is whole."""
         super().__init__(path)
         self._connections: dict[int, dict[str, bytes]] = {}
-        self._counts: dict[int, int] = {}
+        self._counts = Counter[int]()
         self._chunks: list[Chunk] = []
         self._times: dict[int, tuple[int, int]] = {}
         self._uncounted = 0  # of the chunks, the last ones, which no index follows
@@ -69,22 +66,16 @@ class Rosbag1Stream(MessageStream):
             counted = self._chunks[: len(self._chunks) - self._uncounted]
             for chunk, data in self._unpacked():  # connections are in the chunks themselves, too
                 for block in self._find_messages(chunk, data, None):
-                    if chunk not in counted:
-                        self._counts[block.key] = self._counts.get(block.key, 0) + len(block)
-        if self._damage and not self._connections:
-            raise InputError(
-                f"{path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first whole "
-                "message; nothing can be saved; copy it again or record again"
-            )
+                    self._counts[block.key] += 0 if chunk in counted else len(block)
+        self._refuse_without(self._connections, "message")
         self.connections = tuple(
             Connection(
                 key=key,
                 topic=header["topic"].decode(errors="replace"),
                 type=header.get("type", b"").decode(errors="replace").replace("/", "/msg/", 1),
                 encoding="ros1",
-                definition=header.get("message_definition", b""),
-                definition_format="ros1msg",
-                messages=self._counts.get(key, 0),
+                definition=("ros1msg", header.get("message_definition", b"")),
+                messages=self._counts[key],
             )
             for key, header in self._connections.items()
         )
@@ -98,7 +89,7 @@ class Rosbag1Stream(MessageStream):
         """Yield the chunks whose records can be decompressed."""
         with open_log(self._path) as file:
             for chunk in self._chunks:
-                if window and chunk.record in self._times and window.leaves_out(self._times[chunk.record]):
+                if window and not window.keeps(*self._times.get(chunk.record, (1, 0))).any():
                     continue
                 file.seek(chunk.offset)
                 packed = file.read(chunk.size)
@@ -113,7 +104,7 @@ class Rosbag1Stream(MessageStream):
                 header, size = _read_header(file)
                 start = file.tell()
                 self._survey_record(file, header, (offset, start), size)
-            except BrokenRecordError as error:
+            except BrokenError as error:
                 self._note(offset, str(error))
                 return
             file.seek(start + size)
@@ -130,14 +121,13 @@ class Rosbag1Stream(MessageStream):
             self._chunks.append(Chunk(*place, packed, compression, claimed, unfinished))
             self._uncounted += 1
             if unfinished:
-                raise BrokenRecordError("the last chunk has no end")
+                raise BrokenError("the last chunk has no end")
         elif size > left:
-            raise BrokenRecordError("a record is cut off")
+            raise BrokenError("a record is cut off")
         elif kind == _CONNECTION:
             self._learn(header, file.read(size))
         elif kind == _INDEX:
-            key = _number(header, "conn")
-            self._counts[key] = self._counts.get(key, 0) + _number(header, "count")
+            self._counts[_number(header, "conn")] += _number(header, "count")
             self._uncounted = 0
         elif kind == _CHUNK_INFO:
             place_of_chunk = int.from_bytes(header.get("chunk_pos", b""), "little")
@@ -157,7 +147,7 @@ class Rosbag1Stream(MessageStream):
                     header, size = _read_header(stream)
                     start = stream.tell()
                     if start + size > len(data):
-                        raise BrokenRecordError("a record in a chunk is cut off or broken")  # noqa: TRY301
+                        raise BrokenError("a record in a chunk is cut off or broken")  # noqa: TRY301
                     if _kind(header) == _MESSAGE:
                         heads = _heads_like(data[position:start])
                     else:
@@ -166,9 +156,9 @@ class Rosbag1Stream(MessageStream):
                     continue
                 key, sec, nsec, size = struct.unpack("<4I", match["conn"] + match["time"] + match["length"])
                 if match.end() + size > len(data):
-                    raise BrokenRecordError("a message runs over the end of its chunk")  # noqa: TRY301
+                    raise BrokenError("a message runs over the end of its chunk")  # noqa: TRY301
                 position += collector.add(key, sec * _NANOSECONDS + nsec, match.end(), size, heads)
-        except BrokenRecordError as error:
+        except BrokenError as error:
             if not chunk.unfinished:
                 self._note(chunk.offset, str(error))
         return collector.finish()
@@ -188,11 +178,11 @@ def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
         start = file.tell()
         claimed = int.from_bytes(file.read(_LENGTH.size), "little")
         if claimed > _LARGEST_HEADER:
-            raise BrokenRecordError(f"a record's header claims {claimed} bytes")
+            raise BrokenError(f"a record's header claims {claimed} bytes")
         file.seek(start)
         return Header.read(file), int(_LENGTH.unpack(file.read(_LENGTH.size))[0])
     except (ReaderError, UnicodeDecodeError, struct.error, OSError) as error:
-        raise BrokenRecordError("a record is cut off, or its header is broken") from error
+        raise BrokenError("a record is cut off, or its header is broken") from error
 
 
 def _kind(header: Mapping[str, bytes]) -> int:
@@ -202,7 +192,7 @@ def _kind(header: Mapping[str, bytes]) -> int:
 def _field(header: Mapping[str, bytes], name: str, size: int = _LENGTH.size) -> bytes:
     value = header.get(name, b"")
     if len(value) != size:
-        raise BrokenRecordError(f"a record's header has no {name}")
+        raise BrokenError(f"a record's header has no {name}")
     return value
 
 
@@ -215,19 +205,15 @@ def _heads_like(head: bytes) -> Heads:
     conn, time = head.find(b"\x09\0\0\0conn=") + 9, head.find(b"\x0d\0\0\0time=") + 9  # each with its length
     end = len(head) - _LENGTH.size
     if min(conn, time) < 9 or conn + 4 > end or time + 8 > end:  # noqa: PLR2004
-        raise BrokenRecordError("a message record has no connection or no time")
+        raise BrokenError("a message record has no connection or no time")
     text, copied = b"", 0
     for name, begin, stop in sorted(((b"conn", conn, conn + 4), (b"time", time, time + 8)), key=itemgetter(1)):
         text += re.escape(head[copied:begin]) + b"(?P<%b>.{%d})" % (name, stop - begin)
         copied = stop
     text += re.escape(head[copied:end]) + b"(?P<length>.{4})"
     constant = (slice(time), slice(time + 8, len(head)))
-    return Heads(len(head), constant, time, _in_ns, re.compile(text, re.DOTALL))
-
-
-def _in_ns(clock: NDArray[np.uint8]) -> NDArray[np.int64]:
-    sec, nsec = clock.view("<u4").T
-    return np.asarray(sec.astype(np.int64) * _NANOSECONDS + nsec)
+    pattern = re.compile(text, re.DOTALL)
+    return Heads(len(head), constant, time, lambda one: one.view("<u4").astype(np.int64) @ (_NANOSECONDS, 1), pattern)
 
 
 read, topics = partial(read_messages, Rosbag1Stream), partial(topics_of, Rosbag1Stream)

@@ -16,11 +16,13 @@ from friction_audit.io.readers.messages import read_messages, topics_of
 from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream, copy_of_cut
 
 _COMPRESSED_SUFFIXES = (".zstd", ".zst")
+_STORAGE_NAMES = tuple(suffix + packed for suffix in STORAGES for packed in ("", *_COMPRESSED_SUFFIXES))
 _NUMBER = re.compile(r"_\d+$")
-_BLANK = re.compile(r"\s")
+_ITEM = re.compile(r"^[ \t]*-[ \t]*['\"]?([^\s'\"]+)['\"]?[ \t]*$", re.MULTILINE)  # of a list, without blanks
 _MOST_SHOWN = 8
-_TOPICS = "topics_with_message_count:"
-_COUNT_DIGITS = 19
+_TOPICS = "topics_with_message_count:\n"
+_NAME = re.compile(r"^[- ]*name: *['\"]?([^'\"\s]+)", re.MULTILINE)
+_COUNT = re.compile(r"^[- ]*message_count: *(\d{1,18}) *$", re.MULTILINE)
 _COPIED_BYTES = 1 << 20
 _LARGEST_METADATA = 16 << 20  # recorders write some hundred bytes for each topic [byte]
 
@@ -28,21 +30,15 @@ _LARGEST_METADATA = 16 << 20  # recorders write some hundred bytes for each topi
 class Rosbag2Stream(MessageStream):
     """The storage files of one bag, one after the other; connections are numbered through."""
 
-    def __init__(self, path: Path, streams: Sequence[MessageStream], metadata: Sequence[str]) -> None:
+    def __init__(self, path: Path, streams: Sequence[MessageStream], metadata: str) -> None:
         """Give each type the definition that any of the files has for it."""
         super().__init__(path)
         self._streams, self.stated, self.notes = streams, _stated_counts(metadata), _custom_data(metadata)
         own = [(stream, connection) for stream in streams for connection in stream.connections]
-        known = {c.type: c for _, c in own if c.definition}
         self._places = [(stream, c.key) for stream, c in own]
+        known = {c.type: c.definition for _, c in own if c.definition[1]}
         self.connections = tuple(
-            replace(
-                c,
-                key=key,
-                definition=known.get(c.type, c).definition,
-                definition_format=known.get(c.type, c).definition_format,
-            )
-            for key, (_, c) in enumerate(own)
+            replace(c, key=key, definition=known.get(c.type, c.definition)) for key, (_, c) in enumerate(own)
         )
 
     @property
@@ -62,7 +58,8 @@ class Rosbag2Stream(MessageStream):
 def _opened(path: Path) -> Iterator[MessageStream]:
     """Open all storage files of a bag; what had to be decompressed is kept as long."""
     with ExitStack() as stack:
-        metadata, files = _metadata(path), _storage_files(path)
+        metadata = _metadata(path)
+        files = _storage_files(path, metadata) if path.is_dir() else [path]
         compressed = [file for file in files if file.suffix in _COMPRESSED_SUFFIXES]
         folder = Path(stack.enter_context(TemporaryDirectory())) if compressed else None
         streams, is_lasting = list[MessageStream](), True
@@ -78,16 +75,12 @@ def _opened(path: Path) -> Iterator[MessageStream]:
         yield stream
 
 
-def _storage_files(path: Path) -> list[Path]:
+def _storage_files(path: Path, metadata: str) -> list[Path]:
     """Find the storage files of a bag, in the order of their numbers."""
-    if not path.is_dir():
-        return [path]
-    try:
-        names = sorted((entry.name for entry in path.iterdir() if _is_storage(entry)), key=_by_number)
-        stated = (line.strip()[1:].strip(" \t'\"") for line in _metadata(path) if line.lstrip().startswith("-"))
-        listed = [Path(text).name for text in stated if text and not _BLANK.search(text) and _is_storage(Path(text))]
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}; check its permissions") from error
+    by_number = [(re.split(r"(\d+)", file.name), file.name) for file in path.iterdir()]
+    by_number.sort(key=lambda one: [(int(part), "") if part.isdigit() else (-1, part) for part in one[0]])
+    names = [name for _, name in by_number if name.endswith(_STORAGE_NAMES)]
+    listed = [Path(text).name for text in _ITEM.findall(metadata) if text.endswith(_STORAGE_NAMES)]
     if not names:
         raise InputError(f"{path}: no storage file; expected *.db3 or *.mcap in the directory of a ROS 2 bag")
     if missing := [name for name in listed if name not in names]:
@@ -95,34 +88,16 @@ def _storage_files(path: Path) -> list[Path]:
             f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; "
             f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
         )
-    if not listed:
-        _refuse_several_recordings(path, names)
+    # Without metadata.yaml, files are one recording if their names differ in the number at the end alone.
+    stems = [_NUMBER.sub("#", name.partition(".")[0]) for name in names]
+    if not listed and len(names) > 1 and (len({*stems}) > 1 or not stems[0].endswith("#")):
+        more = f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
+        raise InputError(
+            f"{path}: {len(names)} storage files that are not parts of one recording "
+            f"({', '.join(names[:_MOST_SHOWN])}{more}); expected metadata.yaml or names such as run_0.db3, run_1.db3; "
+            "give one of the files"
+        )
     return [path / name for name in names]
-
-
-def _refuse_several_recordings(path: Path, names: Sequence[str]) -> None:
-    """Without metadata.yaml, files are one recording if their names differ in the number at the end alone."""
-    stems = {_NUMBER.sub("", name.partition(".")[0]) for name in names}
-    numbered = all(_NUMBER.search(name.partition(".")[0]) for name in names)
-    if len(names) == 1 or (len(stems) == 1 and numbered):
-        return
-    more = f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
-    shown = ", ".join(names[:_MOST_SHOWN]) + more
-    raise InputError(
-        f"{path}: {len(names)} storage files that are not parts of one recording ({shown}); expected metadata.yaml or "
-        "names such as run_0.db3, run_1.db3; give one of the files"
-    )
-
-
-def _is_storage(path: Path) -> bool:
-    name = path.name
-    for suffix in _COMPRESSED_SUFFIXES:
-        name = name.removesuffix(suffix)
-    return name.endswith(STORAGES)
-
-
-def _by_number(name: str) -> list[tuple[int, str]]:
-    return [(int(part), "") if part.isdigit() else (-1, part) for part in re.split(r"(\d+)", name)]
 
 
 def _decompress_file(path: Path, folder: Path) -> Path:
@@ -154,9 +129,10 @@ def _decompress_file(path: Path, folder: Path) -> Path:
 def recognises(path: Path) -> bool:
     """Return True for a database, a compressed storage file, or a folder with one."""
     if not path.is_dir():
-        return starts_with(path, SQLITE_MAGIC) or (path.suffix in _COMPRESSED_SUFFIXES and _is_storage(path))
+        is_packed = path.suffix in _COMPRESSED_SUFFIXES and path.name.endswith(_STORAGE_NAMES)
+        return is_packed or starts_with(path, SQLITE_MAGIC)
     try:
-        return any(_is_storage(entry) for entry in path.iterdir())
+        return any(entry.name.endswith(_STORAGE_NAMES) for entry in path.iterdir())
     except OSError:
         return False
 
@@ -164,41 +140,33 @@ def recognises(path: Path) -> bool:
 read, topics = partial(read_messages, _opened), partial(topics_of, _opened)
 
 
-def _metadata(folder: Path) -> list[str]:
-    """Return the lines of metadata.yaml; none where there is none."""
+def _metadata(folder: Path) -> str:
+    """Return metadata.yaml; nothing where there is none."""
     path = folder / METADATA
     if not path.is_file():
-        return []
+        return ""
     if path.stat().st_size > _LARGEST_METADATA:
         raise InputError(f"{path}: holds more than {_LARGEST_METADATA} bytes; remove it to read without")
     try:
-        return path.read_text(encoding="utf-8").splitlines()
+        return path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is not text ({error.reason}); remove it to read without") from error
 
 
-def _stated_counts(lines: Sequence[str]) -> dict[str, int]:
+def _stated_counts(metadata: str) -> dict[str, int]:
     """Return the number of messages of each topic that metadata.yaml states; recorders differ in the order of keys."""
-    begin = next((place for place, line in enumerate(lines, 1) if line.strip() == _TOPICS), len(lines))
-    counts: dict[str, int] = {}
-    item: dict[str, str] = {}
-    depth: int | None = None
-    for line in lines[begin:]:
-        text, indent = line.strip(), len(line) - len(line.lstrip(" "))
-        depth = indent if depth is None else depth
-        if indent < depth or (indent == depth and not text.startswith("-")):
-            break
-        item = {} if indent == depth else item
-        name, _, value = text.lstrip("- ").partition(":")
-        item.setdefault(name, value.strip(" \t'\""))
-        count = item.get("message_count", "")
-        if "name" in item and count.isdecimal() and len(count) < _COUNT_DIGITS:
-            counts[item["name"]] = int(count)
+    topics = metadata.partition(_TOPICS)[2]
+    counts = {}
+    indent = len(topics) - len(topics.lstrip(" "))
+    for item in re.split(rf"^ {{{indent}}}- ", topics, flags=re.MULTILINE):
+        name, count = _NAME.search(item), _COUNT.search(item)
+        if name and count:
+            counts[name[1]] = int(count[1])
     return counts
 
 
-def _custom_data(lines: Sequence[str]) -> dict[str, str]:
+def _custom_data(metadata: str) -> dict[str, str]:
     """Return the notes that metadata.yaml carries of its own (``ros2 bag record --custom-data``)."""
-    begin = next((number for number, line in enumerate(lines, 1) if "custom_data:" in line), len(lines))
-    notes = (line.partition(":") for line in lines[begin:] if line[:1] in (" ", "\t"))
+    lines = metadata.partition("custom_data:")[2].splitlines()[1:]
+    notes = (line.partition(":") for line in lines if line[:1] in (" ", "\t"))
     return {name.strip(" \t'\""): value.strip(" \t'\"") for name, _, value in notes}

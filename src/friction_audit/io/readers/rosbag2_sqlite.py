@@ -10,7 +10,7 @@ import sqlite3
 import struct
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing
+from contextlib import ExitStack, closing, suppress
 from functools import reduce
 from io import SEEK_END
 from itertools import count, islice, pairwise
@@ -21,9 +21,9 @@ from typing import Any, BinaryIO
 from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
     Block,
+    BrokenError,
     Connection,
     MessageStream,
-    UnpackError,
     Window,
     block_of_payloads,
     open_log,
@@ -213,11 +213,9 @@ class Sqlite3Stream(MessageStream):
 
     def _block(self, key: int, rows: Sequence[Row]) -> Block | None:
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
-        try:
+        with suppress(TypeError, AttributeError, ValueError, OverflowError):  # the rows are then looked at one by one
             if not rows[0][2].startswith(_ZSTD_MAGIC):
                 return block_of_payloads(key, [time for _, time, _ in rows], [data for _, _, data in rows])
-        except (TypeError, AttributeError, ValueError, OverflowError):
-            pass  # the rows are looked at one by one
         sound = [(time, own) for _, time, data in rows if isinstance(time, int) and (own := _message(data)) is not None]
         if len(sound) < len(rows):
             self._note(None, "messages without time stamp or bytes, or with broken compression, were left out")
@@ -246,10 +244,9 @@ class Sqlite3Stream(MessageStream):
                 f"{self._path}: no table {' and no table '.join(sorted(missing))}; expected the sqlite3 storage of a "
                 f"ROS 2 bag; tables are {', '.join(sorted(tables)) or 'none'}"
             )
-        definitions: dict[str, tuple[str, str]] = {}
-        if "message_definitions" in tables:
-            query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
-            definitions = {name: (language, text) for name, language, text in database.execute(query)}
+        query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
+        known = database.execute(query) if "message_definitions" in tables else ()
+        definitions = {name: (str(language), str(text).encode()) for name, language, text in known}
         topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id").fetchall()
         counts = self._count_messages(database, [key for key, *_ in topics])
         return tuple(
@@ -258,9 +255,8 @@ class Sqlite3Stream(MessageStream):
                 topic=str(topic),
                 type=str(typename),
                 encoding=str(encoding),
-                definition=str(definitions.get(typename, ("", ""))[1]).encode(),
-                definition_format=str(definitions.get(typename, ("", ""))[0]),
                 messages=counts.get(key, 0),
+                definition=definitions.get(typename, ("", b"")),
             )
             for key, topic, typename, encoding in topics
         )
@@ -298,5 +294,5 @@ def _message(data: object) -> bytes | None:
     try:
         size = frame_content_size(data)
         return unpack("zstd", data, _LARGEST_MESSAGE if size < 0 else size, cut=size < 0)
-    except (UnpackError, ZstdError):
+    except (BrokenError, ZstdError):
         return None

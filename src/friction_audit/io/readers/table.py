@@ -165,6 +165,7 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
     columns = replace(columns, findings=(*columns.findings, *table.findings()))
     if part.joint is not None:
         columns, part = _pivot(columns, part.joint, part, arm, path)
+    columns = replace(columns, findings=(*columns.findings, *doubt_torque(columns, table.names)))
     recording = Recording(
         t=part.clock.t,
         channels=part.channels,
@@ -220,21 +221,16 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     for channel, column in part.channels.items():
         for place, chosen in enumerate(rows):
             channels[channel][:, place] = column[chosen, 0]
-    names = _names([texts[code] for code in kept])
-    columns = replace(columns, joint_names=names, robot=robot_of(names))
-    findings = (*columns.findings, *doubt_torque(columns, columns.mapping, joints=len(names)))
+    names = [texts[code] for code in kept]
+    if all(map(str.isdigit, names)):
+        base = 0 if any(int(name) == 0 for name in names) else 1
+        names = [f"joint{int(name) - base + 1}" for name in names]
+    columns = replace(columns, joint_names=tuple(names), robot=robot_of(names))
     if lost:
         message = f"{lost} rows belong to times at which other joints have no row; they are left out"
-        findings += (Finding(code="incomplete_rows", message=message, amount=float(lost), damaged=True),)
-    part = replace(part, clock=replace(clock, t=clock.t[rows[0]]), channels=channels)
-    return replace(columns, findings=findings), part
-
-
-def _names(labels: Sequence[str]) -> tuple[str, ...]:
-    if not all(label.isdigit() for label in labels):
-        return tuple(labels)
-    base = 0 if any(int(label) == 0 for label in labels) else 1
-    return tuple(f"joint{int(label) - base + 1}" for label in labels)
+        found = Finding(code="incomplete_rows", message=message, amount=float(lost), damaged=True)
+        columns = replace(columns, findings=(*columns.findings, found))
+    return columns, replace(part, clock=replace(clock, t=clock.t[rows[0]]), channels=channels)
 
 
 def _rows_of_joints(rows: list[NDArray[np.intp]], time: Float) -> tuple[list[NDArray[np.intp]], int]:

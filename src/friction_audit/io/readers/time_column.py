@@ -27,7 +27,7 @@ _UNIT = rf"(?:(?:[ _]+|[ _]*[\[(])(?P<unit>{_UNITS_SPELLED})[\])]?)?"
 _SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns": "ns", "mic": "us", "use": "us",
             "us": "us", "µs": "us"}  # fmt: skip
 _PATTERNS = tuple((re.compile(rf"(?:{name}){_UNIT}", re.IGNORECASE), unit, clock) for name, unit, clock in _NAMES)
-_SECONDS = re.compile(r"(?P<stem>.*stamp)[._/]secs?", re.IGNORECASE)
+_SECONDS = re.compile(r"(?P<head>.*stamp[._/])secs?", re.IGNORECASE)
 _EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
 _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
 
@@ -120,15 +120,11 @@ def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
     for name, cell in sorted(lower.items(), key=lambda item: item[1]):
         match = _SECONDS.fullmatch(name)
-        if match is None:
-            continue
-        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs"):
-            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}"
-            if partner in lower:
-                cells = (cell, lower[partner])
-                return TimeColumn(
-                    cells=cells, name=f"{names[cell]} + {names[cells[1]]}", unit="ns", clock="header_stamp"
-                )
+        partners = (f"{match['head']}{part}" for part in ("nsecs", "nsec", "nanosec", "nanosecs")) if match else ()
+        partner = next((lower[one] for one in partners if one in lower), None)
+        if partner is not None:
+            both = f"{names[cell]} + {names[partner]}"
+            return TimeColumn(cells=(cell, partner), name=both, unit="ns", clock="header_stamp")
     return None
 
 

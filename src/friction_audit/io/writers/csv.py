@@ -7,16 +7,15 @@ import re
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, Writer, joint_columns, stamps_ns, tidy_columns
-from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog
+from friction_audit.io.readers.message_kinds import JOINT_STATE
+from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, Writer, stamps_ns, tidy_columns
+from friction_audit.joint_log import Float, JointLog
 
 _STRUCTURE = re.compile('[,"]')  # a name with these needs quotes
-_JOINT_STATE = {"q": "position", "dq": "velocity", "tau_J": "effort"}  # channel -> field of a sensor_msgs/JointState
-_EFFORT = tuple(_JOINT_STATE)
 _LIBFRANKA_JOINTS = 7
 _STATE = ("q", "q_d", "dq", "dq_d", "tau_J", "tau_ext_hat_filtered")
 _COMMAND = {"q_d": 7, "dq_d": 7, "O_T_EE_d": 16, "O_dP_EE_d": 6, "tau_J_d": 7}  # field of a command -> its numbers
@@ -24,7 +23,7 @@ _COMMAND = {"q_d": 7, "dq_d": 7, "O_T_EE_d": 16, "O_dP_EE_d": 6, "tau_J_d": 7}  
 
 def _long(log: JointLog) -> dict[str, ColumnOf]:
     """One row per time and joint."""
-    fields = {field: log.channels()[name].ravel(order="C") for name, field in _JOINT_STATE.items()}
+    fields = {field: log.channels()[name].ravel(order="C") for name, field in JOINT_STATE.items()}
     names = np.tile(np.array(_names(log), dtype=object), len(log.t))
     return {"time": np.repeat(log.t, len(log.joint_names)), "joint": names, **fields}
 
@@ -33,33 +32,25 @@ def _rostopic(log: JointLog) -> dict[str, ColumnOf]:
     """What ``rostopic echo -p`` prints of a JointState: stamps in nanoseconds, ``field.position0``, ..."""
     stamps = stamps_ns(log)
     head = {"%time": stamps, "field.header.seq": np.arange(len(stamps)), "field.header.stamp": stamps}
-    return {**head, "field.header.frame_id": _constant("", log), **_joint_state(log, "field.{field}{joint}")}
+    return {**head, "field.header.frame_id": np.full(len(stamps), "", object), **_joint_state(log, "field.{}{}")}
 
 
 def _bag_export(log: JointLog) -> dict[str, ColumnOf]:
     """What scripts that turn a bag into CSV make of a JointState: ``header.stamp.sec``, ``position.0``, ..."""
     seconds, nanoseconds = np.divmod(stamps_ns(log), NANOSECONDS)
-    head = {"header.stamp.sec": seconds, "header.stamp.nanosec": nanoseconds}
-    return {**head, **_joint_state(log, "{field}.{joint}")}
+    return {"header.stamp.sec": seconds, "header.stamp.nanosec": nanoseconds, **_joint_state(log, "{}.{}")}
 
 
 def _joint_state(log: JointLog, template: str) -> dict[str, ColumnOf]:
     """Return the columns of a JointState, its joints' names first."""
-
-    def name(channel: str, joint: int) -> str:
-        return template.format(field=_JOINT_STATE[channel], joint=joint)
-
-    names = {template.format(field="name", joint=j): _constant(text, log) for j, text in enumerate(_names(log))}
-    return {**names, **joint_columns(log, name, tuple(_JOINT_STATE))}
+    names = {template.format("name", j): np.full(len(log.t), name, object) for j, name in enumerate(_names(log))}
+    columns = ((field, j, log.channels()[c][:, j]) for c, field in JOINT_STATE.items() for j in range(len(names)))
+    return {**names, **{template.format(field, j): column for field, j, column in columns}}
 
 
 def _names(log: JointLog) -> list[str]:
     """Return the joints' names, each in one line: readers of such tables go by lines."""
     return [" ".join(name.splitlines()) for name in log.joint_names]
-
-
-def _constant(word: str, log: JointLog) -> NDArray[np.object_]:
-    return np.full(len(log.t), word, dtype=object)
 
 
 def _write(columns_of: Callable[[JointLog], dict[str, ColumnOf]], log: JointLog, path: Path) -> None:
@@ -104,37 +95,21 @@ def _write_libfranka(log: JointLog, path: Path, *, is_old: bool) -> None:
     np.savetxt(path, numbers, fmt=line, header=header, comments="", encoding="ascii")
 
 
+_EFFORT: dict[str, Any] = {"holds": tuple(JOINT_STATE)}
+_LIBFRANKA: dict[str, Any] = {
+    "lossless": False, "holds": ("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered"), "joints": _LIBFRANKA_JOINTS
+}  # fmt: skip
 CSV_DIALECTS = (
-    *(
-        Writer(
-            name=name,
-            suffix=".csv",
-            write=partial(_write, columns),
-            summary=summary,
-            holds=holds,
-        )
-        for name, columns, holds, summary in (
-            ("csv", tidy_columns, JOINT_CHANNELS,
-             "tidy CSV, one column per channel and joint; every channel, to the bit, without the joints' names"),
-            ("csv-long", _long, _EFFORT, "one row per time and joint: time, joint, position, velocity, effort"),
-            ("csv-rostopic", _rostopic, _EFFORT, "as rostopic echo -p prints a sensor_msgs/JointState"),
-            ("csv-bag", _bag_export, _EFFORT,
-             "as bag-to-CSV scripts write a sensor_msgs/JointState: position.0, velocity.0, effort.0"),
-        )
-    ),
-    *(
-        Writer(
-            name=name,
-            suffix=".csv",
-            write=partial(_write_libfranka, is_old=is_old),
-            summary=summary,
-            lossless=False,
-            holds=("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered"),
-            joints=_LIBFRANKA_JOINTS,
-        )
-        for name, is_old, summary in (
-            ("csv-libfranka", False, "libfranka logToCSV from 0.9.1 on: milliseconds, six digits"),
-            ("csv-libfranka-0.9", True, "libfranka logToCSV up to 0.9.0: milliseconds, six digits, repeated names"),
-        )
-    ),
+    Writer("csv", ".csv", partial(_write, tidy_columns),
+           "tidy CSV, one column per channel and joint; every channel, to the bit, without the joints' names"),
+    Writer("csv-long", ".csv", partial(_write, _long),
+           "one row per time and joint: time, joint, position, velocity, effort", **_EFFORT),
+    Writer("csv-rostopic", ".csv", partial(_write, _rostopic),
+           "as rostopic echo -p prints a sensor_msgs/JointState", **_EFFORT),
+    Writer("csv-bag", ".csv", partial(_write, _bag_export),
+           "as bag-to-CSV scripts write a sensor_msgs/JointState: position.0, velocity.0, effort.0", **_EFFORT),
+    Writer("csv-libfranka", ".csv", partial(_write_libfranka, is_old=False),
+           "libfranka logToCSV from 0.9.1 on: milliseconds, six digits", **_LIBFRANKA),
+    Writer("csv-libfranka-0.9", ".csv", partial(_write_libfranka, is_old=True),
+           "libfranka logToCSV up to 0.9.0: milliseconds, six digits, repeated names", **_LIBFRANKA),
 )  # fmt: skip

@@ -6,12 +6,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from friction_audit.io.readers.message_kinds import JOINT_STATE
 from friction_audit.io.writers.ros_messages import (
     FRANKA_ROBOT_STATE,
     FRANKA_ROBOT_STATE_FLAT,
     FRANKA_STATE,
-    JOINT_STATE,
     JOINT_STATE_ROS1,
+    JOINT_STATE_ROS2,
     MessageType,
     encode,
     load_types,
@@ -78,7 +79,7 @@ def _write_ros(message: MessageType, log: JointLog, path: Path) -> None:
 
 
 _SCHEMA = "foxglove.JointStates"
-_HOLDS = ("q", "dq", "tau_J")
+_HOLDS = tuple(JOINT_STATE)
 _NUMBER = {"type": "number"}
 _JOINT = {"name": {"type": "string"}, **dict.fromkeys(("position", "velocity", "acceleration", "effort"), _NUMBER)}
 _TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
@@ -121,7 +122,7 @@ def _write_json(log: JointLog, path: Path) -> None:
         time = {"sec": stamp // NANOSECONDS, "nsec": stamp % NANOSECONDS}
         return json.dumps({"timestamp": time, "joints": joints}, separators=(",", ":")).encode()
 
-    _write_foxglove(log, path, "jsonschema", json.dumps(_JSON_SCHEMA).encode(), "json", encoded)
+    _write_foxglove(log, path, ("jsonschema", json.dumps(_JSON_SCHEMA).encode()), "json", encoded)
 
 
 def _write_protobuf(log: JointLog, path: Path) -> None:
@@ -136,7 +137,7 @@ def _write_protobuf(log: JointLog, path: Path) -> None:
         message: bytes = joint_states(timestamp=time, joints=joints).SerializeToString()
         return message
 
-    _write_foxglove(log, path, "protobuf", descriptors.SerializeToString(), "protobuf", encoded)
+    _write_foxglove(log, path, ("protobuf", descriptors.SerializeToString()), "protobuf", encoded)
 
 
 def _descriptors() -> "FileDescriptorSet":
@@ -157,19 +158,12 @@ def _descriptors() -> "FileDescriptorSet":
 
 
 def _write_foxglove(
-    log: JointLog,
-    path: Path,
-    schema_encoding: str,
-    schema_data: bytes,
-    encoding: str,
+    log: JointLog, path: Path, schema: tuple[str, bytes], encoding: str,
     encoded: Callable[[int, list[dict[str, Any]]], bytes],
-) -> None:
+) -> None:  # fmt: skip
+    language, data = schema
     channel = Channel(
-        topic="/joint_states",
-        schema=_SCHEMA,
-        schema_encoding=schema_encoding,
-        schema_data=schema_data,
-        encoding=encoding,
+        topic="/joint_states", schema=_SCHEMA, schema_encoding=language, schema_data=data, encoding=encoding
     )
 
     def messages() -> Iterator[tuple[int, int, bytes]]:
@@ -183,22 +177,14 @@ def _write_foxglove(
 
 
 MCAP_DIALECTS = (
-    ros_writer("mcap", ".mcap", _write_ros, JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
-    ros_writer(
-        "mcap-franka-robot-state", ".mcap", _write_ros, FRANKA_ROBOT_STATE,
-        "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)",
-    ),
-    ros_writer(
-        "mcap-franka-robot-state-flat", ".mcap", _write_ros, FRANKA_ROBOT_STATE_FLAT,
-        "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)",
-    ),
-    ros_writer(
-        "mcap-franka-state", ".mcap", _write_ros, FRANKA_STATE,
-        "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)",
-    ),
+    ros_writer("mcap", ".mcap", _write_ros, JOINT_STATE_ROS2, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
+    ros_writer("mcap-franka-robot-state", ".mcap", _write_ros, FRANKA_ROBOT_STATE,
+               "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)"),
+    ros_writer("mcap-franka-robot-state-flat", ".mcap", _write_ros, FRANKA_ROBOT_STATE_FLAT,
+               "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)"),
+    ros_writer("mcap-franka-state", ".mcap", _write_ros, FRANKA_STATE,
+               "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)"),
     ros_writer("mcap-ros1", ".mcap", _write_ros, JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
-    Writer(name="mcap-json", suffix=".mcap", write=_write_json, summary="MCAP of foxglove.JointStates as JSON",
-           holds=_HOLDS),
-    Writer(name="mcap-protobuf", suffix=".mcap", write=_write_protobuf,
-           summary="MCAP of foxglove.JointStates as protobuf", holds=_HOLDS),
+    Writer("mcap-json", ".mcap", _write_json, "MCAP of foxglove.JointStates as JSON", holds=_HOLDS),
+    Writer("mcap-protobuf", ".mcap", _write_protobuf, "MCAP of foxglove.JointStates as protobuf", holds=_HOLDS),
 )  # fmt: skip

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.io.readers.message_decoder import franka_types
+from friction_audit.io.readers.message_kinds import JOINT_STATE, ROBOT_STATE
 from friction_audit.io.readers.message_layout import find_layout
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
 from friction_audit.joint_log import JointLog
 
 if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
-
 
 _BLOCK = 4096  # messages made at once
 
@@ -31,7 +31,7 @@ class MessageType:
     name: str  # name as ROS 2 spells it
     topic: str  # topic on which it is published
     ros: int  # 1 or 2
-    fields: Mapping[str, str]  # path of an array -> channel
+    fields: Mapping[str, str]  # channel -> path of its array
     names: tuple[str, ...] = ()  # paths of the lists of joint names
     robot_time: str | None = None  # path of the robot's own clock, or None
     joints: int | None = None  # number of joints that it holds, or None for any
@@ -43,47 +43,32 @@ class MessageType:
         return "ros1" if self.ros == 1 else "cdr"
 
 
-JOINT_STATE = MessageType(
-    name="sensor_msgs/msg/JointState",
-    topic="/joint_states",
-    ros=2,
-    fields={"position": "q", "velocity": "dq", "effort": "tau_J"},
-    names=("name",),
+JOINT_STATE_ROS2 = MessageType(
+    name="sensor_msgs/msg/JointState", topic="/joint_states", ros=2, fields=JOINT_STATE, names=("name",)
 )
-JOINT_STATE_ROS1 = replace(JOINT_STATE, ros=1)
-_STATE = ("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered")
+JOINT_STATE_ROS1 = replace(JOINT_STATE_ROS2, ros=1)
 FRANKA_STATE_ROS1 = MessageType(  # franka_ros 0.10
     name="franka_msgs/msg/FrankaState",
     topic="/franka_state_controller/franka_states",
     ros=1,
-    fields={name: name for name in _STATE},
+    fields={name: name for name in ROBOT_STATE},
     robot_time="time",
     joints=7,
     definitions=("Errors_41", "FrankaState_ros1"),
 )
-FRANKA_STATE = MessageType(  # multipanda_ros2, the fork for the Panda
-    name="franka_msgs/msg/FrankaState",
+FRANKA_STATE = replace(  # multipanda_ros2, the fork for the Panda
+    FRANKA_STATE_ROS1,
     topic="/franka_robot_state_broadcaster/robot_state",
     ros=2,
-    fields={name.lower(): name for name in _STATE},
-    robot_time="time",
-    joints=7,
+    fields={name: name.lower() for name in ROBOT_STATE},
     definitions=("Errors_41", "FrankaState_multipanda"),
 )
 FRANKA_ROBOT_STATE_FLAT = replace(  # franka_ros2 up to v0.1.9
-    FRANKA_STATE,
-    name="franka_msgs/msg/FrankaRobotState",
-    definitions=("Errors_36", "FrankaState_flat"),
+    FRANKA_STATE, name="franka_msgs/msg/FrankaRobotState", definitions=("Errors_36", "FrankaState_flat")
 )
 FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
     FRANKA_ROBOT_STATE_FLAT,
-    fields={
-        "measured_joint_state.position": "q",
-        "measured_joint_state.velocity": "dq",
-        "measured_joint_state.effort": "tau_J",
-        "desired_joint_state.effort": "tau_J_d",
-        "tau_ext_hat_filtered.effort": "tau_ext_hat_filtered",
-    },
+    fields=ROBOT_STATE,
     names=("measured_joint_state.name", "desired_joint_state.name", "tau_ext_hat_filtered.name"),
     joints=None,
     definitions=("Errors_36", "CollisionIndicators", "Elbow", "FrankaRobotState_nested"),
@@ -107,7 +92,7 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
     if not log.t.size:
         return
     sample, recorded = _blank(types, (2, message.name)), log.channels()
-    arrays = {path: recorded[channel] for path, channel in message.fields.items() if channel in recorded}
+    arrays = {path: recorded[channel] for channel, path in message.fields.items() if channel in recorded}
     for path in message.names:
         _set(sample, path, list(log.joint_names))
     for path, array in arrays.items():
@@ -160,30 +145,31 @@ def _blank(types: "Typestore", kind: Any) -> Any:  # noqa: ANN401
     return np.full(size, _blank(types, detail[0]), dtype=base)
 
 
-def _write_rosbag1(message: MessageType, log: JointLog, path: Path, *, lz4: bool = False) -> None:
-    """Write one topic; ``lz4`` compresses, as ``rosbag record --lz4`` does."""
-    from rosbags.rosbag1 import Writer as Rosbag1Writer
-
+def _fill(bag: Any, message: MessageType, log: JointLog) -> None:  # noqa: ANN401
+    """Write one topic with a writer of rosbags."""
     types = load_types(message)
-    bag = Rosbag1Writer(path)
-    if lz4:
-        bag.set_compression(Rosbag1Writer.CompressionFormat.LZ4)
     with bag:
         connection = bag.add_connection(message.topic, message.name, typestore=types)
         for time, payload in encode(log, message, types):
             bag.write(connection, time, payload)
 
 
+def _write_rosbag1(message: MessageType, log: JointLog, path: Path, *, lz4: bool = False) -> None:
+    """Write a bag; ``lz4`` compresses, as ``rosbag record --lz4`` does."""
+    from rosbags.rosbag1 import Writer as Rosbag1Writer
+
+    bag = Rosbag1Writer(path)
+    if lz4:
+        bag.set_compression(Rosbag1Writer.CompressionFormat.LZ4)
+    _fill(bag, message, log)
+
+
 def _write_rosbag2(message: MessageType, log: JointLog, path: Path, *, storage: str = "SQLITE3") -> None:
-    """Write a bag directory with one topic."""
+    """Write a bag directory."""
     from rosbags.rosbag2 import StoragePlugin
     from rosbags.rosbag2 import Writer as Rosbag2Writer
 
-    types = load_types(message)
-    with Rosbag2Writer(path, version=8, storage_plugin=StoragePlugin[storage]) as bag:
-        connection = bag.add_connection(message.topic, message.name, typestore=types)
-        for time, payload in encode(log, message, types):
-            bag.write(connection, time, payload)
+    _fill(Rosbag2Writer(path, version=8, storage_plugin=StoragePlugin[storage]), message, log)
 
 
 def _write_humble_db3(message: MessageType, log: JointLog, path: Path) -> None:
@@ -202,32 +188,19 @@ def ros_writer(
     name: str, suffix: str, write: Callable[[MessageType, JointLog, Path], None], message: MessageType, summary: str
 ) -> Writer:
     """Return what writes a log as messages of one type."""
-    own, holds = partial(write, message), tuple(message.fields.values())
-    return Writer(name=name, suffix=suffix, write=own, summary=summary, holds=holds, joints=message.joints)
+    return Writer(name, suffix, partial(write, message), summary, holds=tuple(message.fields), joints=message.joints)
 
 
 BAGS = (
-    ros_writer(
-        "rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"
-    ),
-    ros_writer(
-        "rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
-        "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4",
-    ),
-    ros_writer(
-        "rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE,
-        "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage",
-    ),
-    ros_writer(
-        "rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE,
-        "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage",
-    ),
-    ros_writer(
-        "rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE,
-        "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records",
-    ),
-    ros_writer(
-        "rosbag2-db3-franka-state", ".db3", _write_humble_db3, FRANKA_STATE,
-        "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions",
-    ),
+    ros_writer("rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
+    ros_writer("rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
+               "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4"),
+    ros_writer("rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE_ROS2,
+               "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage"),
+    ros_writer("rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE_ROS2,
+               "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage"),
+    ros_writer("rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE_ROS2,
+               "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records"),
+    ros_writer("rosbag2-db3-franka-state", ".db3", _write_humble_db3, FRANKA_STATE,
+               "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions"),
 )  # fmt: skip

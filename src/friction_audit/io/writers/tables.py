@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Writer:
     """A file format or dialect; of several of one suffix the first in WRITERS is its default."""
 
@@ -54,18 +54,10 @@ def stamps_ns(log: JointLog) -> NDArray[np.int64]:
     return start + np.rint(log.t * NANOSECONDS).astype(np.int64)
 
 
-def joint_columns(
-    log: JointLog, name: Callable[[str, int], str], channels: tuple[str, ...] | None = None
-) -> dict[str, ColumnOf]:
-    """Return one column per channel (all or some) and joint (0-based), as ``name`` calls it; joints side by side."""
-    recorded = log.channels()
-    kept = [channel for channel in recorded if channels is None or channel in channels]
-    return {name(channel, j): recorded[channel][:, j] for channel in kept for j in range(len(log.joint_names))}
-
-
 def tidy_columns(log: JointLog) -> dict[str, ColumnOf]:
     """Return ``time`` [s], then ``q_1``, ``q_2``, ... of every channel that was recorded."""
-    return {"time": log.t, **joint_columns(log, lambda channel, joint: f"{channel}_{joint + 1}")}
+    channels = log.channels().items()
+    return {"time": log.t, **{f"{name}_{j}": column for name, a in channels for j, column in enumerate(a.T, start=1)}}
 
 
 # Columns that every table of joints begins with.

@@ -21,9 +21,8 @@ from friction_audit.io.writers.ros_messages import MessageType, load_types
 from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS
 from friction_audit.joint_log import Float, JointLog
 
-ROOT = "/friction_audit"  # what every topic begins with
-BLOCK = 8192  # rows that are turned into messages at once
-JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
+_BLOCK = 8192  # rows that are turned into messages at once
+_JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -54,51 +53,40 @@ def write_topics(tables: Sequence[TidyTable], span: Span, path: Path) -> None:
     write_channels(path, [_channel(*one) for one in own], heapq.merge(*streams))
 
 
-def topic_of(table: str, joint: int) -> str:
-    """Return the topic of a table's rows of one joint."""
-    return f"{ROOT}/joint_{joint}/{table}"
-
-
 def _channel(table: TidyTable, rows: JointRows) -> Channel:
+    """Return the topic of a table's rows of one joint; a number that there is not is left out of the message."""
+    schema = {
+        "title": f"friction_audit.{table.name}",
+        "description": table.summary,
+        "type": "object",
+        "properties": {name: {"type": _JSON_TYPES[kind]} for name, kind in table.types.items()},
+    }
     return Channel(
-        topic=topic_of(table.name, rows.joint),
+        topic=f"/friction_audit/joint_{rows.joint}/{table.name}",
         schema=f"friction_audit.{table.name}",
         schema_encoding="jsonschema",
-        schema_data=json.dumps(json_schema(table)).encode(),
+        schema_data=json.dumps(schema).encode(),
         encoding="json",
         notes={"joint": str(rows.joint), "joint_name": encodable(rows.name)},
     )
 
 
-def json_schema(table: TidyTable) -> dict[str, Any]:
-    """Return what a message of a table holds; a number that there is not is left out of the message."""
-    return {
-        "title": f"friction_audit.{table.name}",
-        "description": table.summary,
-        "type": "object",
-        "properties": {name: {"type": JSON_TYPES[kind]} for name, kind in table.types.items()},
-    }
-
-
 def _messages(table: TidyTable, rows: JointRows, span: Span, place: int) -> Iterator[tuple[int, int, bytes]]:
     """Yield time [ns], place of the channel and message of every row."""
-    names = tuple(table.types)
-    for first in range(0, len(rows), BLOCK):
-        part = slice(first, first + BLOCK)
-        cells = [_plain(rows.columns[name][part], table.types[name]) for name in names]
+    for first in range(0, len(rows), _BLOCK):
+        part = slice(first, first + _BLOCK)
+        cells = [_plain(rows.columns[name][part], kind) for name, kind in table.types.items()]
         last = np.full(len(cells[0]), span.duration_s)
         stamps = span.stamps(last if table.time is None else np.asarray(rows.columns[table.time][part]))
         for stamp, row in zip(stamps, zip(*cells, strict=True), strict=True):
-            row_of_names = {name: value for name, value in zip(names, row, strict=True) if value is not None}
-            yield stamp, place, json.dumps(row_of_names, separators=(",", ":")).encode()
+            named = {name: value for name, value in zip(table.types, row, strict=True) if value is not None}
+            yield stamp, place, json.dumps(named, separators=(",", ":")).encode()
 
 
 def _plain(column: Column, kind: type) -> list[Any]:
     """Return cells as JSON knows them, None where there is nothing."""
     if kind is float:
-        numbers = np.asarray(column, dtype=np.float64)
-        cells: list[Any] = numbers.tolist()
-        return cells if np.isfinite(numbers).all() else [one if math.isfinite(one) else None for one in cells]
+        return [one if math.isfinite(one) else None for one in np.asarray(column, dtype=np.float64).tolist()]
     return [None if value is None else kind(value) for value in column]
 
 

@@ -5,8 +5,9 @@ A format is added by writing one file and naming its records in WRITERS.
 
 import json
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,38 +19,22 @@ from friction_audit.io.writers.ros_messages import BAGS
 from friction_audit.io.writers.tables import Writer, tidy_columns
 from friction_audit.joint_log import JointLog
 
-if TYPE_CHECKING:
+
+def _write_parquet(log: JointLog, path: Path, *, lists: bool = False) -> None:
+    """Write a compressed table, of scalars or of lists, with the joints' names in its key-value metadata."""
     import pyarrow as pa
-
-
-def _write_parquet(log: JointLog, path: Path) -> None:
-    import pyarrow as pa
-
-    _write(pa.table({name: pa.array(column) for name, column in tidy_columns(log).items()}), log, path)
-
-
-def _write_parquet_lists(log: JointLog, path: Path) -> None:
-    import pyarrow as pa
-
-    lists = {
-        name: pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1]).cast(
-            pa.list_(pa.float64())
-        )
-        for name, channel in log.channels().items()
-    }
-    _write(pa.table({"time": pa.array(log.t), **lists}), log, path)
-
-
-def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
-    """Write a table compressed, with the joints' names in its key-value metadata."""
     import pyarrow.parquet as pq
 
+    columns = {name: pa.array(column) for name, column in ({"time": log.t} if lists else tidy_columns(log)).items()}
+    for name, channel in log.channels().items() if lists else ():
+        of_one_length = pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1])
+        columns[name] = of_one_length.cast(pa.list_(pa.float64()))
     notes = {"joint_names": json.dumps(log.joint_names), "robot": log.source.robot}
     if log.source.start_s is not None:
         notes["start_s"] = repr(log.source.start_s)
     if log.source.serial:
         notes["serial"] = log.source.serial
-    pq.write_table(table.replace_schema_metadata(notes), path, compression="zstd", write_page_checksum=True)
+    pq.write_table(pa.table(columns).replace_schema_metadata(notes), path, compression="zstd", write_page_checksum=True)
 
 
 def _write_npz(log: JointLog, path: Path) -> None:
@@ -61,26 +46,18 @@ def _write_npz(log: JointLog, path: Path) -> None:
         np.savez_compressed(stream, joint_names=np.array(log.joint_names), **arrays)
 
 
-PARQUET = Writer(
-    name="parquet",
-    suffix=".parquet",
-    write=_write_parquet,
-    summary="tidy Parquet, one column per channel and joint; every channel, to the bit",
-)
-PARQUET_LISTS = Writer(
-    name="parquet-lists",
-    suffix=".parquet",
-    write=_write_parquet_lists,
-    summary="Parquet with one list-valued column per channel",
-)
-NPZ = Writer(
-    name="npz",
-    suffix=".npz",
-    write=_write_npz,
-    summary="NumPy archive with the keys of panda-py's get_log(); milliseconds, other numbers to the bit",
-    lossless=False,
-)
-WRITERS: tuple[Writer, ...] = (PARQUET, PARQUET_LISTS, *CSV_DIALECTS, NPZ, *BAGS, *MCAP_DIALECTS)
+WRITERS: tuple[Writer, ...] = (
+    Writer("parquet", ".parquet", _write_parquet,
+           "tidy Parquet, one column per channel and joint; every channel, to the bit"),
+    Writer("parquet-lists", ".parquet", partial(_write_parquet, lists=True),
+           "Parquet with one list-valued column per channel"),
+    *CSV_DIALECTS,
+    Writer("npz", ".npz", _write_npz,
+           "NumPy archive with the keys of panda-py's get_log(); milliseconds, other numbers to the bit",
+           lossless=False),
+    *BAGS,
+    *MCAP_DIALECTS,
+)  # fmt: skip
 
 
 def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrite: bool = False) -> Writer:
@@ -95,23 +72,19 @@ def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrit
 def choose_writer(path: Path, dialect: str | None = None) -> Writer:
     """Return the writer of a dialect, or the first one of the file name's ending."""
     suffix = path.suffix.lower()
-    if dialect is None:
-        found = next((writer for writer in WRITERS if writer.suffix and writer.suffix == suffix), None)
-        if found is None:
-            endings = ", ".join(dict.fromkeys(writer.suffix for writer in WRITERS if writer.suffix))
-            raise UsageError(f"{path}: ending {suffix or 'missing'}: expected one of {endings}, or name a --dialect")
-        return found
-    named = next((writer for writer in WRITERS if writer.name == dialect), None)
-    if named is None:
+    ending = f"{path}: ending {suffix or 'missing'}"
+    found = next((one for one in WRITERS if (one.name == dialect if dialect else one.suffix == suffix != "")), None)
+    if found is None and dialect is None:
+        endings = ", ".join(dict.fromkeys(writer.suffix for writer in WRITERS if writer.suffix))
+        raise UsageError(f"{ending}: expected one of {endings}, or name a --dialect")
+    if found is None:
         names = [writer.name for writer in WRITERS]
-        near = get_close_matches(dialect, names, n=2, cutoff=0.5)
+        near = get_close_matches(str(dialect), names, n=2, cutoff=0.5)
         hint = f"; did you mean {' or '.join(near)}?" if near else ""
         raise UsageError(f"--dialect {dialect}: expected one of {', '.join(names)}{hint}")
-    if named.suffix and named.suffix != suffix:
-        raise UsageError(
-            f"{path}: ending {suffix or 'missing'}: the dialect {dialect} writes {named.suffix}; rename it"
-        )
-    return named
+    if found.suffix not in ("", suffix):
+        raise UsageError(f"{ending}: the dialect {dialect} writes {found.suffix}; rename it")
+    return found
 
 
 def check_fit(log: JointLog, writer: Writer) -> None:
