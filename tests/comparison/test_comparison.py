@@ -152,7 +152,7 @@ def test_joints_have_the_limits_of_a_panda() -> None:
     assert [joint.guard.max_torque_nm for joint in joints] == [87.0] * 4 + [12.0] * 3
     compensator = next(one for one in METHODS if one.name == "torque_regulation").sweeps[0].at(1.0).make(joints[5])
     assert compensator.guard.max_torque_nm == 12.0
-    assert compensator.torque_gain == pytest.approx(1.0)
+    assert compensator.inertia_kg_m2 / compensator.desired_inertia_kg_m2 == pytest.approx(2.0)
 
 
 # Measures of a trial, by hand where a hand can.

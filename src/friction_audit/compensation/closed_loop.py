@@ -30,30 +30,26 @@ CYCLE = np.dtype(
 TALLY = np.dtype(
     [
         ("cycles", "i8"),  # that ended in this part of the recording
-        ("friction_j", "f8"),  # what friction took
+        ("friction_j", "f8"),  # what friction took in the present cycle
         ("net_j", "f8"),  # that less what the compensator gave, the rest being the person's
         ("path_rad", "f8"),
         ("square_rad2_s", "f8"),
-        ("cycle_friction_j", "f8"),  # the four sums at the start of the cycle
-        ("cycle_net_j", "f8"),
-        ("cycle_path_rad", "f8"),
-        ("cycle_square_rad2_s", "f8"),
         ("tolerance_j", "f8"),  # largest energy exchanged while a deficit is measured and paid
         ("lowest_j", "f8"),  # of the ledger from the start
-        ("lowest_active_j", "f8"),  # of the ledger since the compensator became active
+        ("lowest_since_activation_j", "f8"),  # of the ledger since the compensator became active
         ("violations", "i8"),
-        ("active_violations", "i8"),
+        ("violations_since_activation", "i8"),
         ("activation_s", "f8"),  # when it became active, NaN before
         ("reserve_j", "f8"),  # the ledger then
         ("active_friction_j", "f8"),  # what friction took since
         ("acting_s", "f8"),
-        ("largest_nm", "f8"),  # of the torques in force
+        ("peak_compensation_nm", "f8"),  # of the torques in force
         ("limited", "i8"),  # samples at a limit of torque or rate
-        ("fastest_nm_s", "f8"),
+        ("peak_rate_nm_s", "f8"),
         ("injected_j", "f8"),
-        ("hidden", "i8"),  # 1 once the reserve from before hides over-compensation from the ledger
         ("t_s", "f8"),  # time of the last tick
         ("total_nm", "f8"),  # torque S at the last sample along a recording
+        ("hidden", "?"),  # True once the reserve from before hides over-compensation from the ledger
     ]
 )
 
@@ -90,18 +86,18 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float)
     if memory.active == 1:
         if math.isnan(tally.activation_s):
             tally.activation_s, tally.reserve_j = tally.t_s, ledger
-        tally.lowest_active_j = min(tally.lowest_active_j, memory.active_energy_j)
+        tally.lowest_since_activation_j = min(tally.lowest_since_activation_j, memory.active_energy_j)
         if memory.active_energy_j < -tally.tolerance_j:
-            tally.active_violations += 1
+            tally.violations_since_activation += 1
         out = max(GIVEN_OUT * tally.active_friction_j, BEYOND_NOISE * tally.reserve_j)
         if ledger >= 0.0 and out > 0.0 and memory.active_energy_j < -out:
-            tally.hidden = 1
+            tally.hidden = True
     if memory.damping_nms_per_rad > 0.0:
         tally.acting_s += settings.period_s
     tally.injected_j = memory.dissipated_j
-    tally.largest_nm = max(tally.largest_nm, abs(u_before))
+    tally.peak_compensation_nm = max(tally.peak_compensation_nm, abs(u_before))
     change = abs(memory.u_nm - u_before)
-    tally.fastest_nm_s = max(tally.fastest_nm_s, change / settings.period_s)
+    tally.peak_rate_nm_s = max(tally.peak_rate_nm_s, change / settings.period_s)
     at_rate = change >= settings.max_torque_rate_nm_s * settings.period_s * NEARLY
     if at_rate or abs(memory.u_nm) >= settings.max_torque_nm * NEARLY:
         tally.limited += 1
@@ -112,14 +108,12 @@ def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, act
     """Write the row of the cycle that ended at the last tick, during which these coefficients were applied."""
     row = rows[tally.cycles]
     row.stop, row.stop_s, row.acted, row.status = memory.ticks - 1, tally.t_s, acted, memory.status
-    row.friction_j, row.net_energy_j = tally.friction_j - tally.cycle_friction_j, tally.net_j - tally.cycle_net_j
-    row.path_rad = tally.path_rad - tally.cycle_path_rad
-    row.square_speed_rad2_s = tally.square_rad2_s - tally.cycle_square_rad2_s
+    row.friction_j, row.net_energy_j = tally.friction_j, tally.net_j
+    row.path_rad, row.square_speed_rad2_s = tally.path_rad, tally.square_rad2_s
     row.coulomb_applied_nm, row.viscous_applied_nms_per_rad = coulomb, viscous
     row.coulomb_estimated_nm = memory.estimated_coulomb_nm
     row.viscous_estimated_nms_per_rad = memory.estimated_viscous_nms_per_rad
-    tally.cycle_friction_j, tally.cycle_net_j = tally.friction_j, tally.net_j
-    tally.cycle_path_rad, tally.cycle_square_rad2_s = tally.path_rad, tally.square_rad2_s
+    tally.friction_j = tally.net_j = tally.path_rad = tally.square_rad2_s = 0.0
     tally.cycles += 1
 
 

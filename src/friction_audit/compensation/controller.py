@@ -8,19 +8,27 @@ included, whose work is negative.
 
 import math
 
-from friction_audit.compensation.compensators import energy, feedback, law, model_based
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation.compensators import Compensator, energy, feedback, law, model_based
 from friction_audit.compensation.records import (
     COMBINED,
     ESTIMATED,
+    FIELDS,
     GAP,
     NET,
     NOT_MOVED,
     PATH,
     SQUARE,
     TOO_FEW,
+    TRACE,
     VISCOUS,
+    fresh_memory,
+    pack,
 )
 from friction_audit.compiled import Record, compiled
+from friction_audit.joint_log import Float
 
 EPSILON = 4.0 * 2.0**-52  # of a determinant that is zero but for rounding
 FIND = -1  # value of ``cut``: the joint finds its cycles itself
@@ -254,3 +262,26 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     if alpha > 0.0:
         memory.acted = 1
     return float(u)
+
+
+def run(
+    compensator: Compensator | None,
+    t: Float,
+    dq: Float,
+    interaction_nm: Float,
+    *,
+    cuts: NDArray[np.bool_] | None = None,
+) -> np.ndarray[tuple[int], np.dtype[np.void]]:
+    """Run the compensator of one joint in open loop, on n samples, two at least.
+
+    ``cuts`` is True where a cycle ends, or None to find the cycles from the velocity. Returns records of
+    ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
+    """
+    rate = (len(t) - 1) / (t[-1] - t[0])
+    settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)
+    cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
+    seen, words = np.empty((len(t), FIELDS), np.int64), memory.view(np.int64)
+    for i, dt in enumerate(np.diff(t, prepend=t[0])):
+        step(settings, memory[0], dq[i], interaction_nm[i], dt, cut[i])
+        seen[i] = words[:FIELDS]
+    return seen.view(TRACE)[:, 0]
