@@ -28,7 +28,7 @@ from friction_audit.compensation.records import (
     pack,
 )
 from friction_audit.compiled import Record, compiled
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 
 EPSILON = 4.0 * 2.0**-52  # of a determinant that is zero but for rounding
 FIND = -1  # value of ``cut``: the joint finds its cycles itself
@@ -264,6 +264,17 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     return float(u)
 
 
+@compiled()
+def _trace(
+    settings: Record, memory: Record, words: Float, t: Float, dq: Float, torque: Float, cut: Float, seen: Float
+) -> None:
+    """Run a compensator over n samples, and keep the first words of its memory after each."""
+    for i in range(len(t)):
+        step(settings, memory, dq[i], torque[i], t[i] - t[max(i - 1, 0)], cut[i])
+        for k in range(seen.shape[1]):  # one by one: for a slice, numba compiles a message for seconds
+            seen[i, k] = words[k]
+
+
 def run(
     compensator: Compensator | None,
     t: Float,
@@ -277,11 +288,8 @@ def run(
     ``cuts`` is True where a cycle ends, or None to find the cycles from the velocity. Returns records of
     ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
     """
-    rate = (len(t) - 1) / (t[-1] - t[0])
-    settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)
+    settings, memory = pack([compensator], float((len(t) - 1) / (t[-1] - t[0])))[0], fresh_memory(1)
     cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
-    seen, words = np.empty((len(t), FIELDS), np.int64), memory.view(np.int64)
-    for i, dt in enumerate(np.diff(t, prepend=t[0])):
-        step(settings, memory[0], dq[i], interaction_nm[i], dt, cut[i])
-        seen[i] = words[:FIELDS]
+    seen = np.empty((len(t), FIELDS), np.int64)
+    _trace(settings, memory[0], memory.view(np.int64), *map(read_only, (t, dq, interaction_nm)), cut, seen)
     return seen.view(TRACE)[:, 0]

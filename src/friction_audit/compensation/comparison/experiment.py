@@ -83,11 +83,8 @@ class _Experiment:
         chosen = [(method, *one) for method in self.methods for one in self._tunings(method, curves)]
         tunings = [tuning for _, tuning, *_ in chosen]
         trials, margins = self._trials(tunings, self.seeds), self._margins(tunings)
-        rows = []
-        for (method, tuning, role, losses), tried, own in zip(chosen, trials, margins, strict=True):
-            course = tried[0][1]
-            assert course is not None  # that of the first seed
-            row = Row(
+        rows = [
+            Row(
                 method=method.name,
                 label=method.label,
                 tuning=tuning,
@@ -95,9 +92,10 @@ class _Experiment:
                 tuning_losses=losses,
                 outcomes=tuple(outcome for outcome, _ in tried),
                 margins=own,
-                course=course,
+                course=tried[0][1],
             )
-            rows.append(row)
+            for (method, tuning, role, losses), tried, own in zip(chosen, trials, margins, strict=True)
+        ]
         return Comparison(
             scene=self.scene.name,
             title=self.scene.title,
@@ -132,8 +130,8 @@ class _Experiment:
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
         return tuple(curves)
 
-    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[Outcome, Course | None]]]:
-        """Return the outcome of every tuning and seed, and the course of the first person who is reported."""
+    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[Outcome, Any]]]:
+        """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
         jobs = [(one, seed) for one in settings for seed in seeds]
 
@@ -150,16 +148,16 @@ class _Experiment:
 
     def _tunings(self, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
         """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
-        named = ((method.paper, PAPER), (method.full, FULL))
-        chosen: list[tuple[Tuning, str, int | None]] = [(one, role, None) for one, role in named if one is not None]
+        chosen = [(method.paper, PAPER, None)] + ([(method.full, FULL, None)] if method.full else [])
+        yield from chosen
+        names = {tuning.name for tuning, *_ in chosen}
         points = [point for curve in curves if curve.method == method.name for point in curve.points]
         if points:
             best = choose_best(points)
-            chosen.append((best.tuning, BEST, best.losses))
-        yield from chosen
+            yield best.tuning, BEST, best.losses
+            names.add(best.tuning.name)
         if self.scene.plan.with_others:
             # A further tuning that is the best one has its row already.
-            names = {tuning.name for tuning, *_ in chosen}
             yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
 
     def _margins(self, tunings: Sequence[Tuning]) -> list[tuple[float, ...]]:
