@@ -12,8 +12,7 @@ from friction_audit.compensation.closed_loop import (
     SUMS,
     TALLY,
     Control,
-    Drive,
-    Joint,
+    Loop,
     Recorded,
     add_torque,
     run_closed_loop,
@@ -50,7 +49,7 @@ class Scene:
     motion: Motion | None = None  # the recording as a model reads it; None where no model does
     fitted: TorqueRegression | None = None  # the fit to the log that the joint is which moves otherwise, or None
     operator: FittedOperator | None = None  # the person's impedance, or None where the torque stays as recorded
-    loop: tuple[Joint, Drive] | None = None  # the joint that moves otherwise in the person's hand, and its drive
+    loop: Loop | None = None  # the joint that moves otherwise in the person's hand
 
 
 class Run:
@@ -80,7 +79,7 @@ class Run:
                 samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
             else:
                 dq = np.empty(len(recorded.t))
-                samples = run_closed_loop(control, *scene.loop, dq)
+                samples = run_closed_loop(control, recorded, scene.loop, dq)
             if samples < len(recorded.t):
                 self.diverged_s = float(recorded.t[samples])
         self._rows.append(rows[: int(self.tally["cycles"])].copy())
@@ -235,7 +234,8 @@ def _operator(
     if settings.assume != SAME_OPERATOR.name:
         return None
     if settings.operator is not None:
-        return FittedOperator(*(Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)))
+        given = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]
+        return FittedOperator(given[0], given[1], given[2])
     if interaction.choice.drive != "hand":
         raise AnalysisError(
             "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "
@@ -251,23 +251,25 @@ def _loop(
     held: FittedOperator | None,
     lacking: Float,
     restart: NDArray[np.bool_],
-) -> tuple[Joint, Drive]:
+) -> Loop:
     """Return the joint held by its operator, driven by the recorded torque or by what the person intended.
 
     Its model lacks some torque, and it starts again from the recording at some samples, shape (n,) each.
     """
     parts = () if held is None else (held.inertia, held.damping, held.stiffness)
     mass, damping, stiffness = (one.value for one in parts) if parts else (0.0, 0.0, 0.0)
-    push = recorded.torque - lacking + mass * motion.ddq + damping * recorded.dq + stiffness * motion.q
     starts, step_s = np.append(0, np.flatnonzero(restart[1:]) + 1), median_step(recorded.t)
     tables = straighten(own._replace(inertia_kg_m2=own.inertia_kg_m2 + mass), damping_nms_per_rad=damping)
-    joint = Joint(
+    return Loop(
         tables=tables,
         own_kg_m2=own.inertia_kg_m2,
-        longest_s=step_s / steps_per_sample(step_s, tables),
-        bent=np.ascontiguousarray(own.bristles.states_along(motion.q)[starts]),
         inertia_kg_m2=mass,
         damping_nms_per_rad=damping,
         stiffness_nm_per_rad=stiffness,
+        longest_s=step_s / steps_per_sample(step_s, tables),
+        push=recorded.torque - lacking + mass * motion.ddq + damping * recorded.dq + stiffness * motion.q,
+        lacking=lacking,
+        q=motion.q,
+        restart=restart,
+        bent=np.ascontiguousarray(own.bristles.states_along(motion.q)[starts]),
     )
-    return joint, Drive(recorded.t, push, lacking, motion.q, recorded.dq, restart)

@@ -23,7 +23,7 @@ UPDATES = 2  # from this update of the coefficients on, the compensator is past 
 LEAST_CHANGE = 0.25  # a step of friction changes it by so much of what it was
 SURE = 50.0  # F ratio of two laws over one: logs without a step reach 10 at most, although the split is the best one
 AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is no step
-TOO_ALIKE = 1e-6  # squared sine between the columns below which they are one
+TOO_ALIKE = 1e-9  # ratio of the eigenvalues of the moments below which cycles are of one speed
 
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
@@ -108,13 +108,11 @@ def find_recovery(history: ReplayHistory) -> Recovery | None:
     if found is None:
         return None
     row, change = found
-    right = first_right(history, row)
-    return Recovery(
-        step_s=float(history.start_s[row]),
-        change=change,
-        cycles=None if right is None else right - row,
-        seconds=float("nan") if right is None else float(history.start_s[right] - history.start_s[row]),
-    )
+    right, start_s = first_right(history, row), history.start_s
+    if right is None:
+        return Recovery(step_s=float(start_s[row]), change=change, cycles=None, seconds=float("nan"))
+    seconds = float(start_s[right] - start_s[row])
+    return Recovery(step_s=float(start_s[row]), change=change, cycles=right - row, seconds=seconds)
 
 
 def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] | None:
@@ -129,16 +127,14 @@ def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] 
     rows = np.stack([np.ones(cycles), square / path, friction / path], axis=1)
     whole = np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)
     splits: NDArray[np.int64] = np.arange(IN_A_ROW, cycles - IN_A_ROW + 1)
-    before, after = whole[splits - 1], whole[-1] - whole[splits - 1]
-    left = _fit(before)[1] + _fit(after)[1]
+    (before, left_before), (after, left_after) = _fit(whole[splits - 1]), _fit(whole[-1] - whole[splits - 1])
+    left = left_before + left_after
     best = int(np.argmin(left))
-    row = int(splits[best])
-    one = float(_fit(whole[-1:])[1][0])
+    row, one = int(splits[best]), float(_fit(whole[-1:])[1][0])
     ratio = (one - left[best]) / 2.0 / max(left[best] / max(cycles - 4, 1), np.finfo(float).eps * one)
-    law, later = _fit(before[best : best + 1])[0][0], _fit(after[best : best + 1])[0][0]
-    columns = rows[:, :2]
-    change = float((columns @ later).sum() / (columns @ law).sum())
-    level = np.divide(rows[:, 2], columns @ law, out=np.ones(cycles), where=columns @ law != 0.0)
+    law, later = rows[:, :2] @ before[best], rows[:, :2] @ after[best]
+    change = float(later.sum() / law.sum())
+    level = np.divide(rows[:, 2], law, out=np.ones(cycles), where=law != 0.0)
     near = float(np.median(level[row : row + IN_A_ROW]) - np.median(level[row - IN_A_ROW : row]))
     step = change - 1.0
     sudden = near * step > 0.0 and abs(near) > AT_ONCE * abs(step)
@@ -150,33 +146,23 @@ def _fit(moments: Float) -> tuple[Float, Float]:
 
     From sums of the products of one, speed and torque, shape (s, 3, 3): coefficients (s, 2) and squares left over (s,).
     """
-    count, speed, square = moments[:, 0, 0], moments[:, 0, 1], moments[:, 1, 1]
-    torque, both, energy = moments[:, 0, 2], moments[:, 1, 2], moments[:, 2, 2]
-    determinant = count * square - speed * speed
-    apart = determinant > TOO_ALIKE * count * square
-    safe = np.where(apart, determinant, 1.0)
-    constant = np.where(apart, (torque * square - both * speed) / safe, torque / count)
-    slope = np.where(apart, (count * both - speed * torque) / safe, 0.0)
-    return np.stack([constant, slope], axis=1), np.maximum(energy - constant * torque - slope * both, 0.0)
+    inverse, torque = np.linalg.pinv(moments[:, :2, :2], rcond=TOO_ALIKE, hermitian=True), moments[:, :2, 2]
+    found = np.einsum("sij,sj->si", inverse, torque)
+    return found, np.maximum(moments[:, 2, 2] - np.einsum("si,si->s", found, torque), 0.0)
 
 
-ADVICE = {
-    GAP: "gaps in the log; record without dropping samples",
-    NOT_MOVED: "hardly any motion; move farther",
-}
+ADVICE = {GAP: "gaps in the log; record without dropping samples", NOT_MOVED: "hardly any motion; move farther"}
 
 
 def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
-    """Say why there was nothing to apply; empty if there was."""
+    """Return why there was nothing to apply; empty if there was."""
     cycles = len(history.status)
     if not cycles:
         return friction.reason or (
             "no energy cycle ended while a controller would have watched; pause between motions, or choose other "
             "--thresholds"
         )
-    if not isinstance(compensator, EnergyCompensator) or compensator.forced is not None:
-        return ""
-    if (history.status == ESTIMATED).any():
+    if not isinstance(compensator, EnergyCompensator) or compensator.forced or (history.status == ESTIMATED).any():
         return ""
     some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
     refused = history.status[history.status >= NOT_MOVED]

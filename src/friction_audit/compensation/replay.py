@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compensation import measures
 from friction_audit.compensation.closed_loop import CYCLE, SUMS, add_torque
 from friction_audit.compensation.compensators import (
     Coefficients,
@@ -24,23 +25,8 @@ from friction_audit.compensation.controller import FIND
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.measures import (
-    find_recovery,
-    measure,
-    measure_passivity,
-    missing_estimate,
-    model_error,
-)
 from friction_audit.compensation.result import JointReplay, Replay, ReplayHistory, Signals
-from friction_audit.compensation.settings import (
-    FEED_BACK,
-    MODEL,
-    PANDAS,
-    Competitor,
-    Limits,
-    ReplaySettings,
-    limits_of,
-)
+from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
@@ -159,10 +145,12 @@ class _JointRun:
 
     def take(self, part: Interaction, cuts: NDArray[np.int64]) -> None:
         """Take the samples that follow."""
-        own = self._cycles.joint == self._column
-        borders = np.clip(np.stack([self._cycles.start[own], self._cycles.stop[own]]) - part.first, 0, len(part.t))
-        start, stop = np.append(0.0, np.cumsum(part.torque[:, self._column] ** 2))[borders]
-        self.square += float((stop - start).sum())
+        own, torque = self._cycles.joint == self._column, part.torque[:, self._column]
+        borders = np.clip(
+            np.stack([self._cycles.start[own], self._cycles.stop[own]], axis=1) - part.first, 0, len(torque)
+        )
+        for start, stop in borders[borders[:, 0] < borders[:, 1]].tolist():
+            self.square += float(torque[start:stop] @ torque[start:stop])
         if self._joint.reason:
             return
         modelled = isinstance(self._joint.compensator, JointModelCompensation)
@@ -174,7 +162,8 @@ class _JointRun:
             return
         recorded = scene.recorded
         add_torque(self._recorded, recorded.t, recorded.dq, recorded.torque)
-        add_torque(self._total, recorded.t, recorded.dq, recorded.total)
+        if len(recorded.logged):
+            add_torque(self._total, recorded.t, recorded.dq, recorded.total)
         self._changes = {"replayed": found if self._kept else self._joint.without}
         if scene.loop is not None:
             without = self._idle.take(scene)
@@ -183,7 +172,7 @@ class _JointRun:
                 "fitted": scene.fitted,
                 "operator": scene.operator,
                 "simulated": True,
-                "model_error": model_error(recorded, without),
+                "model_error": measures.model_error(recorded, without),
             }
 
     def result(self) -> JointReplay:
@@ -194,20 +183,21 @@ class _JointRun:
         run, rows = self._run, self._run.rows
         columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
         history = ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
-        reason = missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
+        reason = measures.missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
         if run.felt["samples"] <= 1:
             reason = "the compensated loop diverges within a sample; lower its gain"
         if reason:
             return replace(joint, reason=reason)
-        without = self._idle.felt if "without" in self._changes else self._total
+        total = self._total if self._total["samples"] else self._recorded
+        without = self._idle.felt if "without" in self._changes else total
         return replace(
             joint,
             **self._changes,
             history=history,
             last=run.last,
-            numbers=measure(self._recorded, without, run, history),
-            passivity=measure_passivity(history, run.tally),
-            recovery=find_recovery(history),
+            numbers=measures.measure(self._recorded, without, run, history),
+            passivity=measures.measure_passivity(history, run.tally),
+            recovery=measures.find_recovery(history),
         )
 
 

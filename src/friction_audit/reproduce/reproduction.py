@@ -115,9 +115,9 @@ def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool 
     Where no compensator was in the loop, cycles end where the velocity changes its sign (``zero_crossings``), or are
     found by the thresholds of the paper's section V.
     """
-    log = simulation.log
+    log: Any = simulation.log
     interaction = log.gravity - log.tau_J if log.tau_interaction is None else log.tau_interaction
-    dq, torque = log.dq[:, joint], np.asarray(interaction)[:, joint]
+    dq, torque = log.dq[:, joint], interaction[:, joint]
     if simulation.truth.compensators:  # what the compensator in the loop knew at the stamps of the log
         ticks = np.rint(log.t * CONTROL_RATE_HZ).astype(np.intp)
         known = simulation.truth.compensators

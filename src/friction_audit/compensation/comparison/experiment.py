@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
+from friction_audit.compensation.comparison import trial
 from friction_audit.compensation.comparison.methods import (
     BEST,
     FULL,
@@ -17,15 +18,6 @@ from friction_audit.compensation.comparison.methods import (
     Tuning,
 )
 from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row
-from friction_audit.compensation.comparison.trial import (
-    Course,
-    Outcome,
-    Reference,
-    find_loss,
-    find_reference,
-    make_course,
-    measure,
-)
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.scenarios import simulate
 
@@ -70,10 +62,10 @@ class _Experiment:
         """Sweep, choose, try."""
         seeds, idle = (*self.seeds, *self.tuning_seeds), self.scene.compensated(NO_COMPENSATION)
 
-        def refer(place: int) -> tuple[Reference, Outcome, Course]:
+        def refer(place: int) -> tuple[trial.Reference, trial.Outcome, trial.Course]:
             simulation = simulate(idle, seeds[place])
-            reference = find_reference(simulation)
-            return reference, measure(simulation, reference), make_course(simulation, reference)
+            reference = trial.find_reference(simulation)
+            return reference, trial.measure(simulation, reference), trial.make_course(simulation, reference)
 
         # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation. The
         # first is made here: the loops that it compiles or loads are then those of all processes.
@@ -130,16 +122,16 @@ class _Experiment:
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
         return tuple(curves)
 
-    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[Outcome, Any]]]:
+    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[trial.Outcome, Any]]]:
         """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
         jobs = [(one, seed) for one in settings for seed in seeds]
 
-        def work(place: int) -> tuple[Outcome, Course | None]:
+        def work(place: int) -> tuple[trial.Outcome, trial.Course | None]:
             one, seed = jobs[place]
             simulation, reference = simulate(one, seed), self.idle[seed][0]
-            course = make_course(simulation, reference) if seed == self.seeds[0] else None
-            return measure(simulation, reference), course
+            course = trial.make_course(simulation, reference) if seed == self.seeds[0] else None
+            return trial.measure(simulation, reference), course
 
         done = iter(self._map(work, len(jobs)))
         return [
@@ -173,7 +165,7 @@ class _Experiment:
             def holds(factor: float) -> bool:
                 compensator: Any = one.compensator
                 scaled = replace(one, compensator=compensator.scaled(factor))
-                return isinf(find_loss(simulate(scaled, seed), self.idle[seed][0]))
+                return isinf(trial.find_loss(simulate(scaled, seed), self.idle[seed][0]))
 
             return find_margin(holds)
 

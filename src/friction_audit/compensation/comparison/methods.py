@@ -106,7 +106,7 @@ def _fixed(_: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensat
 
 
 def _fitted(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
-    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S), guard=joint.guard)
+    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, TOP_SPEED_RAD_S), guard=joint.guard)
 
 
 def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:

@@ -40,8 +40,10 @@ class Numbers:
 class Guard(Numbers):
     """Passivity controller and limits around a law of any kind."""
 
-    positive = ("max_damping_nms_per_rad", "max_torque_nm", "max_torque_rate_nm_s", "minimum_speed_rad_s")
-    not_negative = ("initial_energy_j", "payback_s")
+    positive: ClassVar[tuple[str, ...]] = (
+        "max_damping_nms_per_rad", "max_torque_nm", "max_torque_rate_nm_s", "minimum_speed_rad_s"
+    )  # fmt: skip
+    not_negative: ClassVar[tuple[str, ...]] = ("initial_energy_j", "payback_s")
 
     passivity: bool = False  # if True, the passivity controller acts
     initial_energy_j: float = 0.0  # E(0) of (21) [J]

@@ -72,39 +72,24 @@ PUBLISHED = (
     SigmoidCompensation(height_nm=0.56489, steepness_s_per_rad=10.336, shift_rad_s=0.0035526),
 )
 
-TYPICAL_STEEPNESS_S_PER_RAD = 9.0657  # median of the published ones
+STEEPNESS_S_PER_RAD = 9.0657  # of a fit: median of the published ones
 
 
-def fit_sigmoid(
-    coulomb_nm: float,
-    viscous_nms_per_rad: float,
-    *,
-    top_speed_rad_s: float = 1.0,
-    offset_nm: float = 0.0,
-    steepness_s_per_rad: float = TYPICAL_STEEPNESS_S_PER_RAD,
-) -> SigmoidCompensation:
+def fit_sigmoid(coulomb_nm: float, viscous_nms_per_rad: float, top_speed_rad_s: float = 1.0) -> SigmoidCompensation:
     """Return the sigmoid nearest to Coulomb and viscous friction over speeds up to a highest one, by least squares.
 
     The steepness is given and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
-    it may be, which at standstill turns noise of the velocity into torque. By the offset friction is larger in the
-    positive direction than on average.
-
-    Raises:
-        UsageError: If there is no friction to fit, or the offset is larger than it.
+    it may be, which at standstill turns noise of the velocity into torque.
     """
     speed = np.linspace(0.0, top_speed_rad_s, 401)[1:]
-    level = coulomb_nm + viscous_nms_per_rad * speed
-    if not (top_speed_rad_s > 0 and coulomb_nm >= 0 and viscous_nms_per_rad >= 0 and level[-1] > 0):
+    level, shape = coulomb_nm + viscous_nms_per_rad * speed, np.tanh(STEEPNESS_S_PER_RAD * speed / 2)
+    if not (coulomb_nm >= 0 and viscous_nms_per_rad >= 0 and level[-1] > 0):
         raise UsageError(
-            f"sigmoid compensation: Coulomb {coulomb_nm:g}, viscous {viscous_nms_per_rad:g}, top speed "
-            f"{top_speed_rad_s:g}: expected friction above zero and a speed above zero"
+            f"sigmoid compensation: Coulomb {coulomb_nm:g}, viscous {viscous_nms_per_rad:g}: expected friction above "
+            "zero"
         )
-    shape = np.tanh(steepness_s_per_rad * speed / 2)
-    half = float(shape @ level / (shape @ shape))
-    if not abs(offset_nm) < half:
-        raise UsageError(f"sigmoid compensation: offset {offset_nm:g} N m: expected less than the friction {half:g}")
-    shift = math.log((half - offset_nm) / (half + offset_nm)) / steepness_s_per_rad
-    return SigmoidCompensation(height_nm=2 * half, steepness_s_per_rad=steepness_s_per_rad, shift_rad_s=shift)
+    height = 2 * float(shape @ level / (shape @ shape))
+    return SigmoidCompensation(height_nm=height, steepness_s_per_rad=STEEPNESS_S_PER_RAD)
 
 
 @compiled(inline=True)
