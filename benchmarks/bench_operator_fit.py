@@ -12,6 +12,7 @@ import numpy as np
 
 from friction_audit.compensation.counterfactual import recording_of
 from friction_audit.compensation.operator_fit import FittedOperator, fit_operator
+from friction_audit.errors import AnalysisError
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.motion import Sinusoid
@@ -32,7 +33,7 @@ def main() -> None:
     parser.add_argument("--duration", type=float, default=120.0)
     arguments = parser.parse_args()
     tried = [_person(seed, arguments.duration) for seed in range(arguments.persons)]
-    found = [(true, fit) for true, fit in tried if isinstance(fit, FittedOperator)]
+    found = [(true, fit) for true, fit in tried if fit is not None]
     print(f"{len(found)} of {len(tried)} persons fitted")
     print("| number | median error | 90 % of the errors below | interval holds the truth |")
     print("| --- | --- | --- | --- |")
@@ -47,8 +48,8 @@ def main() -> None:
         )
 
 
-def _person(seed: int, duration_s: float) -> tuple[tuple[float, ...], FittedOperator | str]:
-    """Simulate a person; return their impedance and what is fitted."""
+def _person(seed: int, duration_s: float) -> tuple[tuple[float, ...], FittedOperator | None]:
+    """Simulate a person; return their impedance and what is fitted, None where nothing is."""
     rng = np.random.default_rng([seed, 1])
     true = tuple(float(np.exp(rng.uniform(*np.log(bounds)))) for bounds in RANGES.values())
     hand = Operator(
@@ -59,7 +60,10 @@ def _person(seed: int, duration_s: float) -> tuple[tuple[float, ...], FittedOper
     )
     log = simulate_bench(replace(BENCH, operator=hand, duration_s=duration_s), seed).log
     interaction = estimate_log(log, AuditSettings()).interaction
-    return true, fit_operator(recording_of(interaction, 0), interaction.q[:, 0])
+    try:
+        return true, fit_operator(recording_of(interaction, 0), interaction.q[:, 0])
+    except AnalysisError:
+        return true, None
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Compensators on the simulator's bench and step by step, and the stability limits of those that feed back."""
 
 import math
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -9,19 +10,26 @@ from scipy.linalg import expm
 from friction_audit.compensation.compensators import Compensator, DisturbanceObserver, TorqueRegulation
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.records import fresh_memory, pack
+from friction_audit.compensation.settings import OperatorImpedance
 from friction_audit.compiled import Record
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, JointLog
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.simulation import TrueMotion
 
-# Competitors on the simulator's bench, and step by step.
-
 TICK_S = 1e-3
 INERTIA, COULOMB, VISCOUS = 0.3, 0.30, 0.07
 HAND = 0.3
 JOINT = JointParameters(inertia_kg_m2=INERTIA, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
+BY_HAND = Operator(motion=Sinusoid(spread=0.3))
+TRUE_HAND = OperatorImpedance(inertia_kg_m2=HAND, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)
+BENCH = BenchSettings(joints=(JOINT,), sensors=(IDEAL_SENSORS,), operator=BY_HAND, duration_s=30.0)
+
+
+@cache
+def log_of(settings: BenchSettings, seed: int = 1) -> JointLog:
+    return simulate_bench(settings, seed).log
 
 
 def guided(
@@ -33,12 +41,9 @@ def guided(
     duration_s: float = 14.0,
 ) -> TrueMotion:
     """Return the truth: the hand draws the joint to and fro for 12 s, then rests."""
+    operator = Operator(inertia_kg_m2=hand, motion=Sinusoid(ease_s=0.5))
     settings = BenchSettings(
-        joints=(joint,),
-        sensors=(sensors,),
-        operator=Operator(inertia_kg_m2=hand, motion=Sinusoid(ease_s=0.5)),
-        compensator=compensator,
-        duration_s=duration_s,
+        joints=(joint,), sensors=(sensors,), operator=operator, compensator=compensator, duration_s=duration_s
     )
     return simulate_bench(settings, 0).truth.motion
 
@@ -67,7 +72,7 @@ def feed(compensator: Compensator | None, dq: Any, interaction_nm: Any, dt: floa
     return np.array([step(settings, memory, v, torque, dt, FIND) for v, torque in pairs]), memory
 
 
-# Stability limits of the feed-back compensators in a rigid or an elastic joint, from the theory of sampled loops.
+# Stability limits of the feed-back compensators from the theory of sampled loops.
 # Motor B and outer inertia m, the link and the hand; u is held over a tick and acts one after the sensors were read.
 
 GAINS = np.geomspace(1e-3, 1e4, 8001)  # the largest before the first that is unstable is the limit, to 0.2 %
@@ -85,19 +90,10 @@ def largest_torque_gain(motor: float, outer: float, stiffness: float, damping: f
     return float(GAINS[np.argmax(unstable) - 1]) if unstable.any() else math.inf
 
 
-def regulation_limit(
-    settings: TorqueRegulation, motor: float, outer: float, stiffness: float = math.inf, damping: float = 0.0
-) -> float:
-    """Return the smallest stable desired inertia B_theta. [kg m^2]
-
-    In a rigid joint, with a = 1 - exp(-2 pi f dt), the filtered torque follows y[k+1] = (1 - a - a gain) y[k] + ...:
-    stable while the gain of the loop, m / (m + B) times the torque gain, stays below 2 / a - 1.
-    """
+def regulation_limit(settings: TorqueRegulation, motor: float, outer: float, stiffness: float, damping: float) -> float:
+    """Return the smallest stable desired inertia B_theta. [kg m^2]"""
     share = -math.expm1(-2.0 * math.pi * settings.cutoff_hz * TICK_S)
-    rigid = (2.0 / share - 1.0) * (outer + motor) / outer
-    elastic = math.isfinite(stiffness)
-    largest = largest_torque_gain(motor, outer, stiffness, damping, share) if elastic else rigid
-    return settings.inertia_kg_m2 / (1.0 + largest)
+    return settings.inertia_kg_m2 / (1.0 + largest_torque_gain(motor, outer, stiffness, damping, share))
 
 
 def observer_limit(settings: DisturbanceObserver, motor: float, outer: float) -> float:

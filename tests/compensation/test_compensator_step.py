@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.compensation.compensators.energy import PUBLISHED
-from friction_audit.compensation.controller import FIND, step
+from friction_audit.compensation.controller import FIND, run, step
 from friction_audit.compensation.records import GAP, MEMORY, fresh_memory, pack
-from friction_audit.compensation.replay import run
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 

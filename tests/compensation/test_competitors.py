@@ -33,6 +33,7 @@ from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.motion import Sinusoid
 from tests.compensation.bench import (
     COULOMB,
+    HAND,
     INERTIA,
     TICK_S,
     VISCOUS,
@@ -65,7 +66,7 @@ def test_an_oracle_leaves_no_friction_and_nobody_beats_it(uncompensated_j: float
         assert best < abs(work_j(guided(competitor))) < uncompensated_j
 
 
-@pytest.mark.parametrize("right", [ORACLE, LUGRE, fit_sigmoid(COULOMB, VISCOUS, steepness_s_per_rad=40.0)])
+@pytest.mark.parametrize("right", [ORACLE, LUGRE, replace(fit_sigmoid(COULOMB, VISCOUS), steepness_s_per_rad=40.0)])
 def test_twenty_percent_too_little_leaves_twenty_percent(right: Any, uncompensated_j: float) -> None:
     left = work_j(guided(right.scaled(0.8))) / uncompensated_j
     assert left == pytest.approx(0.2 + work_j(guided(right)) / uncompensated_j, abs=0.03)
@@ -141,14 +142,6 @@ def test_the_torque_is_the_formula(joint: int) -> None:
     assert_allclose(torque[[-1, 0]], [one.plateaus_nm[0], -one.plateaus_nm[1]], rtol=1e-9)
 
 
-@given(coulomb=st.floats(0.01, 2.0), share=st.floats(-0.9, 0.9))
-def test_a_step_is_fitted_by_a_steep_sigmoid(coulomb: float, share: float) -> None:
-    offset = share * coulomb
-    forward, backward = fit_sigmoid(coulomb, 0.0, offset_nm=offset, steepness_s_per_rad=1e3).plateaus_nm
-    assert forward == pytest.approx(coulomb + offset, rel=0.02, abs=0.02 * coulomb)
-    assert backward == pytest.approx(coulomb - offset, rel=0.02, abs=0.02 * coulomb)
-
-
 # Torque feedback: what it makes of friction and inertia, and where it runs away.
 
 HALVED = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=INERTIA / 2)
@@ -171,27 +164,6 @@ def test_the_filter_is_a_first_order_low_pass() -> None:
 def test_friction_shrinks_like_the_inertia(desired: float) -> None:
     shaped = guided(replace(HALVED, desired_inertia_kg_m2=desired))
     assert work_j(shaped) / work_j(guided(None)) == pytest.approx(desired / INERTIA, rel=0.02)
-
-
-@pytest.mark.parametrize(("inertia", "hand", "cutoff_hz"), [(0.3, 0.3, inf), (0.3, 0.3, 100.0), (0.2, 0.6, 30.0)])
-def test_the_loop_runs_away_just_below_the_limit(inertia: float, hand: float, cutoff_hz: float) -> None:
-    settings = TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=inertia, cutoff_hz=cutoff_hz)
-    limit = regulation_limit(settings, inertia, hand)
-    joint = JointParameters(inertia_kg_m2=inertia, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
-    stable, unstable = (
-        guided(replace(settings, desired_inertia_kg_m2=share * limit), joint=joint, hand=hand, duration_s=4.0)
-        for share in (1.05, 0.95)
-    )
-    assert not runs_away(stable)
-    assert runs_away(unstable)
-
-
-def test_an_unstable_loop_ends_silent() -> None:
-    motion = guided(replace(HALVED, desired_inertia_kg_m2=0.05), duration_s=4.0)
-    loud = np.flatnonzero(motion.compensation_nm[:, 0])
-    assert np.all(np.isfinite(motion.dq))
-    assert loud[-1] < 3000
-    assert np.abs(motion.dq[-500:]).max() < 10.0
 
 
 def test_limits_do_not_hide_an_unstable_loop() -> None:
@@ -259,7 +231,6 @@ def test_the_loop_runs_away_just_beyond_the_limit(hand: float) -> None:
         (lambda: replace(LUGRE, breakaway_nm=0.2), "breakaway_nm"),
         (lambda: replace(ORACLE, dead_band_rad_s=-1.0), "dead_band_rad_s -1"),
         (lambda: fit_sigmoid(0.0, 0.0), "friction above zero"),
-        (lambda: fit_sigmoid(0.3, 0.0, offset_nm=1.0), "offset"),
     ],
 )
 def test_what_makes_no_sense_is_refused(made: Callable[[], object], message: str) -> None:
@@ -269,17 +240,18 @@ def test_what_makes_no_sense_is_refused(made: Callable[[], object], message: str
 
 # Torque feedback in a joint whose gear twists: the limit from eigenvalues, against the simulator.
 
-INERTIA, HAND = 0.3, 0.3
 REDUCED = 0.15
+
+
+def elastic(compliance: float, damping_ratio: float) -> tuple[Hidden]:
+    return (Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=compliance, damping_ratio=damping_ratio)),)
 
 
 def rings(regulation: TorqueRegulation, compliance: float, damping_ratio: float) -> bool:
     """Return True if what noise sets ringing grows, with next to nobody there to damp it."""
     settings = BenchSettings(
         joints=(JointParameters(inertia_kg_m2=INERTIA, coulomb_nm=0.0, viscous_nms_per_rad=0.0),),
-        hidden=(
-            Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=compliance, damping_ratio=damping_ratio)),
-        ),
+        hidden=elastic(compliance, damping_ratio),
         sensors=(replace(IDEAL_SENSORS, torque_noise_nm=0.02),),
         operator=Operator(
             inertia_kg_m2=HAND,
@@ -318,9 +290,7 @@ def vibration(hz: float, compensator: EnergyCompensator, seed: int = 0, duration
     compliance = (1.0 / MOTOR + 1.0 / OUTER) / (2.0 * pi * hz) ** 2
     settings = BenchSettings(
         joints=(JointParameters(inertia_kg_m2=MOTOR, coulomb_nm=0.311, viscous_nms_per_rad=0.075),),
-        hidden=(
-            Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=compliance, damping_ratio=DAMPING_RATIO)),
-        ),
+        hidden=elastic(compliance, DAMPING_RATIO),
         sensors=(PANDA_SENSORS[0],),
         operator=Operator(inertia_kg_m2=OUTER, stiffness_nm_per_rad=375.0, damping_nms_per_rad=62.0),
         compensator=compensator,

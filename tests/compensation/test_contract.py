@@ -21,9 +21,9 @@ from friction_audit.compensation.compensators import (
     TorqueRegulation,
     guard_of,
     kind_of,
+    law,
 )
-from friction_audit.compensation.controller import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM
-from friction_audit.compensation.replay import run
+from friction_audit.compensation.controller import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM, run
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
@@ -46,9 +46,9 @@ COMPETITORS = [name for name, made in EXAMPLES.items() if hasattr(made, "guard")
 each = pytest.mark.parametrize("kind", COMPENSATORS, ids=lambda kind: kind.name)
 
 
-def test_every_kind_has_an_example_of_its_own_code() -> None:
+def test_every_kind_has_an_example_and_its_own_code() -> None:
     assert list(EXAMPLES) == [kind.name for kind in COMPENSATORS]
-    assert [kind.code for kind in COMPENSATORS] == list(range(len(COMPENSATORS)))
+    assert [getattr(law, kind.name.upper()) for kind in COMPENSATORS] == list(range(len(COMPENSATORS)))
     assert all(kind_of(EXAMPLES[kind.name]) is kind for kind in COMPENSATORS)
 
 

@@ -2,40 +2,32 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
 from friction_audit.compensation.compensators import TorqueRegulation
-from friction_audit.compensation.settings import Competitor, OperatorImpedance, ReplaySettings, energy_compensator
+from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
-from friction_audit.simulation.motion import Sinusoid, StopAndGo
-from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+from friction_audit.simulation.bench import Operator
+from friction_audit.simulation.motion import StopAndGo
+from friction_audit.simulation.settings import PANDA_SENSORS
+from tests.compensation.bench import BENCH, BY_HAND, TRUE_HAND, log_of
 
-JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
-SINUSOID = Operator(motion=Sinusoid(spread=0.3))
-BENCH = BenchSettings(joints=(JOINT,), sensors=(IDEAL_SENSORS,), operator=SINUSOID, duration_s=60.0)
-TRUE_HAND = OperatorImpedance(inertia_kg_m2=0.3, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)
+MINUTE = replace(BENCH, duration_s=60.0)
 COMPENSATOR = energy_compensator()
-
-
-@cache
-def log_of(settings: BenchSettings) -> JointLog:
-    return simulate_bench(settings, 1).log
 
 
 def replay(log: JointLog, settings: ReplaySettings) -> LogReplay:
     return replay_log(log, AuditSettings(), settings)
 
 
-@pytest.mark.parametrize("operator", [SINUSOID, Operator(motion=StopAndGo())], ids=["sinusoid", "stop and go"])
+@pytest.mark.parametrize("operator", [BY_HAND, Operator(motion=StopAndGo())], ids=["sinusoid", "stop and go"])
 def test_the_same_operator_is_foretold(operator: Operator) -> None:
     """What the simulator makes of operator, joint and compensator, replay foretells from the log without one."""
-    bench = replace(BENCH, operator=operator)
+    bench = replace(MINUTE, operator=operator)
     joint = replay(
         log_of(bench), ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=COMPENSATOR)
     ).replay.joints[0]
@@ -50,8 +42,8 @@ def test_the_same_operator_is_foretold(operator: Operator) -> None:
 
 
 def test_the_operator_is_fitted_from_quick_reversals() -> None:
-    noisy = replace(BENCH, sensors=(PANDA_SENSORS[0],), duration_s=120.0)
-    for log, bound in ((log_of(replace(BENCH, duration_s=120.0)), 0.08), (log_of(noisy), 0.2)):
+    noisy = replace(MINUTE, sensors=(PANDA_SENSORS[0],), duration_s=120.0)
+    for log, bound in ((log_of(replace(MINUTE, duration_s=120.0)), 0.08), (log_of(noisy), 0.2)):
         joint = replay(log, ReplaySettings(assume="same-operator", compensator=COMPENSATOR)).replay.joints[0]
         hand = joint.operator
         assert hand is not None, joint.reason
@@ -64,7 +56,7 @@ def test_the_operator_is_fitted_from_quick_reversals() -> None:
 
 
 def test_a_person_who_pauses_cannot_be_fitted() -> None:
-    log = log_of(replace(BENCH, operator=Operator(motion=StopAndGo())))
+    log = log_of(replace(MINUTE, operator=Operator(motion=StopAndGo())))
     found = replay(log, ReplaySettings(assume="same-operator")).replay
     assert "quick reversals" in found.joints[0].reason
     assert "--operator" in found.joints[0].reason
@@ -72,7 +64,7 @@ def test_a_person_who_pauses_cannot_be_fitted() -> None:
 
 
 def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
-    joint = replay(log_of(BENCH), ReplaySettings(assume="same-torque", compensator=COMPENSATOR)).replay.joints[0]
+    joint = replay(log_of(MINUTE), ReplaySettings(assume="same-torque", compensator=COMPENSATOR)).replay.joints[0]
     history, replayed = joint.history, joint.replayed
     assert history is not None
     assert replayed is not None
@@ -89,7 +81,7 @@ def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
 def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
     competitor = Competitor(name="torque_regulation", desired_inertia_kg_m2=0.02)
     found = replay(
-        log_of(BENCH), ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=competitor)
+        log_of(MINUTE), ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=competitor)
     ).replay
     joint = found.joints[0]
     assert joint.numbers is not None
@@ -103,14 +95,14 @@ def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
 @pytest.mark.parametrize("name", ["fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation"])
 def test_competitors_are_tuned_from_the_log(name: str) -> None:
     settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=Competitor(name=name))
-    joint = replay(log_of(BENCH), settings).replay.joints[0]
+    joint = replay(log_of(MINUTE), settings).replay.joints[0]
     assert joint.numbers is not None, joint.reason
     assert np.isnan(joint.numbers.diverged_s)
     assert joint.numbers.dissipation_removed > (0.4 if name == "torque_regulation" else 0.8)
 
 
 def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
-    log = log_of(BENCH)
+    log = log_of(MINUTE)
     assert log.tau_interaction is not None
     ddq = np.gradient(log.dq[:, 0], log.t)
     massless = replace(log, tau_interaction=log.tau_interaction - 0.3 * ddq[:, None])

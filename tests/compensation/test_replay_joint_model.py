@@ -7,31 +7,24 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.compensators import JointModelCompensation
-from friction_audit.compensation.counterfactual import MovedJoint, modelled_joint
-from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of, friction_terms, refusal
+from friction_audit.compensation.counterfactual import tables_of_file
+from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of
 from friction_audit.compensation.measures import dissipation_removed
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import JointReplay
-from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
+from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
 from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import simulate_bench
 from friction_audit.simulation.hide import with_model
-from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
+from tests.compensation.bench import BENCH, TRUE_HAND
 
 SIMPLE = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
-HAND = OperatorImpedance(inertia_kg_m2=0.3, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)
-BENCH = BenchSettings(
-    joints=(JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07),),
-    sensors=(IDEAL_SENSORS,),
-    operator=Operator(motion=Sinusoid(spread=0.3)),
-    duration_s=40.0,
-)
 VALUES: dict[str, tuple[float, ...]] = {
     "coulomb": (0.3,),
     "viscous": (0.07,),
@@ -68,14 +61,14 @@ def file_of(*joints: JointModel | None) -> ModelFile:
 
 @cache
 def log_of(model: JointModel, *, noisy: bool = False) -> JointLog:
-    bench = replace(BENCH, sensors=(PANDA_SENSORS[0],)) if noisy else BENCH
+    bench = replace(BENCH, duration_s=40.0, sensors=(PANDA_SENSORS[0] if noisy else IDEAL_SENSORS,))
     return simulate_bench(with_model(bench, file_of(model).model), 1).log
 
 
 def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool = False) -> JointReplay:
     settings = ReplaySettings(
         assume=assume,
-        operator=HAND if assume == "same-operator" else None,
+        operator=TRUE_HAND if assume == "same-operator" else None,
         joint_model=file_of(model),
         competitor=Competitor(name="model") if applied else None,
     )
@@ -100,7 +93,7 @@ def assert_same(one: JointReplay, other: JointReplay, tolerance: float) -> None:
 @pytest.mark.parametrize("assume", ["same-torque", "same-operator"])
 def test_a_file_with_the_fitted_numbers_gives_the_very_same_replay(assume: str) -> None:
     log = log_of(SIMPLE, noisy=True)
-    settings = ReplaySettings(assume=assume, operator=HAND if assume == "same-operator" else None)
+    settings = ReplaySettings(assume=assume, operator=TRUE_HAND if assume == "same-operator" else None)
     fitted = replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0]
     assert fitted.fitted is not None
     found = fitted.fitted
@@ -148,8 +141,7 @@ def test_every_term_runs_or_is_refused_by_name() -> None:
     assert sorted([*VALUES, *UNABLE, "inertia"]) == sorted(term.name for term in terms())
     motion = motion_of(log_of(SIMPLE))
     for name in VALUES:
-        joint = modelled_joint(with_term(name), motion)
-        assert isinstance(joint, MovedJoint), joint
+        assert tables_of_file(with_term(name), motion).inertia_kg_m2 > 0.2
 
 
 @pytest.mark.parametrize("name", sorted(UNABLE))
@@ -161,7 +153,8 @@ def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
     assert joint.numbers is None
     assert f"{name}: {UNABLE[name]}" in joint.reason
     of_friction = {"stiction", "frictional_lag", "load_dependent_friction"}
-    assert bool(refusal(friction_terms(model))) == (name in of_friction)
+    applied = run(log_of(SIMPLE), "same-motion", model, applied=True)
+    assert (f"{name}: {UNABLE[name]}" in applied.reason) == (name in of_friction)
 
 
 @pytest.mark.parametrize(

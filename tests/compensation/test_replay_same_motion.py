@@ -1,7 +1,6 @@
 """Replay along the recorded motion, on logs of the simulator whose friction is known."""
 
 from dataclasses import replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -13,22 +12,15 @@ from friction_audit.compensation.settings import ReplaySettings, energy_compensa
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
 from friction_audit.reporting.sentences import sentence_of
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
-from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
+from tests.compensation.bench import BENCH, BY_HAND, JOINT, log_of
 
-JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 VISCOUS_JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.0, viscous_nms_per_rad=0.2)
-BY_HAND = Operator(motion=Sinusoid(spread=0.3))
-BENCH = BenchSettings(joints=(JOINT,), sensors=(IDEAL_SENSORS,), operator=BY_HAND, duration_s=30.0)
 VISCOUS_BENCH = replace(BENCH, joints=(VISCOUS_JOINT,))
-
-
-@cache
-def log_of(settings: BenchSettings, seed: int = 1) -> JointLog:
-    return simulate_bench(settings, seed).log
+HOW = pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
 
 
 def replay(
@@ -110,7 +102,7 @@ TOO_MUCH: dict[str, dict[str, Any]] = {
 """Half as much again as the joints of ONE_BY_ONE have, by model."""
 
 
-@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+@HOW
 @pytest.mark.parametrize(
     ("how", "closed"),
     [
@@ -164,7 +156,7 @@ OVERCOME = (("viscous", 1), ("viscous", 2), ("coulomb", 1), ("coulomb", 2), ("co
 """Model and window k."""
 
 
-@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+@HOW
 @pytest.mark.parametrize(
     ("model", "k", "sensors"),
     [
@@ -221,7 +213,7 @@ def test_too_few_cycles_say_so() -> None:
     ],
     ids=["learns", "over-compensates", "knows"],
 )
-@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+@HOW
 def test_a_compensator_that_does_its_work_is_suspected(
     compensator: EnergyCompensator | FixedCompensation, message: str, operator: Operator
 ) -> None:
@@ -232,7 +224,7 @@ def test_a_compensator_that_does_its_work_is_suspected(
     assert any(message in one and "--map tau_compensation" in one for one in found), found
 
 
-@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+@HOW
 def test_friction_that_changes_is_not_suspected(operator: Operator) -> None:
     step = Hidden(friction_step=FrictionStep(change=-0.5))
     bench = replace(BENCH, sensors=(PANDA_SENSORS[0],), operator=operator, hidden=(step,), duration_s=60.0)

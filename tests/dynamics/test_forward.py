@@ -151,29 +151,20 @@ def test_a_term_with_a_past_is_iterated_to_what_scipy_finds() -> None:
     assert found == pytest.approx(exact, abs=0.01)
 
 
-def test_pieces_start_from_the_recording_and_nothing_is_said_between_them() -> None:
-    recording = make_recording(10.0)
-    pieces = np.array([[100, 700], [900, 1500]])
-    model = joint_with(FittedTerm("torque_ripple", (0.1, 0.0, 20.0)))
-    drive = model.torque(recording)
-    found = simulate_along(model, recording, drive, pieces)
-    assert found is not None
-    inside = np.zeros(len(drive), bool)
-    inside[100:701] = inside[900:1501] = True
-    assert np.array_equal(np.isfinite(found), inside)
-    assert found[[100, 900]] == pytest.approx(recording.dq[[100, 900]])
-    assert found[inside] == pytest.approx(recording.dq[inside], abs=5e-3)
-
-
-def test_a_model_of_all_that_needs_no_past_gives_the_recording_back() -> None:
+def test_pieces_give_the_recording_back_from_their_starts_and_nothing_between_them() -> None:
     """The torque that a model takes along a recording, given as the drive, gives the recorded motion."""
     recording = replace(make_recording(10.0), rest=None)
+    pieces = np.array([[100, 700], [900, 3900]])
     model = joint_with(
         FittedTerm("stribeck", (0.1, 0.1, 2.0)),
         FittedTerm("offset", (0.05,)),
         FittedTerm("torque_ripple", (0.05, 0.05, 30.0)),
         FittedTerm("nonlinear_viscous", (0.1, 2.0, 0.1, 0.0)),
     )
-    found = simulate_along(model, recording, model.torque(recording), np.array([[50, 3900]]))
+    found = simulate_along(model, recording, model.torque(recording), pieces)
     assert found is not None
-    assert found[50:3901] == pytest.approx(recording.dq[50:3901], abs=0.02)
+    inside = np.zeros(len(found), bool)
+    inside[100:701] = inside[900:3901] = True
+    assert np.array_equal(np.isfinite(found), inside)
+    assert found[[100, 900]] == pytest.approx(recording.dq[[100, 900]])
+    assert found[inside] == pytest.approx(recording.dq[inside], abs=0.02)

@@ -111,6 +111,7 @@ def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:
     assert found is not None
     inside = np.isfinite(found)
     assert inside.sum() == 801
+    assert found[700] == rows[1, 700]
     assert np.sqrt(np.mean((found - rows[1])[inside] ** 2)) < 0.03 * np.sqrt(np.mean(rows[1] ** 2))
 
 

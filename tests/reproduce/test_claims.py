@@ -9,7 +9,7 @@ from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.arm import SLOPE_BOUND
 from friction_audit.reproduce.one_joint import off_ellipse, plateau_nm
 from friction_audit.reproduce.viscous import minima, tolerance_j
-from tests.reproduce.conftest import Check, simulated
+from tests.reproduce.figures import claims, simulated
 
 # Figure, sentence, and bounds of the number that decides.
 HOLDING: list[tuple[str, str, float, float]] = [
@@ -39,7 +39,7 @@ HOLDING: list[tuple[str, str, float, float]] = [
 
 
 @pytest.mark.parametrize(("figure", "sentence", "low", "high"), HOLDING)
-def test_claims_hold(figure: str, sentence: str, low: float, high: float, claims: Check) -> None:
+def test_claims_hold(figure: str, sentence: str, low: float, high: float) -> None:
     claim = claims(figure)[sentence]
     assert low <= claim.value <= high
     assert claim.holds
@@ -53,7 +53,7 @@ def test_minima_by_hand() -> None:
     assert minima(np.arange(5.0), np.arange(5.0)) == (0, inf)
 
 
-def test_the_passivity_controller_takes_what_the_fourth_cycle_injected(claims: Check) -> None:
+def test_the_passivity_controller_takes_what_the_fourth_cycle_injected() -> None:
     (guarded,) = simulated("7")["fig7"]
     motion, traces = guarded.truth.motion, guarded.truth.compensators
     tick = np.abs(motion.interaction_nm * motion.dq).max() * 1e-3
@@ -65,7 +65,7 @@ def test_the_passivity_controller_takes_what_the_fourth_cycle_injected(claims: C
     assert traces["viscous_nms_per_rad"][-1, 0] == pytest.approx(0.2, rel=1e-2)
 
 
-def test_the_peak_falls(claims: Check) -> None:
+def test_the_peak_falls() -> None:
     claim = claims("11")["the peak interaction torque falls to below 0.5 N m"]
     # 19 of 20 persons stay below it, and none is far above.
     assert 0.4 < claim.value < 0.52

@@ -3,7 +3,7 @@
 import pytest
 
 from friction_audit.reproduce import REPRODUCTIONS, Reproduction, simulate_figures
-from tests.reproduce.conftest import simulated
+from tests.reproduce.figures import claims, simulated
 
 COMPARED = ("13", "14")
 """These take a comparison; see ``test_fig13``."""
@@ -14,10 +14,9 @@ EACH = pytest.mark.parametrize("one", SIMULATED, ids=lambda one: f"fig{one.figur
 
 @EACH
 def test_claims_belong_to_the_figure(one: Reproduction) -> None:
-    claims = one.check(simulated(one.figure))
-    assert claims
-    assert {claim.figure.rstrip("abc") for claim in claims} == {one.figure}
-    assert all(claim.claim and claim.paper and claim.ours for claim in claims)
+    found = claims(one.figure).values()
+    assert {claim.figure.rstrip("abc") for claim in found} == {one.figure}
+    assert all(claim.claim and claim.paper and claim.ours for claim in found)
 
 
 @EACH

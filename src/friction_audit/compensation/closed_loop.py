@@ -27,33 +27,26 @@ CYCLE = np.dtype(
     ]
 )
 
+# Sums over the recording, some by the names of ``Numbers`` and ``Passivity``.
 TALLY = np.dtype(
     [
         ("cycles", "i8"),  # that ended in this part of the recording
-        ("friction_j", "f8"),  # what friction took
+        ("friction_j", "f8"),  # what friction took in the present cycle
         ("net_j", "f8"),  # that less what the compensator gave, the rest being the person's
-        ("path_rad", "f8"),
-        ("square_rad2_s", "f8"),
-        ("cycle_friction_j", "f8"),  # the four sums at the start of the cycle
-        ("cycle_net_j", "f8"),
-        ("cycle_path_rad", "f8"),
-        ("cycle_square_rad2_s", "f8"),
+        *((name, "f8") for name in ("path_rad", "square_rad2_s")),
         ("tolerance_j", "f8"),  # largest energy exchanged while a deficit is measured and paid
-        ("lowest_j", "f8"),  # of the ledger from the start
-        ("lowest_active_j", "f8"),  # of the ledger since the compensator became active
-        ("violations", "i8"),
-        ("active_violations", "i8"),
-        ("activation_s", "f8"),  # when it became active, NaN before
-        ("reserve_j", "f8"),  # the ledger then
-        ("active_friction_j", "f8"),  # what friction took since
+        *(
+            (name, "f8")
+            for name in ("lowest_j", "lowest_since_activation_j", "activation_s", "reserve_j", "injected_j")
+        ),
+        *((name, "i8") for name in ("violations", "violations_since_activation")),
+        ("active_friction_j", "f8"),  # what friction took since the activation
         ("acting_s", "f8"),
-        ("largest_nm", "f8"),  # of the torques in force
+        *((name, "f8") for name in ("peak_compensation_nm", "peak_rate_nm_s")),
         ("limited", "i8"),  # samples at a limit of torque or rate
-        ("fastest_nm_s", "f8"),
-        ("injected_j", "f8"),
-        ("hidden", "i8"),  # 1 once the reserve from before hides over-compensation from the ledger
         ("t_s", "f8"),  # time of the last tick
         ("total_nm", "f8"),  # torque S at the last sample along a recording
+        ("hidden", "?"),
     ]
 )
 
@@ -90,37 +83,21 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float)
     if memory.active == 1:
         if math.isnan(tally.activation_s):
             tally.activation_s, tally.reserve_j = tally.t_s, ledger
-        tally.lowest_active_j = min(tally.lowest_active_j, memory.active_energy_j)
+        tally.lowest_since_activation_j = min(tally.lowest_since_activation_j, memory.active_energy_j)
         if memory.active_energy_j < -tally.tolerance_j:
-            tally.active_violations += 1
+            tally.violations_since_activation += 1
         out = max(GIVEN_OUT * tally.active_friction_j, BEYOND_NOISE * tally.reserve_j)
         if ledger >= 0.0 and out > 0.0 and memory.active_energy_j < -out:
-            tally.hidden = 1
+            tally.hidden = True
     if memory.damping_nms_per_rad > 0.0:
         tally.acting_s += settings.period_s
     tally.injected_j = memory.dissipated_j
-    tally.largest_nm = max(tally.largest_nm, abs(u_before))
+    tally.peak_compensation_nm = max(tally.peak_compensation_nm, abs(u_before))
     change = abs(memory.u_nm - u_before)
-    tally.fastest_nm_s = max(tally.fastest_nm_s, change / settings.period_s)
+    tally.peak_rate_nm_s = max(tally.peak_rate_nm_s, change / settings.period_s)
     at_rate = change >= settings.max_torque_rate_nm_s * settings.period_s * NEARLY
     if at_rate or abs(memory.u_nm) >= settings.max_torque_nm * NEARLY:
         tally.limited += 1
-
-
-@compiled(inline=True)
-def close_row(tally: Record, memory: Record, coulomb: float, viscous: float, acted: int, rows: Record) -> None:
-    """Write the row of the cycle that ended at the last tick, during which these coefficients were applied."""
-    row = rows[tally.cycles]
-    row.stop, row.stop_s, row.acted, row.status = memory.ticks - 1, tally.t_s, acted, memory.status
-    row.friction_j, row.net_energy_j = tally.friction_j - tally.cycle_friction_j, tally.net_j - tally.cycle_net_j
-    row.path_rad = tally.path_rad - tally.cycle_path_rad
-    row.square_speed_rad2_s = tally.square_rad2_s - tally.cycle_square_rad2_s
-    row.coulomb_applied_nm, row.viscous_applied_nms_per_rad = coulomb, viscous
-    row.coulomb_estimated_nm = memory.estimated_coulomb_nm
-    row.viscous_estimated_nms_per_rad = memory.estimated_viscous_nms_per_rad
-    tally.cycle_friction_j, tally.cycle_net_j = tally.friction_j, tally.net_j
-    tally.cycle_path_rad, tally.cycle_square_rad2_s = tally.path_rad, tally.square_rad2_s
-    tally.cycles += 1
 
 
 SUMS = np.dtype(
@@ -182,8 +159,8 @@ class Control(NamedTuple):
     rows: Record  # receives a record of CYCLE for every cycle that ends in this part, shape (most,)
 
 
-class Joint(NamedTuple):
-    """Joint and operator."""
+class Loop(NamedTuple):
+    """A joint in the hand of its operator, and what drives it; n samples."""
 
     tables: Tables  # what both take but for the operator's spring, and the inertia of both
     own_kg_m2: float  # inertia of the joint alone [kg m^2]
@@ -191,30 +168,16 @@ class Joint(NamedTuple):
     damping_nms_per_rad: float  # damping of the operator, in the tables too [N m s/rad]
     stiffness_nm_per_rad: float  # stiffness of the operator, against position zero [N m/rad]
     longest_s: float  # longest step [s]
-    bent: Float  # state of the bristles at the first sample and at every new start, shape (r, 1 + m)
-
-
-class Drive(NamedTuple):
-    """What drives the joint, n samples."""
-
-    t: Float  # time [s]
     push: Float  # torque on the joint, linear between the samples; of an operator at position zero and at rest [N m]
     lacking: Float  # torque that the joint's model lacks: the sensor feels it, ``push`` is without it [N m]
     q: Float  # position as recorded [rad]
-    dq: Float  # velocity as recorded [rad/s]
     restart: NDArray[np.bool_]  # True where the joint starts again from the recording, shape (n,)
+    bent: Float  # state of the bristles at the first sample and at every new start, shape (r, 1 + m)
 
 
 @compiled()
 def tick(
-    settings: Record,
-    memory: Record,
-    tally: Record,
-    rows: Record,
-    t: float,
-    v: float,
-    interaction: float,
-    cut: int,
+    settings: Record, memory: Record, tally: Record, rows: Record, t: float, v: float, interaction: float, cut: int
 ) -> bool:
     """Run the compensator on a sample and count what it does; return False once the loop has diverged."""
     u, cycle, acted = memory.u_nm, memory.cycle, memory.acted
@@ -224,8 +187,16 @@ def tick(
         return False
     tally.t_s = t
     count_tick(tally, settings, memory, u)
-    if memory.cycle > cycle:
-        close_row(tally, memory, coulomb, viscous, acted, rows)
+    if memory.cycle > cycle:  # a cycle ended, during which the coefficients from before the tick were applied
+        row = rows[tally.cycles]
+        row.stop, row.stop_s, row.acted, row.status = memory.ticks - 1, t, acted, memory.status
+        row.friction_j, row.net_energy_j = tally.friction_j, tally.net_j
+        row.path_rad, row.square_speed_rad2_s = tally.path_rad, tally.square_rad2_s
+        row.coulomb_applied_nm, row.viscous_applied_nms_per_rad = coulomb, viscous
+        row.coulomb_estimated_nm = memory.estimated_coulomb_nm
+        row.viscous_estimated_nms_per_rad = memory.estimated_viscous_nms_per_rad
+        tally.friction_j = tally.net_j = tally.path_rad = tally.square_rad2_s = 0.0
+        tally.cycles += 1
     return True
 
 
@@ -267,23 +238,23 @@ def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
 
 
 @compiled()
-def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Float) -> int:
+def run_closed_loop(control: Control, recorded: Recorded, loop: Loop, velocity: Float) -> int:
     """Move the joint and run its compensator at the stamps of a log; return the samples, fewer than n if it diverges.
 
     Where the joint starts again from the recording, its kinetic energy is put back to that of the recording: neither
     compensator nor ledger shall take the difference for friction. ``velocity`` receives the velocity, shape (n,).
     """
     settings, memory, tally, feed, cuts, torques, rows = control
-    t, push = drive.t, drive.push
-    q, v, starts, bent = drive.q[0], drive.dq[0], 0, joint.bent[0].copy()
+    t, dq, push = recorded.t, recorded.dq, loop.push
+    q, v, starts, bent = loop.q[0], dq[0], 0, loop.bent[0].copy()
     sign = np.sign(v)
     for i in range(len(t)):
-        interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint) + drive.lacking[i]
+        interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, loop) + loop.lacking[i]
         write_torques(torques, memory, i, interaction)
         velocity[i] = v
-        again = drive.restart[i] and i > 0
+        again = loop.restart[i] and i > 0
         if again:  # what is still in the joint, friction has not taken
-            surplus = 0.5 * joint.own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i])
+            surplus = 0.5 * loop.own_kg_m2 * (v * v - dq[i] * dq[i])
             memory.net_j -= surplus
             memory.energy_j -= surplus
             memory.active_energy_j -= surplus * memory.active
@@ -292,53 +263,53 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
         if not tick(settings, memory, tally, rows, t[i], v, interaction, cuts[i] if len(cuts) > 1 else cuts[0]):
             return i
         if again:
-            q, v, starts = drive.q[i], drive.dq[i], starts + 1
+            q, v, starts = loop.q[i], dq[i], starts + 1
             sign = np.sign(v)
             for k in range(len(bent)):  # for a slice, numba compiles a message for seconds
-                bent[k] = joint.bent[starts, k]
+                bent[k] = loop.bent[starts, k]
             memory.q_rad, memory.dq = q, v
         if i + 1 < len(t):
             before, u = q, memory.u_nm
             span = Step(t[i + 1] - t[i], push[i], push[i + 1], float(i), i + 1.0)
-            pieces = max(1, int(np.ceil(span.h / joint.longest_s - 1e-6)))
-            q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, joint)
+            pieces = max(1, int(np.ceil(span.h / loop.longest_s - 1e-6)))
+            q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, loop)
             count_energy(tally, settings, lost, lost - u * (q - before), q - before, span.h)
     return len(t)
 
 
 @compiled(inline=True)
-def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, joint: Joint) -> float:
+def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, loop: Loop) -> float:
     """Return what the sensor of a joint with tables feels of the push: that, less what the operator takes. [N m]"""
-    spring, acceleration = joint.stiffness_nm_per_rad * q, 0.0
+    spring, acceleration = loop.stiffness_nm_per_rad * q, 0.0
     if sign != 0.0:
-        torque = taken(sign, q, abs(v), float(i), joint.tables)
-        torque += bristle_nm(bent, 0.0, joint.tables) + bristle_damping(bent, sign, joint.tables) * v
-        acceleration = (push + u - spring - torque) / joint.tables.inertia_kg_m2
-    return float(push - joint.inertia_kg_m2 * acceleration - joint.damping_nms_per_rad * v - spring)
+        torque = taken(sign, q, abs(v), float(i), loop.tables)
+        torque += bristle_nm(bent, 0.0, loop.tables) + bristle_damping(bent, sign, loop.tables) * v
+        acceleration = (push + u - spring - torque) / loop.tables.inertia_kg_m2
+    return float(push - loop.inertia_kg_m2 * acceleration - loop.damping_nms_per_rad * v - spring)
 
 
 @compiled(inline=True)
 def move(
-    q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, joint: Joint
+    q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, loop: Loop
 ) -> tuple[float, float, float, float]:
     """Move on from one sample to the next; return position, velocity, direction, what friction took [J].
 
     Friction is what turns with the direction, and the bristles. What acts the same way in both directions, as gravity
     does, gives back what it takes.
     """
-    h, lost, tables = span.h / pieces, 0.0, joint.tables
+    h, lost, tables = span.h / pieces, 0.0, loop.tables
     rise = ((span.drive1 + u) - (span.drive0 + u)) / pieces
     for k in range(pieces):
         before, held, push = q, bent.copy(), span.drive0 + u + k * rise
         begin, end = span.begin + k / pieces, span.begin + (k + 1.0) / pieces
         # The operator's spring is read where the joint will be if it goes on: right to the order of the step.
-        near, far = joint.stiffness_nm_per_rad * q, joint.stiffness_nm_per_rad * (q + h * v)
-        q, v, sign = advance(q, v, sign, Step(h, push - near, push + rise - far, begin, end), bent, joint.tables)
+        near, far = loop.stiffness_nm_per_rad * q, loop.stiffness_nm_per_rad * (q + h * v)
+        q, v, sign = advance(q, v, sign, Step(h, push - near, push + rise - far, begin, end), bent, loop.tables)
         moved = q - before
         if moved != 0.0:
             place, speed, moment, mean = 0.5 * (before + q), abs(moved) / h, 0.5 * (begin + end), 0.5 * (held + bent)
             both = taken(1.0, place, speed, moment, tables) - taken(-1.0, place, speed, moment, tables)
-            level = 0.5 * both - joint.damping_nms_per_rad * speed
+            level = 0.5 * both - loop.damping_nms_per_rad * speed
             damping = bristle_damping(mean, math.copysign(1.0, moved), tables)
             lost += level * abs(moved) + (bristle_nm(mean, 0.0, tables) + damping * moved / h) * moved
     return q, v, sign, lost

@@ -8,19 +8,13 @@ included, whose work is negative.
 
 import math
 
-from friction_audit.compensation.compensators import energy, feedback, law, model_based
-from friction_audit.compensation.records import (
-    COMBINED,
-    ESTIMATED,
-    GAP,
-    NET,
-    NOT_MOVED,
-    PATH,
-    SQUARE,
-    TOO_FEW,
-    VISCOUS,
-)
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation import records
+from friction_audit.compensation.compensators import Compensator, energy, feedback, law, model_based
 from friction_audit.compiled import Record, compiled
+from friction_audit.joint_log import Float, read_only
 
 EPSILON = 4.0 * 2.0**-52  # of a determinant that is zero but for rounding
 FIND = -1  # value of ``cut``: the joint finds its cycles itself
@@ -133,15 +127,15 @@ def close_cycle(settings: Record, memory: Record) -> None:
     """End the cycle at this tick, estimate, and begin the next one here."""
     memory.cycle += 1
     if memory.longest_gap_s > settings.maximum_gap_s:
-        memory.status = GAP
+        memory.status = records.GAP
     elif memory.path_rad < settings.minimum_path_rad:
-        memory.status = NOT_MOVED
+        memory.status = records.NOT_MOVED
     else:
         row = memory.rows[memory.count % settings.window]
-        row[NET], row[PATH], row[SQUARE] = memory.net_j, memory.path_rad, memory.square_rad2_s
+        row[records.NET], row[records.PATH], row[records.SQUARE] = memory.net_j, memory.path_rad, memory.square_rad2_s
         memory.count += 1
         memory.status = estimate(settings, memory)
-    if memory.status >= NOT_MOVED:
+    if memory.status >= records.NOT_MOVED:
         memory.refused += 1
     if memory.acted == 1:
         memory.released = 1
@@ -156,16 +150,17 @@ def estimate(settings: Record, memory: Record) -> int:
     (19) prints the right pseudo-inverse of a tall matrix, which does not exist for k > 2; this is the left one.
     """
     if memory.count < settings.window:
-        return TOO_FEW
+        return records.TOO_FEW
     net_path = net_square = path_path = path_square = square_square = 0.0
     for i in range(settings.window):
         row = memory.rows[i]
-        net_path += row[NET] * row[PATH]
-        net_square += row[NET] * row[SQUARE]
-        path_path += row[PATH] * row[PATH]
-        path_square += row[PATH] * row[SQUARE]
-        square_square += row[SQUARE] * row[SQUARE]
-    if settings.model == COMBINED:
+        net, path, square = row[records.NET], row[records.PATH], row[records.SQUARE]
+        net_path += net * path
+        net_square += net * square
+        path_path += path * path
+        path_square += path * square
+        square_square += square * square
+    if settings.model == records.COMBINED:
         # Ridge towards the coefficients in use: two cycles of one speed determine the sum of both, and no more.
         path_weight, square_weight = settings.ridge * path_path, settings.ridge * square_square
         net_path += path_weight * memory.usable_coulomb_nm
@@ -185,15 +180,15 @@ def estimate(settings: Record, memory: Record) -> int:
         elif settings.ridge > 0.0 and viscous < 0.0:
             coulomb, viscous = net_path / path_path, 0.0
         memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad = max(0.0, coulomb), max(0.0, viscous)
-        return ESTIMATED
+        return records.ESTIMATED
     # Friction brakes: a negative estimate is kept and not applied.
-    if settings.model == VISCOUS:
+    if settings.model == records.VISCOUS:
         memory.estimated_viscous_nms_per_rad = net_square / square_square
         memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
     else:
         memory.estimated_coulomb_nm = net_path / path_path
         memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
-    return ESTIMATED
+    return records.ESTIMATED
 
 
 @compiled(inline=True)
@@ -254,3 +249,35 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     if alpha > 0.0:
         memory.acted = 1
     return float(u)
+
+
+@compiled()
+def _trace(
+    settings: Record, memory: Record, words: Float, t: Float, dq: Float, torque: Float, cut: Float, seen: Float
+) -> None:
+    """Run a compensator over n samples, and keep the first words of its memory after each."""
+    for i in range(len(t)):
+        step(settings, memory, dq[i], torque[i], t[i] - t[max(i - 1, 0)], cut[i])
+        for k in range(seen.shape[1]):  # one by one: for a slice, numba compiles a message for seconds
+            seen[i, k] = words[k]
+
+
+def run(
+    compensator: Compensator | None,
+    t: Float,
+    dq: Float,
+    interaction_nm: Float,
+    *,
+    cuts: NDArray[np.bool_] | None = None,
+) -> np.ndarray[tuple[int], np.dtype[np.void]]:
+    """Run the compensator of one joint in open loop, on n samples, two at least.
+
+    ``cuts`` is True where a cycle ends, or None to find the cycles from the velocity. Returns records of
+    ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
+    """
+    settings, memory = records.pack([compensator], float((len(t) - 1) / (t[-1] - t[0])))[0], records.fresh_memory(1)
+    cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
+    seen = np.empty((len(t), records.FIELDS), np.int64)
+    t, dq, torque = map(read_only, (t, dq, interaction_nm))
+    _trace(settings, memory[0], memory.view(np.int64), t, dq, torque, cut, seen)
+    return seen.view(records.TRACE)[:, 0]

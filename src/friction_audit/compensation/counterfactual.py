@@ -1,7 +1,7 @@
 """A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
 
-from dataclasses import dataclass
-from math import isnan, nan
+from dataclasses import astuple, dataclass, fields
+from math import isfinite, isnan, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,30 +12,24 @@ from friction_audit.compensation.closed_loop import (
     SUMS,
     TALLY,
     Control,
-    Drive,
-    Joint,
+    Loop,
     Recorded,
     add_torque,
     run_closed_loop,
     run_same_motion,
 )
 from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
-from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refusal, straighten
-from friction_audit.compensation.operator_fit import (
-    LEAST_INERTIA_KG_M2,
-    FittedOperator,
-    fit_joint,
-    fit_operator,
-    given_operator,
-)
+from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refuse, straighten
+from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedOperator, fit_operator
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import Signals
 from friction_audit.compensation.settings import SAME_MOTION, SAME_OPERATOR, ReplaySettings
 from friction_audit.compiled import Record
-from friction_audit.dynamics.motion import Motion, Term
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
 from friction_audit.effects.joint_model import JointModel, simple_model
-from friction_audit.friction.history import JointFriction, TorqueRegression
+from friction_audit.errors import AnalysisError
+from friction_audit.friction.history import Coefficient, JointFriction, TorqueRegression
 from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
@@ -47,24 +41,15 @@ CONSTANT = ("offset", "torque_bias")  # terms of a constant torque
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class MovedJoint:
-    """A joint that can be simulated in a compensator's loop."""
-
-    model: JointModel  # its model
-    fitted: TorqueRegression | None = None  # the fit to the log that the model is; None where it is of a file
-    tables: Tables  # what its terms take along the recording
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Scene:
     """One joint's recording or a part of it, n samples; and what moves otherwise than recorded, in all of it."""
 
     recorded: Recorded
     cuts: NDArray[np.int64]  # per sample FIND, or where cycles end, shape (n,) or (1,)
     motion: Motion | None = None  # the recording as a model reads it; None where no model does
-    joint: MovedJoint | None = None  # the joint that moves otherwise, or None
+    fitted: TorqueRegression | None = None  # the fit to the log that the joint is which moves otherwise, or None
     operator: FittedOperator | None = None  # the person's impedance, or None where the torque stays as recorded
-    loop: tuple[Joint, Drive] | None = None  # that joint in the person's hand, and what drives it; or None
+    loop: Loop | None = None  # the joint that moves otherwise in the person's hand
 
 
 class Run:
@@ -94,7 +79,7 @@ class Run:
                 samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
             else:
                 dq = np.empty(len(recorded.t))
-                samples = run_closed_loop(control, *scene.loop, dq)
+                samples = run_closed_loop(control, recorded, scene.loop, dq)
             if samples < len(recorded.t):
                 self.diverged_s = float(recorded.t[samples])
         self._rows.append(rows[: int(self.tally["cycles"])].copy())
@@ -111,8 +96,7 @@ class Run:
     @property
     def last(self) -> Coefficients:
         """Coefficients applied now, after the last whole cycle."""
-        coulomb, viscous = self._memory["coulomb_nm"], self._memory["viscous_nms_per_rad"]
-        return Coefficients(coulomb_nm=float(coulomb), viscous_nms_per_rad=float(viscous))
+        return Coefficients(**{one.name: float(self._memory[one.name]) for one in fields(Coefficients)})
 
 
 def recording_of(interaction: Interaction, column: int) -> Recorded:
@@ -128,48 +112,74 @@ def recorded_motion(interaction: Interaction, column: int) -> Motion:
     return Motion(t=t, q=np.ascontiguousarray(interaction.q[:, column]), dq=smooth, ddq=np.gradient(smooth, t))
 
 
-def fitted_joint(friction: JointFriction, motion: Motion) -> MovedJoint | str:
-    """Return the joint that the log shows, or why it cannot be simulated."""
-    fitted = fit_joint(friction)
-    if isinstance(fitted, str):
-        return fitted
+def fitted_joint(friction: JointFriction, motion: Motion) -> tuple[TorqueRegression, JointModel, Tables]:
+    """Return inertia and friction as the torque regression of the log found them, as a model and its tables.
+
+    Raises:
+        AnalysisError: If they cannot be simulated.
+    """
+    found = friction.regression
+    if friction.reason:
+        raise AnalysisError(friction.reason)
+    if found is None:
+        raise AnalysisError(
+            "too few moving samples or motions to fit inertia and friction; record more motions back and forth"
+        )
+    if not (found.inertia.low > 0.0 and found.inertia.value > LEAST_INERTIA_KG_M2):
+        one = found.inertia
+        value = f"{one.value:.3g}, 95 % {one.low:.3g} to {one.high:.3g}" if isfinite(one.value) else "no value"
+        raise AnalysisError(
+            f"its inertia is not determined ({value} kg m^2), and without it the motion cannot "
+            "be predicted; record brisker motions with quick reversals, or use --assume same-motion"
+        )
+    pushing = [name for name, one in (("Coulomb", found.coulomb), ("viscous", found.viscous)) if not one.high > 0.0]
+    if pushing:
+        raise AnalysisError(
+            f"its fitted {' and '.join(pushing)} friction is negative; a joint that pushes cannot be simulated"
+        )
     model = simple_model(
-        inertia_kg_m2=fitted.inertia.value,
-        coulomb_nm=max(0.0, fitted.coulomb.value),
-        viscous_nms_per_rad=max(0.0, fitted.viscous.value),
+        inertia_kg_m2=found.inertia.value,
+        coulomb_nm=max(0.0, found.coulomb.value),
+        viscous_nms_per_rad=max(0.0, found.viscous.value),
     )
-    return MovedJoint(model=model, fitted=fitted, tables=_tables(model, motion)[0])
+    return found, model, tables_of(model, motion)
 
 
-def _tables(model: JointModel, motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
-    """Tabulate a model; Coulomb and viscous friction need no more of the recording than its limits."""
+def tables_of(model: JointModel, motion: Motion) -> Tables:
+    """Tabulate a model; Coulomb and viscous friction need no more of the recording than its limits.
+
+    Raises:
+        AnalysisError: If a term follows from more than the motion of the instant.
+    """
     if {term.name for term in model.terms} <= {"coulomb", "viscous"}:
         few = np.unique([0, 1, np.argmin(motion.q), np.argmax(motion.q), np.argmax(np.abs(motion.dq))])
         motion = Motion(t=motion.t[few], q=motion.q[few], dq=motion.dq[few], ddq=motion.ddq[few])
-    return tabulate(model.inertia_kg_m2, model.terms, motion)
+    tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
+    refuse((), past)
+    return tables
 
 
-def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str:
-    """Return the joint of a model file, or why it cannot be simulated."""
+def tables_of_file(model: JointModel | None, motion: Motion) -> Tables:
+    """Return the tables of a joint of a model file.
+
+    Raises:
+        AnalysisError: If it cannot be simulated.
+    """
     if model is None:
-        return NO_MODEL
-    if unable := refusal(model.terms):
-        return unable
-    tables, past = _tables(model, motion)
-    if past:
-        return refusal((), past)
-    inertia_kg_m2 = tables.inertia_kg_m2
-    if not inertia_kg_m2 > LEAST_INERTIA_KG_M2:
-        return (
-            f"its model has an inertia of {inertia_kg_m2:.3g} kg m^2, of a torque from which the inertia was taken "
-            "out; without it the motion cannot be predicted; put that of the joint into the file, or use "
+        raise AnalysisError(NO_MODEL)
+    refuse(model.terms)
+    tables = tables_of(model, motion)
+    if not tables.inertia_kg_m2 > LEAST_INERTIA_KG_M2:
+        raise AnalysisError(
+            f"its model has an inertia of {tables.inertia_kg_m2:.3g} kg m^2, of a torque from which the inertia was "
+            "taken out; without it the motion cannot be predicted; put that of the joint into the file, or use "
             "--assume same-motion"
         )
     friction = [term for term in model.terms if term.effect.speed_only and term.name not in CONSTANT]
     forwards, backwards = tabulate(0.0, friction, motion)[0].speed
     if min(forwards.min(), -backwards.max()) < 0.0:
-        return "its model's friction pushes at some speed, and a joint that pushes cannot be simulated"
-    return MovedJoint(model=model, tables=tables)
+        raise AnalysisError("its model's friction pushes at some speed, and a joint that pushes cannot be simulated")
+    return tables
 
 
 def make_scene(
@@ -180,50 +190,54 @@ def make_scene(
     cuts: NDArray[np.int64],
     *,
     modelled: bool,
-) -> Scene | str:
-    """Return what the compensator meets in a recording or a part of it, or why it is not known.
+) -> Scene:
+    """Return what the compensator meets in a recording or a part of it.
 
     ``modelled``: whether the compensator goes by the joint's model. The torque is the recorded one, cycle by cycle, or
     with an operator that of the recorded intention. What the model lacks of it is a constant for each cycle: offsets
     and errors of gravity are about constant over a stroke, and would set the joint going by themselves.
+
+    Raises:
+        AnalysisError: If it is not known.
     """
     column = interaction.joint_numbers.index(friction.joint)
-    recorded, file = recording_of(interaction, column), settings.joint_model
+    recorded, fitted = recording_of(interaction, column), None
     if settings.assume == SAME_MOTION.name:
-        motion = recorded_motion(interaction, column) if modelled else None
-        return Scene(recorded=recorded, cuts=cuts, motion=motion)
+        return Scene(recorded=recorded, cuts=cuts, motion=recorded_motion(interaction, column) if modelled else None)
     motion = recorded_motion(interaction, column)
-    joint = fitted_joint(friction, motion) if file is None else modelled_joint(file.joint(friction.joint), motion)
-    if isinstance(joint, str):
-        return joint
+    model = None if settings.joint_model is None else settings.joint_model.joint(friction.joint)
+    if settings.joint_model is None:
+        fitted, model, tables = fitted_joint(friction, motion)
+    else:
+        tables = tables_of_file(model, motion)
     operator = _operator(interaction, settings, recorded, motion)
-    if isinstance(operator, str):
-        return operator
     own, restart = cycles.of_joint(column), np.zeros(len(recorded.t), np.bool_)
     if operator is None:
         restart[own.start] = restart[own.stop] = True
         cuts = restart.astype(np.int64)
-    left = recorded.total - joint.model.torque(motion)
+    assert model is not None
+    left = recorded.total - model.torque(motion)
     moving = np.abs(motion.dq) > cycles.standstill_rad_s[column]
     lacking = np.full(len(motion.t), float(left[moving].mean()) if moving.any() else 0.0)
     for start, stop in zip(own.start.tolist(), own.stop.tolist(), strict=True):
         piece = slice(start, stop)
         if moving[piece].any():
             lacking[piece] = left[piece][moving[piece]].mean()
-    loop = _loop(recorded, motion, joint, operator, lacking, restart)
-    return Scene(recorded=recorded, cuts=cuts, motion=motion, joint=joint, operator=operator, loop=loop)
+    loop = _loop(recorded, motion, tables, operator, lacking, restart)
+    return Scene(recorded=recorded, cuts=cuts, motion=motion, fitted=fitted, operator=operator, loop=loop)
 
 
 def _operator(
     interaction: Interaction, settings: ReplaySettings, recorded: Recorded, motion: Motion
-) -> FittedOperator | str | None:
-    """Return the impedance of the person, None where the recorded torque stays, or why it is not known."""
+) -> FittedOperator | None:
+    """Return the impedance of the person, None where the recorded torque stays."""
     if settings.assume != SAME_OPERATOR.name:
         return None
     if settings.operator is not None:
-        return given_operator(settings.operator)
+        given = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]
+        return FittedOperator(given[0], given[1], given[2])
     if interaction.choice.drive != "hand":
-        return (
+        raise AnalysisError(
             "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "
             "--assume same-motion or same-torque"
         )
@@ -233,31 +247,29 @@ def _operator(
 def _loop(
     recorded: Recorded,
     motion: Motion,
-    moved: MovedJoint,
+    own: Tables,
     held: FittedOperator | None,
     lacking: Float,
     restart: NDArray[np.bool_],
-) -> tuple[Joint, Drive]:
+) -> Loop:
     """Return the joint held by its operator, driven by the recorded torque or by what the person intended.
 
     Its model lacks some torque, and it starts again from the recording at some samples, shape (n,) each.
     """
-    mass, damping, stiffness = 0.0, 0.0, 0.0
-    push = recorded.torque - lacking
-    if held is not None:
-        mass, damping, stiffness = held.inertia.value, held.damping.value, held.stiffness.value
-        push += mass * motion.ddq + damping * recorded.dq + stiffness * motion.q
-    drive = Drive(recorded.t, push, lacking, motion.q, recorded.dq, restart)
-    starts = np.append(0, np.flatnonzero(restart[1:]) + 1)
-    step_s = median_step(recorded.t)
-    tables = moved.tables._replace(inertia_kg_m2=moved.tables.inertia_kg_m2 + mass)
-    tables = straighten(tables, damping_nms_per_rad=damping)
-    return Joint(
+    parts = () if held is None else (held.inertia, held.damping, held.stiffness)
+    mass, damping, stiffness = (one.value for one in parts) if parts else (0.0, 0.0, 0.0)
+    starts, step_s = np.append(0, np.flatnonzero(restart[1:]) + 1), median_step(recorded.t)
+    tables = straighten(own._replace(inertia_kg_m2=own.inertia_kg_m2 + mass), damping_nms_per_rad=damping)
+    return Loop(
         tables=tables,
-        own_kg_m2=tables.inertia_kg_m2 - mass,
-        longest_s=step_s / steps_per_sample(step_s, tables),
-        bent=np.ascontiguousarray(moved.tables.bristles.states_along(motion.q)[starts]),
+        own_kg_m2=own.inertia_kg_m2,
         inertia_kg_m2=mass,
         damping_nms_per_rad=damping,
         stiffness_nm_per_rad=stiffness,
-    ), drive
+        longest_s=step_s / steps_per_sample(step_s, tables),
+        push=recorded.torque - lacking + mass * motion.ddq + damping * recorded.dq + stiffness * motion.q,
+        lacking=lacking,
+        q=motion.q,
+        restart=restart,
+        bent=np.ascontiguousarray(own.bristles.states_along(motion.q)[starts]),
+    )

@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.compiled import Record, compiled
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import Tables, bend_on, bristle_damping, bristle_nm, tabulate, taken
-from friction_audit.effects.joint_model import FittedTerm, JointModel
+from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -65,11 +65,7 @@ def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
         AnalysisError: If a term follows from more than the motion of the instant.
     """
     tables, past = tabulate(0.0, terms, motion)
-    if past:
-        names = ", ".join(term.name for term in past)
-        raise AnalysisError(
-            f"friction of {names} follows from more than speed, place and moment; take it out of the model"
-        )
+    refuse((), past)
     return Feed(straighten(tables), np.zeros(1 + len(tables.bristles.reach)))
 
 
@@ -84,13 +80,8 @@ def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> Non
     memory.bristle_nm = bristle_nm(feed.bent, 0.0, feed.tables) + bristle_damping(feed.bent, sign, feed.tables) * v
 
 
-def friction_terms(model: JointModel) -> tuple[FittedTerm, ...]:
-    """Return the terms that a compensator of friction has to do with."""
-    return tuple(term for term in model.terms if term.effect.friction or term.name in OF_FRICTION)
-
-
-def refusal(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> str:
-    """Say which of the terms cannot run in a compensator's loop, and why; empty if all can.
+def refuse(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> None:
+    """Raise AnalysisError that says which of the terms cannot run in a compensator's loop, and why.
 
     ``past``: those whose torque does not follow from tables along the recording.
     """
@@ -105,5 +96,7 @@ def refusal(terms: Iterable[FittedTerm], past: Iterable[Term] = ()) -> str:
         if reason:
             reasons.append(f"{term.name}: {reason}")
     reasons += [f"{term.name}: along this recording, {PAST}" for term in past]
-    found = "; ".join(reasons)
-    return f"its model cannot run in a compensator's loop: {found}; take it out of the file" if found else ""
+    if reasons:
+        raise AnalysisError(
+            f"its model cannot run in a compensator's loop: {'; '.join(reasons)}; take it out of the file"
+        )

@@ -1,15 +1,19 @@
 """What a replay comes to: energies, torques, when the compensation is right, and how it gets over a friction step."""
 
 import math
+from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.closed_loop import GIVEN_OUT, Recorded
+from friction_audit.compensation.compensators import Compensator, EnergyCompensator
 from friction_audit.compensation.counterfactual import Run
-from friction_audit.compensation.records import ESTIMATED
+from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
 from friction_audit.compensation.result import Numbers, Passivity, Recovery, ReplayHistory, Signals
 from friction_audit.compiled import Record
+from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
 
 RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right
@@ -19,7 +23,7 @@ UPDATES = 2  # from this update of the coefficients on, the compensator is past 
 LEAST_CHANGE = 0.25  # a step of friction changes it by so much of what it was
 SURE = 50.0  # F ratio of two laws over one: logs without a step reach 10 at most, although the split is the best one
 AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is no step
-TOO_ALIKE = 1e-6  # squared sine between the columns below which they are one
+TOO_ALIKE = 1e-9  # ratio of the eigenvalues of the moments below which cycles are of one speed
 
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
@@ -51,23 +55,29 @@ def rms_nm(sums: Record) -> float:
     return math.sqrt(sums["square_nm2s"] / sums["t_s"])
 
 
+def _read(record: Record, kind: type[Any]) -> dict[str, Any]:
+    """Return the fields of a record that a dataclass has too."""
+    names = {one.name for one in fields(kind)}
+    return {name: record[name].item() for name in record.dtype.names if name in names}
+
+
 def measure(recorded: Record, without: Record, run: Run, history: ReplayHistory) -> Numbers:
     """Return what a run comes to, with the sums of the torque as recorded and without a compensator."""
     felt, tally = run.felt, run.tally
     updates = np.flatnonzero(history.status == ESTIMATED)[UPDATES - 1 :]
     updated = int(updates[0]) + 1 if len(updates) else len(history.status)
+    without_j, with_j = float(without["work_j"]), float(felt["work_j"])
     return Numbers(
+        **_read(tally, Numbers),
         energy_recorded_j=float(recorded["work_j"]),
-        energy_without_j=float(without["work_j"]),
-        energy_with_j=float(felt["work_j"]),
-        dissipation_removed=share_removed(float(without["work_j"]), float(felt["work_j"])),
+        energy_without_j=without_j,
+        energy_with_j=with_j,
+        dissipation_removed=share_removed(without_j, with_j),
         dissipation_removed_updated=dissipation_removed(history, updated),
         peak_torque_without_nm=float(without["largest_nm"]),
         peak_torque_with_nm=float(felt["largest_nm"]),
         rms_torque_without_nm=rms_nm(without),
         rms_torque_with_nm=rms_nm(felt),
-        peak_compensation_nm=float(tally["largest_nm"]),
-        peak_rate_nm_s=float(tally["fastest_nm_s"]),
         limited_fraction=float(tally["limited"]) / float(felt["samples"]),
         cycles_to_converge=first_right(history),
         diverged_s=run.diverged_s,
@@ -77,18 +87,8 @@ def measure(recorded: Record, without: Record, run: Run, history: ReplayHistory)
 def measure_passivity(history: ReplayHistory, tally: Record) -> Passivity:
     """Return how passive the compensated joint stayed."""
     given_out = history.net_energy_j < -GIVEN_OUT * np.abs(history.friction_j)
-    return Passivity(
-        violations=int(tally["violations"]),
-        violations_since_activation=int(tally["active_violations"]),
-        active_cycles=int(given_out.sum()),
-        lowest_j=float(tally["lowest_j"]),
-        lowest_since_activation_j=float(tally["lowest_active_j"]),
-        reserve_j=float(tally["reserve_j"]),
-        activation_s=float(tally["activation_s"]),
-        injected_j=float(tally["injected_j"]),
-        active_fraction=float(tally["acting_s"]) / float(tally["t_s"]),
-        hidden=bool(tally["hidden"]),
-    )
+    share = float(tally["acting_s"]) / float(tally["t_s"])
+    return Passivity(**_read(tally, Passivity), active_cycles=int(given_out.sum()), active_fraction=share)
 
 
 def model_error(recorded: Recorded, without: Signals) -> float:
@@ -108,13 +108,11 @@ def find_recovery(history: ReplayHistory) -> Recovery | None:
     if found is None:
         return None
     row, change = found
-    right = first_right(history, row)
-    return Recovery(
-        step_s=float(history.start_s[row]),
-        change=change,
-        cycles=None if right is None else right - row,
-        seconds=float("nan") if right is None else float(history.start_s[right] - history.start_s[row]),
-    )
+    right, start_s = first_right(history, row), history.start_s
+    if right is None:
+        return Recovery(step_s=float(start_s[row]), change=change, cycles=None, seconds=float("nan"))
+    seconds = float(start_s[right] - start_s[row])
+    return Recovery(step_s=float(start_s[row]), change=change, cycles=right - row, seconds=seconds)
 
 
 def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] | None:
@@ -129,16 +127,14 @@ def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] 
     rows = np.stack([np.ones(cycles), square / path, friction / path], axis=1)
     whole = np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)
     splits: NDArray[np.int64] = np.arange(IN_A_ROW, cycles - IN_A_ROW + 1)
-    before, after = whole[splits - 1], whole[-1] - whole[splits - 1]
-    left = _fit(before)[1] + _fit(after)[1]
+    (before, left_before), (after, left_after) = _fit(whole[splits - 1]), _fit(whole[-1] - whole[splits - 1])
+    left = left_before + left_after
     best = int(np.argmin(left))
-    row = int(splits[best])
-    one = float(_fit(whole[-1:])[1][0])
+    row, one = int(splits[best]), float(_fit(whole[-1:])[1][0])
     ratio = (one - left[best]) / 2.0 / max(left[best] / max(cycles - 4, 1), np.finfo(float).eps * one)
-    law, later = _fit(before[best : best + 1])[0][0], _fit(after[best : best + 1])[0][0]
-    columns = rows[:, :2]
-    change = float((columns @ later).sum() / (columns @ law).sum())
-    level = np.divide(rows[:, 2], columns @ law, out=np.ones(cycles), where=columns @ law != 0.0)
+    law, later = rows[:, :2] @ before[best], rows[:, :2] @ after[best]
+    change = float(later.sum() / law.sum())
+    level = np.divide(rows[:, 2], law, out=np.ones(cycles), where=law != 0.0)
     near = float(np.median(level[row : row + IN_A_ROW]) - np.median(level[row - IN_A_ROW : row]))
     step = change - 1.0
     sudden = near * step > 0.0 and abs(near) > AT_ONCE * abs(step)
@@ -150,11 +146,26 @@ def _fit(moments: Float) -> tuple[Float, Float]:
 
     From sums of the products of one, speed and torque, shape (s, 3, 3): coefficients (s, 2) and squares left over (s,).
     """
-    count, speed, square = moments[:, 0, 0], moments[:, 0, 1], moments[:, 1, 1]
-    torque, both, energy = moments[:, 0, 2], moments[:, 1, 2], moments[:, 2, 2]
-    determinant = count * square - speed * speed
-    apart = determinant > TOO_ALIKE * count * square
-    safe = np.where(apart, determinant, 1.0)
-    constant = np.where(apart, (torque * square - both * speed) / safe, torque / count)
-    slope = np.where(apart, (count * both - speed * torque) / safe, 0.0)
-    return np.stack([constant, slope], axis=1), np.maximum(energy - constant * torque - slope * both, 0.0)
+    inverse, torque = np.linalg.pinv(moments[:, :2, :2], rcond=TOO_ALIKE, hermitian=True), moments[:, :2, 2]
+    found = np.einsum("sij,sj->si", inverse, torque)
+    return found, np.maximum(moments[:, 2, 2] - np.einsum("si,si->s", found, torque), 0.0)
+
+
+ADVICE = {GAP: "gaps in the log; record without dropping samples", NOT_MOVED: "hardly any motion; move farther"}
+
+
+def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
+    """Return why there was nothing to apply; empty if there was."""
+    cycles = len(history.status)
+    if not cycles:
+        return friction.reason or (
+            "no energy cycle ended while a controller would have watched; pause between motions, or choose other "
+            "--thresholds"
+        )
+    if not isinstance(compensator, EnergyCompensator) or compensator.forced or (history.status == ESTIMATED).any():
+        return ""
+    some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
+    refused = history.status[history.status >= NOT_MOVED]
+    if len(refused):
+        return f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}"
+    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more motions"

@@ -1,8 +1,9 @@
 """Settings and memory of the compensators as numpy records, which compiled code reads by field name."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from math import inf, nan
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +14,13 @@ from friction_audit.compensation.compensators import (
     Compensator,
     EnergyCompensator,
     FixedCompensation,
-    guard_of,
     kind_of,
 )
 from friction_audit.compensation.compensators.energy import LONGEST_WINDOW, MODELS
-from friction_audit.compensation.compensators.law import numbers_of
+from friction_audit.compensation.compensators.law import Law
 from friction_audit.errors import UsageError
 
+NOT_FORCED = Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))  # values of ``model``
 
 # Values of ``status``: what came of the last cycle. From NOT_MOVED on, it gave no estimate of its own.
@@ -27,14 +28,20 @@ NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP = range(5)
 
 NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
 
+
+def _numbers_of(settings: type[Any]) -> list[tuple[str, str]]:
+    """Return the plain numbers of a settings dataclass as fields of a record."""
+    return [(item.name, "f8") for item in fields(settings) if item.type is float]
+
+
 # Settings of every compensator, those of the energy method among them, and one group for each kind that has more.
 SETTINGS = np.dtype(
     [
         *((name, "i8") for name in ("kind", "model", "window", "forced_from_cycle", "forced_until_acted", "passivity")),
         *((name, "f8") for name in ("period_s", "coulomb_nm", "viscous_nms_per_rad", "rest_rad_s", "corner_rad_s")),
         *((name, "f8") for name in ("forced_coulomb_nm", "forced_viscous_nms_per_rad")),
-        *((name, "f8") for name in numbers_of(EnergyCompensator)),
-        *((kind.name, kind.group) for kind in COMPENSATORS if kind.group is not None),
+        *_numbers_of(EnergyCompensator),
+        *((kind.name, _numbers_of(kind.settings)) for kind in COMPENSATORS if issubclass(kind.settings, Law)),
     ]
 )
 
@@ -90,32 +97,30 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
     for record, compensator in zip(records, compensators, strict=True):
         # Estimation and ledger run with a compensator of any kind.
         energy = compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
-        kind = kind_of(compensator)
-        values = _of_energy(energy) | {"kind": kind.code, "period_s": 1.0 / rate}
+        kind, crossing, forced = kind_of(compensator), energy.zero_crossings, energy.forced or NOT_FORCED
+        values = {name: getattr(energy, name) for name in SETTINGS.names or () if hasattr(energy, name)}
+        values |= {
+            "kind": COMPENSATORS.index(kind),
+            "period_s": 1.0 / rate,
+            "model": MODELS.index(energy.model),
+            "window": energy.cycles_per_estimate,
+            "forced_coulomb_nm": forced.coulomb_nm,
+            "forced_viscous_nms_per_rad": forced.viscous_nms_per_rad,
+            "initiation_rad_s": 0.0 if crossing else energy.initiation_rad_s,
+            "termination_rad_s": inf if crossing else energy.termination_rad_s,
+            "rest_rad_s": 0.0 if crossing else energy.dead_band_rad_s,
+            "corner_rad_s": inf if crossing else 2.0 * np.pi * energy.cutoff_hz,
+        }
         if isinstance(compensator, FixedCompensation):
             values |= asdict(compensator)
-        if kind.group is not None:
-            record[kind.name] = tuple(getattr(compensator, name) for name in kind.group.names or ())
-            values |= asdict(guard_of(compensator))
+        if isinstance(compensator, Law):
+            group = record[kind.name]
+            for name in group.dtype.names:
+                group[name] = getattr(compensator, name)
+            values |= asdict(compensator.guard)
         for name, value in values.items():
             record[name] = value
     return records
-
-
-def _of_energy(compensator: EnergyCompensator) -> dict[str, float]:
-    crossing = compensator.zero_crossings
-    forced = compensator.forced or Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)
-    same = {name: getattr(compensator, name) for name in SETTINGS.names or () if hasattr(compensator, name)}
-    return same | {
-        "model": MODELS.index(compensator.model),
-        "window": compensator.cycles_per_estimate,
-        "forced_coulomb_nm": forced.coulomb_nm,
-        "forced_viscous_nms_per_rad": forced.viscous_nms_per_rad,
-        "initiation_rad_s": 0.0 if crossing else compensator.initiation_rad_s,
-        "termination_rad_s": inf if crossing else compensator.termination_rad_s,
-        "rest_rad_s": 0.0 if crossing else compensator.dead_band_rad_s,
-        "corner_rad_s": inf if crossing else 2.0 * np.pi * compensator.cutoff_hz,
-    }
 
 
 def fresh_memory(joints: int) -> NDArray[np.void]:

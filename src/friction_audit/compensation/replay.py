@@ -1,6 +1,6 @@
 """Interaction, EnergyCycles, FrictionHistory -> Replay."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from math import isnan
 from typing import Any
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.cautions import cautions_of, log_cautions, seems_compensated, square_in_cycles
+from friction_audit.compensation import measures
 from friction_audit.compensation.closed_loop import CYCLE, SUMS, add_torque
 from friction_audit.compensation.compensators import (
     Coefficients,
@@ -21,30 +21,27 @@ from friction_audit.compensation.compensators import (
     guard_of,
 )
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.controller import FIND, step
+from friction_audit.compensation.controller import FIND
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
-from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
+from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.measures import find_recovery, measure, measure_passivity, model_error
-from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory, pack
-from friction_audit.compensation.result import JointReplay, Replay, ReplayHistory, Signals, missing_estimate
-from friction_audit.compensation.settings import (
-    FEED_BACK,
-    MODEL,
-    PANDAS,
-    Competitor,
-    Limits,
-    ReplaySettings,
-    limits_of,
-)
+from friction_audit.compensation.result import JointReplay, Replay, ReplayHistory, Signals
+from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
+from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, Recording, read_only
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction import Caution, Interaction
 
 LONGEST_STEP = 3.5  # a step of the clock of this many median steps is a gap, at any rate
+FAR_BELOW = 0.25  # share of the published friction of its kind that no healthy joint falls below
+# Mean friction torque over the rms torque below which no joint with a gear is; one moved fast by hand has 0.3.
+NEXT_TO_NOTHING = 0.03
+GONE = 0.1  # friction in the later half of a log over that of its beginning: joints that warm up keep half of it
+UNCOMPENSATED = 2  # cycles before the compensator of the paper has an estimate
+FEWEST_CYCLES = 4
 
 
 def replay(
@@ -87,20 +84,23 @@ def replay(
 
         per_joint(advance, len(runs))
     replays = tuple(run.result() for run in runs)
-    suspicions = [
-        one
-        for run in runs
-        for one in seems_compensated(interaction, cycles, run.friction, log.source.robot, run.square)
-    ]
-    found = [one for joint in replays for one in cautions_of(joint)]
-    assumed = settings.counterfactual
-    if interaction.choice.drive != "hand":
+    by_hand, assumed = interaction.choice.drive == "hand", settings.counterfactual
+    if not by_hand:
         assumed = replace(assumed, assumes=assumed.assumes.replace("the person", "the arm's drive"))
-    return Replay(
-        counterfactual=assumed,
-        joints=replays,
-        warnings=(*log_cautions(interaction), *suspicions, *found),
-    )
+    warnings = [] if by_hand else [Caution(code="arm_moves_itself")]
+    if interaction.choice.gravity_in_torque:
+        warnings.append(Caution(code="gravity_in_replay"))
+    for run in runs:
+        found = seems_compensated(interaction, cycles, run.friction, log.source.robot, run.square)
+        if found:
+            numbers = {"name": run.friction.name, "names": "", **found}
+            warnings.append(Caution(code="seems_compensated", joint=run.friction.joint, numbers=numbers))
+    warnings += [
+        Caution(code=code, joint=joint.joint, numbers={"name": joint.name, **numbers})
+        for joint in replays
+        for code, numbers in _cautions(joint)
+    ]
+    return Replay(counterfactual=assumed, joints=replays, warnings=tuple(warnings))
 
 
 class _JointRun:
@@ -115,7 +115,8 @@ class _JointRun:
         settings: ReplaySettings,
     ) -> None:
         step_s, robot = 1.0 / log.rate_hz, log.source.robot
-        self.friction, self.square, self._kept = friction, 0.0, len(interaction.t) > 0
+        self.friction, self._kept = friction, len(interaction.t) > 0
+        self.square = 0.0  # sum of the squared torque over the samples of all cycles
         self._cycles, self._settings, self._column = cycles, settings, interaction.joint_numbers.index(friction.joint)
         recorded = recording_of(interaction, self._column)
         limits = settings.limits(limits_of(robot, friction.joint))
@@ -130,9 +131,10 @@ class _JointRun:
             model=model,
             without=Signals(recorded.t, recorded.dq, recorded.total, nothing, nothing, nothing),
         )
-        wanted = tune(settings.competitor, friction, robot, model) if settings.competitor else settings.compensator
-        if isinstance(wanted, str):
-            self._joint = replace(self._joint, reason=wanted)
+        try:
+            wanted = tune(settings.competitor, friction, robot, model) if settings.competitor else settings.compensator
+        except AnalysisError as reason:
+            self._joint = replace(self._joint, reason=str(reason))
             return
         chosen = _in_force(wanted, cycles, self._column, limits, step_s)
         self._joint = replace(self._joint, compensator=chosen)
@@ -143,26 +145,34 @@ class _JointRun:
 
     def take(self, part: Interaction, cuts: NDArray[np.int64]) -> None:
         """Take the samples that follow."""
-        self.square += square_in_cycles(part, self._cycles, self._column)
+        own, torque = self._cycles.joint == self._column, part.torque[:, self._column]
+        borders = np.clip(
+            np.stack([self._cycles.start[own], self._cycles.stop[own]], axis=1) - part.first, 0, len(torque)
+        )
+        for start, stop in borders[borders[:, 0] < borders[:, 1]].tolist():
+            self.square += float(torque[start:stop] @ torque[start:stop])
         if self._joint.reason:
             return
         modelled = isinstance(self._joint.compensator, JointModelCompensation)
-        scene = make_scene(part, self._cycles, self.friction, self._settings, cuts, modelled=modelled)
-        if isinstance(scene, str):
-            self._joint = replace(self._joint, reason=scene)
+        try:
+            scene = make_scene(part, self._cycles, self.friction, self._settings, cuts, modelled=modelled)
+            found = self._run.take(scene)
+        except AnalysisError as reason:
+            self._joint = replace(self._joint, reason=str(reason))
             return
-        recorded, found = scene.recorded, self._run.take(scene)
+        recorded = scene.recorded
         add_torque(self._recorded, recorded.t, recorded.dq, recorded.torque)
-        add_torque(self._total, recorded.t, recorded.dq, recorded.total)
+        if len(recorded.logged):
+            add_torque(self._total, recorded.t, recorded.dq, recorded.total)
         self._changes = {"replayed": found if self._kept else self._joint.without}
-        if scene.joint is not None:
+        if scene.loop is not None:
             without = self._idle.take(scene)
             self._changes |= {
                 "without": without,
-                "fitted": scene.joint.fitted,
+                "fitted": scene.fitted,
                 "operator": scene.operator,
                 "simulated": True,
-                "model_error": model_error(recorded, without),
+                "model_error": measures.model_error(recorded, without),
             }
 
     def result(self) -> JointReplay:
@@ -173,36 +183,39 @@ class _JointRun:
         run, rows = self._run, self._run.rows
         columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
         history = ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
-        reason = missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
+        reason = measures.missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
         if run.felt["samples"] <= 1:
             reason = "the compensated loop diverges within a sample; lower its gain"
         if reason:
             return replace(joint, reason=reason)
-        without = self._idle.felt if "without" in self._changes else self._total
+        total = self._total if self._total["samples"] else self._recorded
+        without = self._idle.felt if "without" in self._changes else total
         return replace(
             joint,
             **self._changes,
             history=history,
             last=run.last,
-            numbers=measure(self._recorded, without, run, history),
-            passivity=measure_passivity(history, run.tally),
-            recovery=find_recovery(history),
+            numbers=measures.measure(self._recorded, without, run, history),
+            passivity=measures.measure_passivity(history, run.tally),
+            recovery=measures.find_recovery(history),
         )
 
 
-def tune(  # noqa: PLR0911 - one per compensator
-    competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None
-) -> Compensator | str:
-    """Return a compensator for one joint, or why it cannot be tuned."""
+def tune(competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None) -> Compensator:
+    """Return a compensator for one joint.
+
+    Raises:
+        AnalysisError: If it cannot be tuned.
+    """
     if competitor.name == MODEL:
         return _modelled(model)
-    if competitor.name == "sigmoid" and robot in PANDAS and 1 <= friction.joint <= len(PUBLISHED):
-        return PUBLISHED[friction.joint - 1]
     if competitor.name in FEED_BACK:
         return _feed_back(competitor, friction)
+    if competitor.name == "sigmoid" and robot in PANDAS and friction.joint <= len(PUBLISHED):
+        return PUBLISHED[friction.joint - 1]
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
-        return friction.reason or "the log's friction is negative, and nothing can be tuned to it"
+        raise AnalysisError(friction.reason or "the log's friction is negative, and nothing can be tuned to it")
     if competitor.name == "sigmoid":
         return fit_sigmoid(coulomb, viscous)
     if competitor.name == "lugre":
@@ -211,21 +224,22 @@ def tune(  # noqa: PLR0911 - one per compensator
     return EnergyCompensator(forced=forced, forced_from_cycle=1, forced_until_acted=False, passivity=False)
 
 
-def _modelled(model: JointModel | None) -> Compensator | str:
+def _modelled(model: JointModel | None) -> Compensator:
     if model is None:
-        return NO_MODEL
-    terms = friction_terms(model)
+        raise AnalysisError(NO_MODEL)
+    terms = tuple(term for term in model.terms if term.effect.friction or term.name in OF_FRICTION)
     if not terms:
-        return "its model has no term of friction, and a compensator nothing to apply"
-    return refusal(terms) or JointModelCompensation(terms=terms)
+        raise AnalysisError("its model has no term of friction, and a compensator nothing to apply")
+    refuse(terms)
+    return JointModelCompensation(terms=terms)
 
 
-def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator | str:
+def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator:
     found, inertia = friction.regression, competitor.motor_inertia_kg_m2
     if inertia is None and found is not None and found.inertia.low > 0.0:
         inertia = found.inertia.value
     if inertia is None:
-        return friction.reason or "its inertia is not determined by the log; give --motor-inertia"
+        raise AnalysisError(friction.reason or "its inertia is not determined by the log; give --motor-inertia")
     if competitor.name == "disturbance_observer":
         return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s)
     desired = competitor.desired_inertia_kg_m2
@@ -251,24 +265,58 @@ def _in_force(
     return replace(changed, guard=replace(guard, **kept)) if hasattr(compensator, "guard") else compensator
 
 
-def run(
-    compensator: Compensator | None,
-    t: Float,
-    dq: Float,
-    interaction_nm: Float,
-    *,
-    cuts: NDArray[np.bool_] | None = None,
-) -> np.ndarray[tuple[int], np.dtype[np.void]]:
-    """Run the compensator of one joint in open loop, on n samples, two at least.
+def _cautions(joint: JointReplay) -> Iterator[tuple[str, dict[str, object]]]:
+    """Yield codes and numbers of the cautions about the replay of one joint."""
+    numbers, passivity = joint.numbers, joint.passivity
+    if numbers is None or passivity is None:
+        yield "not_replayed", {"reason": joint.reason}
+        return
+    if not isnan(numbers.diverged_s):
+        yield "diverged", {"at_s": numbers.diverged_s}
+    if passivity.hidden:
+        lowest = passivity.lowest_since_activation_j
+        yield "over_compensation_hidden", {"reserve": passivity.reserve_j, "hidden": -lowest}
+    if numbers.limited_fraction > 0:
+        limits, percent = joint.limits, 100 * numbers.limited_fraction
+        yield "torque_limited", {"torque": limits.torque_nm, "rate": limits.rate_nm_s, "percent": percent}
 
-    ``cuts`` is True where a cycle ends, or None to find the cycles from the velocity. Returns records of
-    ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
+
+def seems_compensated(
+    interaction: Interaction, cycles: EnergyCycles, friction: JointFriction, robot: str, square: float
+) -> dict[str, object]:
+    """Return the sign that a compensator had been active where no column has its torque; empty without one.
+
+    ``square`` is the sum of the squared torque over the samples of all cycles.
     """
-    rate = (len(t) - 1) / (t[-1] - t[0])
-    settings, memory = pack([compensator], float(rate))[0], fresh_memory(1)
-    cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
-    seen, words = np.empty((len(t), FIELDS), np.int64), memory.view(np.int64)
-    for i, dt in enumerate(np.diff(t, prepend=t[0])):
-        step(settings, memory[0], dq[i], interaction_nm[i], dt, cut[i])
-        seen[i] = words[:FIELDS]
-    return seen.view(TRACE)[:, 0]
+    if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
+        return {}
+    coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
+    negative = [name for name, found in coefficients.items() if found.high < 0]
+    if negative:
+        return {"sign": "negative", "names": " and ".join(negative)}
+    if interaction.choice.sign_turned and interaction.choice.source == "interaction":
+        return {"sign": "sign"}
+    if found := _vanishing(interaction, cycles, friction.joint, square):
+        return found
+    if robot in PANDAS and friction.joint <= len(PUBLISHED):
+        usual = min(PUBLISHED[friction.joint - 1].plateaus_nm)
+        if friction.coulomb.high < FAR_BELOW * usual:
+            return {"sign": "far_below", "coulomb": friction.coulomb.value, "usual": usual}
+    return {}
+
+
+def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int, square: float) -> dict[str, object]:
+    """Return that friction is gone, from the start or after the first cycles; nothing where it is not."""
+    own = cycles.joint == interaction.joint_numbers.index(joint)
+    work, path, samples = cycles.work_j[own], cycles.sums.path_rad[own], (cycles.stop - cycles.start)[own]
+    if len(work) < FEWEST_CYCLES or interaction.choice.gravity_in_torque:
+        return {}
+    little = NEXT_TO_NOTHING * np.sqrt(square / samples.sum())
+    half = len(work) // 2
+    before = float(work[:UNCOMPENSATED].sum() / path[:UNCOMPENSATED].sum())
+    after = float(work[half:].sum() / path[half:].sum())
+    if before > little and after < -GONE * before:
+        return {"sign": "gives_out", "after": after}
+    if before > little and after < GONE * before:
+        return {"sign": "vanishes", "before": before, "after": after}
+    return {"sign": "nothing"} if abs(work.sum()) < little * path.sum() else {}

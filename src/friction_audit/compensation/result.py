@@ -5,12 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
+from friction_audit.compensation.compensators import Coefficients, Compensator
 from friction_audit.compensation.operator_fit import FittedOperator
-from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
 from friction_audit.compensation.settings import Counterfactual, Limits
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.friction.history import JointFriction, TorqueRegression
+from friction_audit.friction.history import TorqueRegression
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
@@ -145,28 +144,3 @@ class Replay:
     counterfactual: Counterfactual
     joints: tuple[JointReplay, ...]
     warnings: tuple[Caution, ...] = field(default=())
-
-
-ADVICE = {
-    GAP: "gaps in the log; record without dropping samples",
-    NOT_MOVED: "hardly any motion; move farther",
-}
-
-
-def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
-    """Say why there was nothing to apply; empty if there was."""
-    cycles = len(history.status)
-    if not cycles:
-        return friction.reason or (
-            "no energy cycle ended while a controller would have watched; pause between motions, or choose other "
-            "--thresholds"
-        )
-    if not isinstance(compensator, EnergyCompensator) or compensator.forced is not None:
-        return ""
-    if (history.status == ESTIMATED).any():
-        return ""
-    some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
-    refused = history.status[history.status >= NOT_MOVED]
-    if len(refused):
-        return f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}"
-    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more motions"

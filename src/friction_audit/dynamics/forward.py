@@ -14,8 +14,8 @@ recording, and the other side follows it.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from math import sqrt
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,10 +60,6 @@ class _Recording:
         return inside
 
 
-# Tables -> position and velocity of the side of friction, velocity of the measured side, shape (3, n).
-_Move = Callable[[Tables], tuple[Float, Float, Float]]
-
-
 def simulate_along(
     model: Model, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
 ) -> Float | None:
@@ -95,14 +91,23 @@ def simulate_along(
         near = (1.0 - transmission.far_share) * model.inertia_kg_m2
         link = link_of(transmission, near, tables.inertia_kg_m2 - near)
     if link is not None and can_follow(link, tables, recording.step_s):
-        move = _both_sides(recording, link)
+        move = partial(_both_sides, recording, link)
     else:
-        move = _one_side(recording, _ahead(recording, link, tables))
+        move = partial(_one_side, recording, _ahead(recording, link, tables))
     return _settle(model, tables, past, recording, move)
 
 
-def _settle(model: Model, tables: Tables, past: Sequence[Term], recording: _Recording, move: _Move) -> Float | None:
-    """Sweep until motion and torque of terms with a past fit each other; return the velocity of the measured side."""
+def _settle(
+    model: Model,
+    tables: Tables,
+    past: Sequence[Term],
+    recording: _Recording,
+    move: Callable[[Tables], tuple[Float, Float, Float]],
+) -> Float | None:
+    """Sweep until motion and torque of terms with a past fit each other; return the velocity of the measured side.
+
+    ``move`` returns position and velocity of the side of friction, and velocity of the measured side.
+    """
     recorded, inside = recording.motion, recording.inside
     motion, last = recorded, recorded.dq
     for _ in range(SWEEPS):
@@ -117,39 +122,29 @@ def _settle(model: Model, tables: Tables, past: Sequence[Term], recording: _Reco
         ddq = recorded.ddq.copy()
         for first, stop in recording.pieces:
             ddq[first : stop + 1] = np.gradient(dq[first : stop + 1], recording.step_s)
-        found: dict[str, Any] = {
-            "q": np.where(inside, q, recorded.q),
-            "dq": np.where(inside, dq, recorded.dq),
-            "ddq": ddq,
-        }
-        motion, last = replace(recorded, **found), dq
+        own_q, own_dq = np.where(inside, q, recorded.q), np.where(inside, dq, recorded.dq)
+        motion, last = replace(recorded, q=own_q, dq=own_dq, ddq=ddq), dq
     return None
 
 
-def _both_sides(recording: _Recording, link: Link) -> _Move:
+def _both_sides(recording: _Recording, link: Link, tables: Tables) -> tuple[Float, Float, Float]:
     """Move the measured side, which has inertia, and that of friction."""
-
-    def move(tables: Tables) -> tuple[Float, Float, Float]:
-        near = (recording.motion.q, recording.motion.dq)
-        far = tables._replace(inertia_kg_m2=tables.inertia_kg_m2 - link.near_kg_m2)
-        rows = move_two_sides(recording.drive, recording.load, near, recording.step_s, recording.pieces, link, far)
-        return rows[2], rows[3], rows[1]
-
-    return move
+    near = (recording.motion.q, recording.motion.dq)
+    far = tables._replace(inertia_kg_m2=tables.inertia_kg_m2 - link.near_kg_m2)
+    _, speed, theta, omega = move_two_sides(
+        recording.drive, recording.load, near, recording.step_s, recording.pieces, link, far
+    )
+    return theta, omega, speed
 
 
-def _one_side(recording: _Recording, ahead: Float) -> _Move:
+def _one_side(recording: _Recording, ahead: Float, tables: Tables) -> tuple[Float, Float, Float]:
     """Move the side of friction; the measured one is ahead by a given angle, shape (n,)."""
     motion, step_s = recording.motion, recording.step_s
     rate = np.gradient(ahead, step_s)
     q, dq = motion.q - ahead, motion.dq - rate
-
-    def move(tables: Tables) -> tuple[Float, Float, Float]:
-        bent, steps = tables.bristles.states_along(q), steps_per_sample(step_s, tables)
-        found = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
-        return found[0], found[1], found[1] + rate
-
-    return move
+    bent, steps = tables.bristles.states_along(q), steps_per_sample(step_s, tables)
+    place, speed = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
+    return place, speed, speed + rate
 
 
 def _by_direction(torque: Float, way: Float, t: Float) -> Float:
@@ -194,7 +189,7 @@ def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
     if link is None:
         return np.zeros(len(drive))
     if link.half_rad > 0.0:
-        theta = follow(motion.q, motion.dq, recording.load, step_s, link, far)[:, 0]
+        theta = follow(motion.q, motion.dq, recording.load, step_s, link, far)[:, 2]
         return np.clip(motion.q - theta, -link.half_rad, link.half_rad)
     from scipy.ndimage import gaussian_filter1d
 

@@ -15,7 +15,7 @@ import numpy as np
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.bristles import NO_BRISTLES, Bristles, bend, bristles_of, slope, stretch
 from friction_audit.dynamics.motion import Motion, Term
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 
 CRAWL_RAD_S = 1e-9  # stands for the limit at zero speed
 HEADROOM = 1.5  # speeds are tabulated up to this multiple of the largest one of the recording
@@ -48,6 +48,9 @@ class Tables(NamedTuple):
     bristles: Bristles
 
 
+ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per_speed")
+
+
 def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
     """Tabulate the terms of a joint that act by a torque, instantly or by bristles, along an even recording.
 
@@ -62,7 +65,9 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
         if share is None or (share.bristles.some and tables.bristles.some):
             past.append(term)
         else:
-            tables = _add(tables, share)
+            added: dict[str, Any] = {name: getattr(tables, name) + getattr(share, name) for name in ADDED}
+            one = share if share.bristles.some else tables
+            tables = tables._replace(**added, bristles=one.bristles)
     return tables, tuple(past)
 
 
@@ -83,17 +88,6 @@ def _empty(motion: Motion) -> Tables:
     return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, bristles=NO_BRISTLES)
 
 
-ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per_speed")
-APPENDED = ("path", "torque", "stiffness", "reach")
-
-
-def _add(one: Tables, other: Tables) -> Tables:
-    added: dict[str, Any] = {name: getattr(one, name) + getattr(other, name) for name in ADDED}
-    own, more = one.bristles, other.bristles
-    joined: dict[str, Any] = {name: np.append(getattr(own, name), getattr(more, name)) for name in APPENDED}
-    return one._replace(**added, bristles=Bristles(**joined, damping_s=own.damping_s + more.damping_s))
-
-
 def _holds(share: Tables, term: Term, motion: Motion) -> bool:
     """Whether the tables of a term give its torque along the recording, where the direction is certain."""
     sure = certain(motion) != 0.0
@@ -105,28 +99,10 @@ def _holds(share: Tables, term: Term, motion: Motion) -> bool:
 
 def read_along(tables: Tables, motion: Motion) -> Float:
     """Read tables along the recording that they were made from: the torque it takes, shape (n,). [N m]"""
-    speed = np.abs(motion.dq)
-    at_speed, at_place = speed / tables.speed_step, (motion.q - tables.place_start) / tables.place_step
     held = tables.bristles.along(motion.q)
     held = held + tables.bristles.damping_s * np.gradient(held, motion.t)
-    ways = [
-        _read(tables.speed[way], at_speed)
-        + _read(tables.place[way], at_place)
-        + _read(tables.place_per_speed[way], at_place) * speed
-        + tables.time[way]
-        + tables.time_per_speed[way] * speed
-        for way in (0, 1)
-    ]
-    return np.asarray(tables.inertia_kg_m2 * motion.ddq + np.where(motion.dq < 0.0, ways[1], ways[0]) + held)
-
-
-def _read(table: Float, at: Float) -> Float:
-    if len(table) == 1:  # as most are
-        return table
-    first = np.clip(at.astype(np.int64), 0, len(table) - 2)
-    low, high = table[first], table[first + 1]
-    with np.errstate(all="ignore"):  # entries of a form that does not fit may be nonsense
-        return np.asarray(low + np.clip(at - first, 0.0, 1.0) * (high - low))
+    instant = taken_along(read_only(motion.q), read_only(motion.dq), tables)
+    return np.asarray(tables.inertia_kg_m2 * motion.ddq + instant + held)
 
 
 def rms(signal: Float) -> float:
@@ -191,6 +167,15 @@ def taken(sign: float, q: float, speed: float, moment: float, tables: Tables) ->
     per_speed = read(tables.place_per_speed[way], place) + read(tables.time_per_speed[way], moment)
     torque = read(tables.speed[way], speed / tables.speed_step) + read(tables.place[way], place)
     return torque + read(tables.time[way], moment) + per_speed * speed
+
+
+@compiled()
+def taken_along(q: Float, dq: Float, tables: Tables) -> Float:
+    """Return what a joint takes without its bristles at every sample of the recording, shape (n,)."""
+    out = np.empty(len(q))
+    for i in range(len(q)):
+        out[i] = taken(-1.0 if dq[i] < 0.0 else 1.0, q[i], abs(dq[i]), float(i), tables)
+    return out
 
 
 @compiled()

@@ -11,7 +11,7 @@ M. W. Spong, Modeling and control of elastic joint robots, J. Dyn. Syst. Meas. C
 M. Nordin, P.-O. Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002) 1633.
 """
 
-from math import ceil, sqrt
+from math import ceil, inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -37,15 +37,15 @@ class Link(NamedTuple):
 
 def link_of(transmission: Transmission, near_kg_m2: float, far_kg_m2: float) -> Link:
     """Return what a transmission is between two inertias; its damping ratio is that of the far one."""
-    stiffness, (bend_nm, curve_per_nm) = transmission.stiffness_nm_per_rad, bend_of(transmission.soft_nm)
+    stiffness = transmission.stiffness_nm_per_rad
     damping = 2.0 * transmission.damping_ratio * sqrt(stiffness * far_kg_m2)
-    return Link(near_kg_m2, stiffness, damping, 0.5 * transmission.gap_rad, bend_nm, curve_per_nm)
+    return Link(near_kg_m2, stiffness, damping, 0.5 * transmission.gap_rad, *bend_of(transmission.soft_nm))
 
 
 def can_follow(link: Link, whole: Tables, step_s: float) -> bool:
     """Whether the near side has inertia enough for its ringing to be followed; ``whole`` has that of both sides."""
     far_kg_m2 = whole.inertia_kg_m2 - link.near_kg_m2
-    return link.near_kg_m2 > 0.0 and far_kg_m2 > 0.0 and _ringing_steps(link, far_kg_m2, step_s) <= MOST_STEPS
+    return min(link.near_kg_m2, far_kg_m2) > 0.0 and _ringing_steps(link, far_kg_m2, step_s) <= MOST_STEPS
 
 
 def _ringing_steps(link: Link, far_kg_m2: float, step_s: float) -> int:
@@ -53,16 +53,20 @@ def _ringing_steps(link: Link, far_kg_m2: float, step_s: float) -> int:
     return ceil(step_s * ringing / SHARE_OF_SWING)
 
 
-def follow(q: Float, dq: Float, load: Float, step_s: float, link: Link, far: Tables) -> Float:
-    """Return position, velocity and bristles of a far side whose near side moves as recorded, shape (n, 3 + m).
+def _between(link: Link, far: Tables, step_s: float) -> Float:
+    steps = max(_ringing_steps(link, far.inertia_kg_m2, step_s), steps_per_sample(step_s, far))
+    return between_samples(step_s, min(steps, MOST_STEPS))
 
-    Of the near side: position [rad] and velocity [rad/s]; load on the gear [N m]; what the far side takes, with its
-    inertia.
-    """
-    ringing = ceil(step_s * sqrt(link.stiffness_nm_per_rad / far.inertia_kg_m2) / SHARE_OF_SWING)
-    between = between_samples(step_s, min(max(ringing, steps_per_sample(step_s, far)), MOST_STEPS))
-    q, dq, load = (np.ascontiguousarray(one) for one in (q, dq, load))
-    return np.asarray(_follow(q, dq, load, step_s, between, link, far))
+
+def follow(q: Float, dq: Float, load: Float, step_s: float, link: Link, far: Tables) -> Float:
+    """Return both sides where the near one moves as recorded, as of endless inertia: columns as of ``_move``."""
+    link = link._replace(near_kg_m2=inf)
+    out = np.zeros((len(q), 5 + len(far.bristles.reach)))
+    out[:, 0], out[:, 1] = q, dq
+    out[0, 2] = q[0] - twisted(load[0], link.stiffness_nm_per_rad, link.half_rad, link.bend_nm)
+    out[0, 3] = dq[0]
+    _move(np.stack([load, load]), step_s, _between(link, far, step_s), (0, len(q) - 1), link, far, out)
+    return out
 
 
 def move_two_sides(
@@ -83,14 +87,12 @@ def move_two_sides(
         Position and velocity of the near side, then of the far one, shape (4, n); outside of the pieces as recorded and
         as the far side follows that.
     """
-    ringing = _ringing_steps(link, far.inertia_kg_m2, step_s)
-    steps = min(max(ringing, steps_per_sample(step_s, far)), MOST_STEPS)
-    states = follow(*near, load, step_s, link, far)
-    out = np.stack([*near, states[:, 0], states[:, 1]])
-    for first, last in pieces:
-        piece = (int(first), int(last))
-        _release(np.stack([drive, load]), step_s, steps, piece, states[first], link, far, out)
-    return out
+    recorded = follow(*near, load, step_s, link, far)
+    out, torques, between = recorded.copy(), np.stack([drive, load]), _between(link, far, step_s)
+    for first, last in pieces.tolist():
+        out[first] = recorded[first]
+        _move(torques, step_s, between, (first, last), link, far, out)
+    return out[:, :4].T
 
 
 @compiled(inline=True)
@@ -104,48 +106,34 @@ def _transmit(twist: float, closing: float, loss: float, link: Link) -> float:
 
 
 @compiled()
-def _follow(q: Float, dq: Float, load: Float, step_s: float, between: Float, link: Link, far: Tables) -> Float:
-    """Position, velocity and bristles of a far side whose near side moves as recorded, shape (n, 3 + m)."""
-    steps = len(between)
-    h = step_s / steps
-    bent = np.zeros(1 + len(far.bristles.reach))
-    out = np.zeros((len(q), 2 + len(bent)))
-    theta, omega = q[0] - twisted(load[0], link.stiffness_nm_per_rad, link.half_rad, link.bend_nm), dq[0]
-    sign = np.sign(omega)
-    loss = 0.5 * h * link.damping_nms_per_rad / far.inertia_kg_m2
-    for i in range(len(q)):
-        out[i, 0], out[i, 1] = theta, omega
-        for k in range(len(bent)):  # one by one: for a slice, numba compiles a message for seconds
-            out[i, 2 + k] = bent[k]
-        if i + 1 == len(q):
-            break
-        for k in range(steps):
-            at = (k + 0.5) / steps
-            place, speed = amid(between[k], q[i], q[i + 1] - q[i], dq[i], dq[i + 1])
-            pull = _transmit(place - theta - 0.5 * h * omega, speed - omega, loss, link)
-            pull -= load[i] + at * (load[i + 1] - load[i])
-            step = Step(h, pull, pull, i + k / steps, i + (k + 1.0) / steps)
-            theta, omega, sign = advance(theta, omega, sign, step, bent, far)
-    return out
-
-
-@compiled()
-def _release(
-    torques: Float, step_s: float, steps: int, piece: tuple[int, int], state: Float, link: Link, far: Tables, out: Float
+def _move(
+    torques: Float, step_s: float, between: Float, piece: tuple[int, int], link: Link, far: Tables, out: Float
 ) -> None:
-    """Let both sides go from the first sample of a piece to its last; changes ``out`` after the first."""
+    """Move from the first sample of a piece to its last under drive and load, shape (2, n); changes ``out`` after it.
+
+    Its columns: position and velocity of the near side, of the far side, bristles. A near side of endless inertia stays
+    as it is there.
+    """
+    steps, first = len(between), piece[0]
     h = step_s / steps
     drive, load = torques
-    q, v, theta, omega, bent = out[0, piece[0]], out[1, piece[0]], state[0], state[1], state[2:].copy()
-    sign = np.sign(omega)
+    q, v, theta, omega = out[first, 0], out[first, 1], out[first, 2], out[first, 3]
+    bent, sign = out[first, 4:].copy(), np.sign(omega)
     loss = 0.5 * h * link.damping_nms_per_rad * (1.0 / far.inertia_kg_m2 + 1.0 / link.near_kg_m2)
-    for i in range(piece[0], piece[1]):
+    for i in range(first, piece[1]):
         for k in range(steps):
             at = (k + 0.5) / steps
             borne = load[i] + at * (load[i + 1] - load[i])
-            pull = _transmit(q - theta + 0.5 * h * (v - omega), v - omega, loss, link)
-            after = v + h / link.near_kg_m2 * (drive[i] + at * (drive[i + 1] - drive[i]) + borne - pull)
+            place, speed = q + 0.5 * h * v, v
+            if link.near_kg_m2 == inf:
+                place, speed = amid(between[k], out[i, 0], out[i + 1, 0] - out[i, 0], out[i, 1], out[i + 1, 1])
+            pull = _transmit(place - theta - 0.5 * h * omega, speed - omega, loss, link)
             step = Step(h, pull - borne, pull - borne, i + k / steps, i + (k + 1.0) / steps)
             theta, omega, sign = advance(theta, omega, sign, step, bent, far)
+            after = v + h / link.near_kg_m2 * (drive[i] + at * (drive[i + 1] - drive[i]) + borne - pull)
             q, v = q + 0.5 * h * (v + after), after
-        out[0, i + 1], out[1, i + 1], out[2, i + 1], out[3, i + 1] = q, v, theta, omega
+        if link.near_kg_m2 < inf:
+            out[i + 1, 0], out[i + 1, 1] = q, v
+        out[i + 1, 2], out[i + 1, 3] = theta, omega
+        for k in range(len(bent)):  # one by one: for a slice, numba compiles a message for seconds
+            out[i + 1, 4 + k] = bent[k]

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,6 +30,7 @@ from friction_audit.simulation.motion import Prescribed
 
 DURATION_S = 120.0
 END_S = 0.5  # rest after the last stroke
+AROUND_S = Prescribed(strokes=()).start_s + END_S  # rests before and after the motion
 SEED = 7  # of the noise of the check
 SIZE = 0.1  # of the friction torque: an effect of this size counts, where no log has one
 FEWEST_RUNS = 3  # with fewer there are too few cycles for a diagnosis
@@ -155,18 +156,14 @@ def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool
     """Return how often each candidate is run, and whether all of it at both ends of the time."""
     share, fewest = AT_AN_END
     if _only_drift(about.truths):
-        counts = _exchanged(about, design.value_of_separation, share * duration_s)
+        counts = design.exchange(about, design.value_of_separation, share * duration_s - AROUND_S)
         if counts.sum() >= fewest:  # else there is no time for both
             return counts, True
     return _filled(about, design.value_of_separation, duration_s), False
 
 
-def _exchanged(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
-    return design.exchange(about, criterion, duration_s - Prescribed(strokes=()).start_s - END_S)
-
-
 def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
-    counts = _exchanged(about, criterion, duration_s)
+    counts = design.exchange(about, criterion, duration_s - AROUND_S)
     if counts.sum() < FEWEST_RUNS:
         raise AnalysisError(
             f"{duration_s:g} s: room for {counts.sum()} candidate motions, the shortest of "
@@ -226,14 +223,13 @@ def _hidden(term: FittedTerm, joint: Joint, settings: BenchSettings) -> tuple[Hi
     """Return the simulator's effect and whether it equals a term; None for one that a joint alone does not show."""
     if EQUALS[term.name].needs_neighbours:
         return None
-    setting = Setting(
-        joint=joint.parameters,
-        start_rad=0.0,
-        driven=not joint.hand,
-        duration_s=settings.duration_s,
-        outer_kg_m2=settings.operator.inertia_kg_m2,
-    )
+    known: dict[str, Any] = {
+        "joint": joint.parameters,
+        "start_rad": 0.0,
+        "driven": not joint.hand,
+        "duration_s": settings.duration_s,
+    }
     try:
-        return equal_of(term, setting), True
+        return equal_of(term, Setting(**known, outer_kg_m2=settings.operator.inertia_kg_m2)), True
     except (NoEqualError, UsageError):
         return near_of(term), False

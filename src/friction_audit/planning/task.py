@@ -31,6 +31,7 @@ RATE_HZ = 500.0  # of simulated logs: ten times the diagnosis' samples
 LEAST_NOISE_NM = 1e-4
 FRANKA = ("panda", "fr3")  # arms with this ready pose
 REACH_RAD = 0.8  # to either side of the start: room for gravity, which takes 1.5 rad, within most arms' ranges
+COEFFICIENTS = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")  # of the nominal model
 SERVO = {"stiffness_nm_per_rad": 2000.0, "damping_nms_per_rad": 60.0}  # of a position controller, as in joint-driven
 AUTO = AuditSettings(cycles=CycleSettings(thresholds="auto"))  # slow strokes are no cycles at the usual thresholds
 
@@ -68,13 +69,8 @@ class Joint:
 
     def nominal(self, data: JointData) -> Nominal:
         """Return the nominal model along a motion."""
-        own = self.parameters
-        return Nominal(
-            inertia_kg_m2=own.inertia_kg_m2,
-            coulomb_nm=own.coulomb_nm,
-            viscous_nms_per_rad=own.viscous_nms_per_rad,
-            torque=own.inertia_kg_m2 * data.ddq + own.coulomb_nm * data.way + own.viscous_nms_per_rad * data.dq,
-        )
+        own = {name: getattr(self.parameters, name) for name in COEFFICIENTS}
+        return Nominal(**own, torque=np.array([*own.values()]) @ np.stack([data.ddq, data.way, data.dq]))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -177,16 +173,20 @@ def _joint(
     numbers = {key: _value(number) for key, number in fitted.items()}
     about: dict[str, Any] = {} if found.get("gap") is None else {"noise_nm": float(found["gap"]["noise_floor_rms_nm"])}
     if subject is not None:
+        data = subject.data
         numbers["inertia_kg_m2"] = numbers.get("inertia_kg_m2", 0.0) + subject.known_inertia_kg_m2
-        low, high = reach(subject.data)
+        low, high = reach(data)
         about["reach_rad"] = (min(-REACH_RAD, low - start_rad), max(REACH_RAD, high - start_rad))
-        about["gravity"] = _gravity_of(subject.data, start_rad)
+        if data.load is not None and data.used.any():
+            angle = data.q[data.used] - start_rad
+            sine, cosine = np.linalg.lstsq(np.column_stack([np.sin(angle), np.cos(angle)]), data.load[data.used])[0]
+            about["gravity"] = (float(hypot(sine, cosine)), float(atan2(cosine, sine)))
         if found.get("gap") is not None:
-            about["corner_hz"] = RegressionProblem.build(subject.data, None).samples.corner_hz
+            about["corner_hz"] = RegressionProblem.build(data, None).samples.corner_hz
     usual = JointParameters()
     known: dict[str, Any] = {
         key: numbers[key] if numbers.get(key, 0.0) > 0.0 else getattr(usual, key)  # NaN is not above zero
-        for key in ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
+        for key in COEFFICIENTS
     }
     return Joint(number=int(found["joint"]), name=str(found["name"]), parameters=JointParameters(**known), **about)
 
@@ -194,14 +194,6 @@ def _joint(
 def _value(number: Any) -> float:  # noqa: ANN401 - of a document: a number, an object with one, or null
     value = number.get("value") if isinstance(number, dict) else number
     return float("nan") if value is None else float(value)
-
-
-def _gravity_of(data: JointData, start_rad: float) -> tuple[float, float]:
-    if data.load is None or not data.used.any():
-        return 0.0, 0.0
-    angle = data.q[data.used] - start_rad
-    sine, cosine = np.linalg.lstsq(np.column_stack([np.sin(angle), np.cos(angle)]), data.load[data.used])[0]
-    return float(hypot(sine, cosine)), float(atan2(cosine, sine))
 
 
 def _sets(

@@ -4,7 +4,7 @@ Fig. 12: cycles from the speed of the hand, all coefficients updated at once. Fi
 the comparison is made once for both.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -12,18 +12,12 @@ import numpy as np
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.compensation.comparison.result import Row
+from friction_audit.compensation.comparison.trial import Outcome
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.comparison import draw_comparison
-from friction_audit.reproduce.one_joint import BAND, SECOND
-from friction_audit.reproduce.reproduction import (
-    Claim,
-    Progress,
-    Reproduction,
-    make_course,
-    share,
-    spread,
-)
+from friction_audit.reproduce.one_joint import BAND
+from friction_audit.reproduce.reproduction import SECOND, Claim, Progress, Reproduction, make_course, share, spread
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
 from friction_audit.simulation.simulation import Simulation
 
@@ -31,59 +25,41 @@ from friction_audit.simulation.simulation import Simulation
 SLOPE_BOUND = 0.1
 
 
-def _updated_at_once(arms: Sequence[Simulation]) -> Claim:
+def check_12(arms: Sequence[Simulation]) -> tuple[Claim, ...]:
+    """Check that the joints' cycles end together, and that the net energy then stays."""
     ended = [np.diff(arm.truth.compensators["cycle"], axis=0) != 0 for arm in arms]
     alone = sum(int((one.any(axis=1) & ~one.all(axis=1)).sum()) for one in ended)
-    return Claim(
-        figure="12",
-        claim="the coefficients of all joints are updated at the same instants",
-        paper="synchronously",
-        ours=f"{alone} cycles end in some joints only",
-        value=float(alone),
-        holds=alone == 0,
-    )
-
-
-def _arm_stops(arms: Sequence[Simulation]) -> Claim:
-    slopes = np.array([slope_ratios(of_the_arm(arm))[0] for arm in arms])
-    return Claim(
-        figure="12b",
-        claim="after two cycles the net energy of the arm stops rising",
-        paper="cyclic energies stop increasing",
-        ours=f"slope over that of the first two cycles: {spread(slopes, '')}; "
-        f"below {SLOPE_BOUND:g} in {share(slopes < SLOPE_BOUND)}",
-        value=float(slopes.max()),
-        holds=bool((slopes < SLOPE_BOUND).all()),
-    )
-
-
-def _joints_stop(arms: Sequence[Simulation]) -> Claim:
-    slopes = np.array([slope_ratios(cyclic_energies(arm)) for arm in arms])
-    stopped, joint = slopes < SLOPE_BOUND, int(np.argmax(slopes.max(axis=0)))
-    return Claim(
-        figure="12b",
-        claim="and so does that of every single joint",
-        paper="cyclic energies of the joints stop increasing",
-        ours=f"{int(stopped.sum())} of {stopped.size} joints; worst {slopes.max():.2f}, joint {joint + 1}",
-        value=float(slopes.max()),
-        holds=bool(stopped.all()),
-        note="a joint need not rest when the hand does, and two cycles may be too alike to separate its coefficients",
-    )
-
-
-def _keeps_value(arms: Sequence[Simulation]) -> Claim:
-    energies = [of_the_arm(arm)[1][:, 0] for arm in arms]
-    leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for energy in energies])
+    cyclic = [cyclic_energies(arm) for arm in arms]
+    whole = [(t, energies.sum(axis=1, keepdims=True)) for t, energies in cyclic]
+    slopes = np.array([slope_ratios(*one)[0] for one in whole])
+    own = np.array([slope_ratios(*one) for one in cyclic])
+    stopped, joint = own < SLOPE_BOUND, int(np.argmax(own.max(axis=0)))
+    leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for _, energy in whole])
     negative = np.mean([negative_share(arm) for arm in arms])
-    return Claim(
-        figure="12b",
-        claim="and keeps its value for the remaining cycles",
-        paper="maintained their values",
-        ours=f"within {BAND:.0%} of that of cycle 2 in {share(leaves < BAND)}: {spread(leaves, 'of it')}",
-        value=float(leaves.max()),
-        holds=bool((leaves < BAND).all()),
-        note=f"{negative:.0%} of the pairs of cycles give a joint one negative coefficient, which is not applied",
-    )
+    return (
+        Claim(
+            "12", "the coefficients of all joints are updated at the same instants", "synchronously",
+            f"{alone} cycles end in some joints only", float(alone), alone == 0,
+        ),
+        Claim(
+            "12b", "after two cycles the net energy of the arm stops rising", "cyclic energies stop increasing",
+            f"slope over that of the first two cycles: {spread(slopes, '')}; below {SLOPE_BOUND:g} in "
+            f"{share(slopes < SLOPE_BOUND)}",
+            float(slopes.max()), bool((slopes < SLOPE_BOUND).all()),
+        ),
+        Claim(
+            "12b", "and so does that of every single joint", "cyclic energies of the joints stop increasing",
+            f"{int(stopped.sum())} of {stopped.size} joints; worst {own.max():.2f}, joint {joint + 1}",
+            float(own.max()), bool(stopped.all()),
+            "a joint need not rest when the hand does, and two cycles may be too alike to separate its coefficients",
+        ),
+        Claim(
+            "12b", "and keeps its value for the remaining cycles", "maintained their values",
+            f"within {BAND:.0%} of that of cycle 2 in {share(leaves < BAND)}: {spread(leaves, 'of it')}",
+            float(leaves.max()), bool((leaves < BAND).all()),
+            f"{negative:.0%} of the pairs of cycles give a joint one negative coefficient, which is not applied",
+        ),
+    )  # fmt: skip
 
 
 def cyclic_energies(simulation: Simulation) -> tuple[Float, Float]:
@@ -93,27 +69,18 @@ def cyclic_energies(simulation: Simulation) -> tuple[Float, Float]:
     return simulation.truth.motion.t[ends], traces["energy_j"][ends]
 
 
-def of_the_arm(simulation: Simulation) -> tuple[Float, Float]:
-    """Return the same for all joints together, shape (m, 1). [J]"""
-    t, energies = cyclic_energies(simulation)
-    return t, energies.sum(axis=1, keepdims=True)
-
-
 def negative_share(simulation: Simulation) -> float:
     """Return the share of the estimates of which a coefficient is negative."""
     traces = simulation.truth.compensators
     ends = np.flatnonzero(np.diff(traces["cycle"][:, 0])) + 1
     coulomb, viscous = (traces[f"estimated_{name}"][ends] for name in ("coulomb_nm", "viscous_nms_per_rad"))
-    known = np.isfinite(coulomb)
-    return float(((coulomb < 0.0) | (viscous < 0.0))[known].mean())
+    return float(((coulomb < 0.0) | (viscous < 0.0))[np.isfinite(coulomb)].mean())
 
 
-def slope_ratios(cyclic: tuple[Float, Float]) -> Float:
+def slope_ratios(t: Float, energies: Float) -> Float:
     """Return the slope of the cyclic energies from the second on, over that up to it, shape (j,)."""
-    t, energies = cyclic
-    before = energies[SECOND] / t[SECOND]
     after = np.polyfit(t[SECOND:], energies[SECOND:], 1)[0]
-    return np.asarray(after / before)
+    return np.asarray(after / (energies[SECOND] / t[SECOND]))
 
 
 FIGURE_12 = Reproduction(
@@ -121,9 +88,7 @@ FIGURE_12 = Reproduction(
     title="A Panda guided by a hand, combined friction of all joints compensated from two cycles of the hand",
     scenarios=("fig12",),
     most_seeds=5,
-    check=lambda done: tuple(
-        claim(done["fig12"]) for claim in (_updated_at_once, _arm_stops, _joints_stop, _keeps_value)
-    ),
+    check=lambda done: check_12(done["fig12"]),
     draw=lambda done: paper.draw_whole_arm([make_course(done["fig12"][0], j) for j in range(len(PANDA_JOINTS))]),
 )
 
@@ -133,7 +98,7 @@ ORDER = ("none", "sigmoid", "disturbance_observer", "torque_regulation", "energy
 SCENARIO = "fig13"
 MOST_SEEDS = 5  # of an arm with all its methods; ``compare --arm panda`` takes more
 NOTE = "friction-audit compare --arm panda has more persons, intervals and sweeps"
-FULLY = "own experiment, the observer compensates all that it observes"
+KEPT = 0.1  # slope, over that without compensation, up to which the net energy counts as kept
 
 
 def compare_methods(seeds: int, progress: Progress | None = None) -> Comparison:
@@ -149,6 +114,11 @@ def rows_of(comparison: Comparison, role: str) -> list[Row]:
     return [row for row in rows if row is not None]
 
 
+def means_of(rows: Sequence[Row], measure: Callable[[Outcome], float]) -> list[float]:
+    """Return the mean of a measure of each method."""
+    return [row.interval(measure).value for row in rows]
+
+
 def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: str) -> str:
     """Return the methods with their values, largest first, and how often a loop was lost."""
     pairs = sorted(zip(values, rows, strict=True), key=lambda pair: -pair[0])
@@ -157,38 +127,33 @@ def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: 
     return "; ".join([f"{order} {unit}", *lost])
 
 
-KEPT = 0.1  # slope, over that without compensation, up to which the net energy counts as kept
+def _own(claim: str, role: str) -> str:
+    """Return a claim, marked where the paper does not make it."""
+    return claim if role == PAPER else f"own experiment, the observer compensates all that it observes: {claim}"
 
 
 def _order(comparison: Comparison, role: str) -> Claim:
     rows = rows_of(comparison, role)
-    slopes = [row.interval(lambda outcome: outcome.energy_slope_w).value for row in rows]
+    slopes = means_of(rows, lambda outcome: outcome.energy_slope_w)
+    falls = np.diff(slopes) < 0.0
     claim = "the net energy rises most without compensation, then model-based, disturbance observer, torque regulation"
     return Claim(
-        figure="13",
-        claim=f"{claim}, proposed" if role == PAPER else f"{FULLY}: {claim}, proposed",
-        paper="none > model > DOB > torque regulation > proposed",
-        ours=in_words(rows, slopes, 1000.0, "mW"),
-        value=float(np.sum(np.diff(slopes) < 0.0)),
-        holds=bool(np.all(np.diff(slopes) < 0.0)),
-        note=f"{NOTE}; an observer at full share leaves as little as the proposed method, from the first cycle on",
-        own=role == FULL,
-    )
+        "13", _own(f"{claim}, proposed", role), "none > model > DOB > torque regulation > proposed",
+        in_words(rows, slopes, 1000.0, "mW"), float(falls.sum()), bool(falls.all()),
+        f"{NOTE}; an observer at full share leaves as little as the proposed method, from the first cycle on",
+        role == FULL,
+    )  # fmt: skip
 
 
 def _keeps(comparison: Comparison) -> Claim:
     none, *_, proposed = rows_of(comparison, PAPER)
-    slope, alone = (row.interval(lambda outcome: outcome.energy_slope_w).value for row in (proposed, none))
+    slope, alone = means_of((proposed, none), lambda outcome: outcome.energy_slope_w)
+    kept, stable = slope / alone, proposed.stable_share
     return Claim(
-        figure="13",
-        claim="the proposed method keeps the net energy after two cycles",
-        paper="maintains the energy value",
-        ours=f"{slope / alone:.3f} of the slope without compensation (bound {KEPT:g}); stable in "
-        f"{proposed.stable_share:.0%} of seeds",
-        value=slope / alone,
-        holds=abs(slope / alone) < KEPT and proposed.stable_share == 1.0,
-        note=NOTE,
-    )
+        "13", "the proposed method keeps the net energy after two cycles", "maintains the energy value",
+        f"{kept:.3f} of the slope without compensation (bound {KEPT:g}); stable in {stable:.0%} of seeds",
+        kept, abs(kept) < KEPT and stable == 1.0, NOTE,
+    )  # fmt: skip
 
 
 FIGURE_13 = Reproduction(
@@ -204,33 +169,27 @@ FIGURE_13 = Reproduction(
 
 def _peaks(comparison: Comparison) -> Claim:
     rows = rows_of(comparison, PAPER)[:-1]
-    drawn = [row.interval(lambda outcome: outcome.drawn_peak_nm).value for row in rows]
-    raw = [row.interval(lambda outcome: outcome.peak_torque_nm).value for row in rows]
+    drawn = means_of(rows, lambda outcome: outcome.drawn_peak_nm)
+    raw, falls = means_of(rows, lambda outcome: outcome.peak_torque_nm), np.diff(drawn) < 0.0
     return Claim(
-        figure="14",
-        claim="the largest torque falls from none to model-based, disturbance observer, torque regulation",
-        paper="none > model > DOB > torque regulation",
-        ours=f"as drawn: {in_words(rows, drawn, 1.0, 'N m')}; raw, of all joints: {in_words(rows, raw, 1.0, 'N m')}",
-        value=float(np.sum(np.diff(drawn) < 0.0)),
-        holds=bool(np.all(np.diff(drawn) < 0.0)),
-        note="drawn: one joint, low-passed at 10 Hz; the peak of the proposed method, which no claim names, is inertia",
-    )
+        "14", "the largest torque falls from none to model-based, disturbance observer, torque regulation",
+        "none > model > DOB > torque regulation",
+        f"as drawn: {in_words(rows, drawn, 1.0, 'N m')}; raw, of all joints: {in_words(rows, raw, 1.0, 'N m')}",
+        float(falls.sum()), bool(falls.all()),
+        "drawn: one joint, low-passed at 10 Hz; the peak of the proposed method, which no claim names, is inertia",
+    )  # fmt: skip
 
 
 def _plateaus(comparison: Comparison, role: str) -> Claim:
     rows = rows_of(comparison, role)
-    left = [abs(row.interval(lambda outcome: outcome.coulomb_left).value) for row in rows]
-    claim = "the proposed method leaves least of the plateaus of Coulomb friction"
+    left = [abs(mean) for mean in means_of(rows, lambda outcome: outcome.coulomb_left)]
     return Claim(
-        figure="14",
-        claim=claim if role == PAPER else f"{FULLY}: {claim}",
-        paper="significantly reduced, outperforms the others",
-        ours=in_words(rows, left, 1.0, "of it left"),
-        value=left[-1],
-        holds=left[-1] == min(left) and rows[-1].stable_share == 1.0,
-        note="an observer at full share that knows the motor's inertia within 20 % leaves as little or less",
-        own=role == FULL,
-    )
+        "14", _own("the proposed method leaves least of the plateaus of Coulomb friction", role),
+        "significantly reduced, outperforms the others", in_words(rows, left, 1.0, "of it left"),
+        left[-1], left[-1] == min(left) and rows[-1].stable_share == 1.0,
+        "an observer at full share that knows the motor's inertia within 20 % leaves as little or less",
+        role == FULL,
+    )  # fmt: skip
 
 
 FIGURE_14 = Reproduction(

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.compensators import EnergyCompensator
-from friction_audit.compensation.replay import run
+from friction_audit.compensation.controller import run
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.simulation import simulate
@@ -16,11 +16,10 @@ from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+SECOND = 1  # row of the second cycle
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Claim:
     """A claim of the paper as a number."""
 
@@ -34,35 +33,15 @@ class Claim:
     own: bool = False  # whether it is an experiment of this project that the paper does not make
 
 
-def spread(values: Float, unit: str, *, worst: Callable[[Float], float] = np.max) -> str:
+def spread(values: Float, unit: str) -> str:
     """Return median and worst in words; of one seed only that."""
-    if len(values) == 1:
-        return f"{values[0]:.3f} {unit}".rstrip()
-    return f"median {np.median(values):.3f}, worst {worst(values):.3f} {unit}".rstrip()
+    worst = f"{np.max(values):.3f} {unit}".rstrip()
+    return worst if len(values) == 1 else f"median {np.median(values):.3f}, worst {worst}"
 
 
-def share(holds: "NDArray[np.bool_]") -> str:
+def share(holds: NDArray[np.bool_]) -> str:
     """Return in how many seeds something holds, in words."""
     return f"{int(holds.sum())} of {len(holds)} seeds"
-
-
-Simulations = Mapping[str, Any]  # by name of the scenario, one simulation per seed; "fig13": the comparison
-MANY = 1000  # as many seeds as are asked for
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Reproduction:
-    """A figure of the paper."""
-
-    figure: str  # its number
-    title: str  # what it shows
-    scenarios: tuple[str, ...]  # names of the scenarios that it needs
-    check: Callable[[Simulations], tuple[Claim, ...]]  # simulations -> claims
-    draw: "Callable[[Simulations], Figure]"  # simulations -> figure, of the first seed
-    # most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long
-    most_seeds: int = 1
-    # seeds -> the comparison that it shows in place of simulations, kept by its first scenario; or None
-    compare: "Callable[[int, Progress | None], Any] | None" = None
 
 
 SMALLEST_PERCENT = 0.001  # below this, digits have no meaning
@@ -76,7 +55,30 @@ def relative(share: float) -> str:
     return f"{float(f'{percent:.2g}'):.6f}".rstrip("0").rstrip(".") + " %"
 
 
+def within(figure: str, claim: str, paper: str, ours: str, error: float, bound: float, note: str = "") -> Claim:
+    """Return a claim that holds where an error is below a bound; ``ours`` has a * for the error."""
+    words = f"{ours.replace('*', relative(error))} (bound {relative(bound)})"
+    return Claim(figure, claim, paper, words, error, error < bound, note)
+
+
+Simulations = Mapping[str, Any]  # by name of the scenario, one simulation per seed; "fig13": the comparison
 Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
+MANY = 1000  # as many seeds as are asked for
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Reproduction:
+    """A figure of the paper."""
+
+    figure: str  # its number
+    title: str  # what it shows
+    scenarios: tuple[str, ...]  # names of the scenarios that it needs
+    check: Callable[[Simulations], tuple[Claim, ...]]  # simulations -> claims
+    draw: Callable[[Simulations], Any]  # simulations -> figure, of the first seed
+    # most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long
+    most_seeds: int = 1
+    # seeds -> the comparison that it shows in place of simulations, kept by its first scenario; or None
+    compare: Callable[[int, Progress | None], Any] | None = None
 
 
 def simulate_figures(
@@ -105,7 +107,6 @@ def simulate_figures(
 
 
 APPLIED = ("coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad")
-SHOWN = ("energy_j", "cycle", *APPLIED)
 
 
 def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool = False) -> Course:
@@ -114,31 +115,18 @@ def make_course(simulation: Simulation, joint: int = 0, *, zero_crossings: bool 
     Where no compensator was in the loop, cycles end where the velocity changes its sign (``zero_crossings``), or are
     found by the thresholds of the paper's section V.
     """
-    log, torque = simulation.log, interaction_nm(simulation)[:, joint]
+    log: Any = simulation.log
+    interaction = log.gravity - log.tau_J if log.tau_interaction is None else log.tau_interaction
+    dq, torque = log.dq[:, joint], interaction[:, joint]
     if simulation.truth.compensators:  # what the compensator in the loop knew at the stamps of the log
         ticks = np.rint(log.t * CONTROL_RATE_HZ).astype(np.intp)
-        traces = {name: simulation.truth.compensators[name][ticks, joint] for name in SHOWN}
+        known = simulation.truth.compensators
+        traces: Any = {name: known[name][ticks, joint] for name in ("cycle", "energy_j", *APPLIED)}
     else:  # what a compensator that does nothing would have seen: energy and cycles
-        observer = EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0)
-        seen = run(observer, log.t, log.dq[:, joint], torque)
-        traces = {name: seen[name] for name in SHOWN} | dict.fromkeys(APPLIED, np.zeros_like(log.t))
+        traces = run(EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0), log.t, dq, torque)
     ends = np.flatnonzero(np.diff(traces["cycle"])) + 1
+    energy = traces["energy_j"]
+    applied = {name: traces[name] for name in APPLIED}
     return Course(
-        t=log.t,
-        dq=log.dq[:, joint],
-        interaction_nm=torque,
-        energy_j=traces["energy_j"],
-        ends_s=log.t[ends],
-        ends_j=traces["energy_j"][ends],
-        **{name: traces[name] for name in APPLIED},
+        t=log.t, dq=dq, interaction_nm=torque, energy_j=energy, ends_s=log.t[ends], ends_j=energy[ends], **applied
     )
-
-
-def interaction_nm(simulation: Simulation) -> Float:
-    """Return the interaction torque as logged, shape (n, j). [N m]"""
-    log = simulation.log
-    if log.tau_interaction is not None:
-        return log.tau_interaction
-    if log.gravity is None or log.tau_J is None:
-        raise AssertionError("simulated logs hold the interaction torque, or the sensor's and gravity")
-    return np.asarray(log.gravity - log.tau_J)

@@ -1,18 +1,15 @@
 """Figs 3, 6 and 7: viscous friction, its estimate, and the passivity controller."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, relative
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, within
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 CLOSURE_BOUND = 1e-5
 MINIMA_BOUND = 1e-4
@@ -25,48 +22,34 @@ def check_3(simulations: Simulations) -> tuple[Claim, ...]:
     falls = float(np.diff(dissipated).min())
     rises, error = minima(course.energy_j, dissipated)
     return (
-        Claim(
-            figure="3",
-            claim="net energy = kinetic + dissipated energy, at every sample",
-            paper="(3), (6)",
-            ours=f"differs by {relative(closure)} of what was dissipated (bound {relative(CLOSURE_BOUND)})",
-            value=closure,
-            holds=closure < CLOSURE_BOUND,
-            note="the difference is that of the 1 ms sum (2) as trapezoids; the mechanics are finer",
+        within(
+            "3", "net energy = kinetic + dissipated energy, at every sample", "(3), (6)",
+            "differs by * of what was dissipated", closure, CLOSURE_BOUND,
+            "the difference is that of the 1 ms sum (2) as trapezoids; the mechanics are finer",
         ),
         Claim(
-            figure="3",
-            claim="the dissipated energy never falls",
-            paper="monotonically increasing",
-            ours=f"smallest step {falls:.1e} J",
-            value=falls,
-            holds=falls >= 0.0,
+            "3", "the dissipated energy never falls", "monotonically increasing", f"smallest step {falls:.1e} J",
+            falls, falls >= 0.0,
         ),
-        Claim(
-            figure="3",
-            claim="the minima of the net energy rise by what the cycle dissipated",
-            paper="(7)",
-            ours=f"{rises} cycles, worst {relative(error)} off (bound {relative(MINIMA_BOUND)})",
-            value=error,
-            holds=rises > 0 and error < MINIMA_BOUND,
+        within(
+            "3", "the minima of the net energy rise by what the cycle dissipated", "(7)",
+            f"{rises} cycles, worst * off", error, MINIMA_BOUND,
         ),
-    )
+    )  # fmt: skip
 
 
 def _energies(simulations: Simulations) -> tuple[Course, Float, Float]:
     """Return the course and its kinetic and dissipated energy, shape (n,) each. [J]"""
     (simulation,) = simulations["fig3"]
     truth = simulation.truth
-    inertia = truth.settings.joints[0].inertia_kg_m2
-    kinetic = 0.5 * inertia * truth.motion.dq[:, 0] ** 2
+    kinetic = 0.5 * truth.settings.joints[0].inertia_kg_m2 * truth.motion.dq[:, 0] ** 2
     return make_course(simulation, zero_crossings=True), kinetic, truth.motion.dissipated_j[:, 0]
 
 
 def minima(energy: Float, dissipated: Float) -> tuple[int, float]:
     """Return how many minima rise over the one before, the start included, and the largest relative difference."""
     inner = energy[1:-1]
-    minima = np.flatnonzero((inner < energy[:-2]) & (inner <= energy[2:])) + 1
-    places = np.concatenate([[0], minima])
+    places = np.append(0, np.flatnonzero((inner < energy[:-2]) & (inner <= energy[2:])) + 1)
     rise, lost = np.diff(energy[places]), np.diff(dissipated[places])
     return len(rise), float(np.abs(rise / lost - 1.0).max()) if len(rise) else np.inf
 
@@ -86,39 +69,26 @@ BOUND = 1e-3
 def check_6(simulations: Simulations) -> tuple[Claim, ...]:
     """Check the estimates after the first and the fourth cycle, and the energy between."""
     (simulation,) = simulations["fig6"]
-    course = make_course(simulation)
-    before = simulation.truth.settings.joints[0].viscous_nms_per_rad
-    after = before * (1.0 + simulation.truth.settings.hidden[0].friction_step.change)
+    course, settings = make_course(simulation), simulation.truth.settings
+    before = settings.joints[0].viscous_nms_per_rad
+    after = before * (1.0 + settings.hidden[0].friction_step.change)
     first, last = (abs(_applied(course, cycle) / truth - 1.0) for cycle, truth in ((1, before), (4, after)))
     ends = course.ends_j
-    idle = float(np.abs(ends[1:3] / ends[0] - 1.0).max())
     return (
-        Claim(
-            figure="6",
-            claim="the estimate is right after the first cycle",
-            paper="10 Ns/mm",
-            ours=f"{_applied(course, 1):.5f} N m s/rad, {relative(first)} off (bound {relative(BOUND)})",
-            value=first,
-            holds=first < BOUND,
+        within(
+            "6", "the estimate is right after the first cycle", "10 Ns/mm",
+            f"{_applied(course, 1):.5f} N m s/rad, * off", first, BOUND,
         ),
-        Claim(
-            figure="6",
-            claim="no net dissipation in cycles 2 and 3",
-            paper="does not occur",
-            ours=f"its energy differs by {relative(idle)} from that of cycle 1 (bound {relative(BOUND)})",
-            value=idle,
-            holds=idle < BOUND,
+        within(
+            "6", "no net dissipation in cycles 2 and 3", "does not occur",
+            "its energy differs by * from that of cycle 1", float(np.abs(ends[1:3] / ends[0] - 1.0).max()), BOUND,
         ),
-        Claim(
-            figure="6",
-            claim="right again after the fourth cycle, friction having doubled at 6 s",
-            paper="20 Ns/mm",
-            ours=f"{_applied(course, 4):.5f} N m s/rad, {relative(last)} off (bound {relative(BOUND)})",
-            value=last,
-            holds=last < BOUND,
-            note=f"cycle 4 dissipates {(ends[3] - ends[2]) / ends[0]:.2f} times what cycle 1 did: half is compensated",
+        within(
+            "6", "right again after the fourth cycle, friction having doubled at 6 s", "20 Ns/mm",
+            f"{_applied(course, 4):.5f} N m s/rad, * off", last, BOUND,
+            f"cycle 4 dissipates {(ends[3] - ends[2]) / ends[0]:.2f} times what cycle 1 did: half is compensated",
         ),
-    )
+    )  # fmt: skip
 
 
 def _applied(course: Course, cycle: int) -> float:
@@ -126,11 +96,11 @@ def _applied(course: Course, cycle: int) -> float:
     return float(course.viscous_nms_per_rad[np.searchsorted(course.t, course.ends_s[cycle - 1])])
 
 
-def _draw_6(simulations: Simulations) -> "Figure":
+def _draw_6(simulations: Simulations) -> Any:  # noqa: ANN401 - a figure of Matplotlib
     (simulation,) = simulations["fig6"]
-    settings, truth = simulation.truth.settings, simulation.truth.motion
+    settings, t = simulation.truth.settings, simulation.truth.motion.t
     step = settings.hidden[0].friction_step
-    factor = np.where(truth.t < step.at_share * settings.duration_s, 1.0, 1.0 + step.change)
+    factor = np.where(t < step.at_share * settings.duration_s, 1.0, 1.0 + step.change)
     return paper.draw_adaptation(make_course(simulation), settings.joints[0].viscous_nms_per_rad * factor)
 
 
@@ -147,46 +117,31 @@ FOURTH = 4
 RETURN_BOUND = 1e-2
 
 
-def _falls_below(bare: Simulation) -> Claim:
-    course = make_course(bare)
-    lowest = float(course.energy_j.min() / course.ends_j[0])
-    return Claim(
-        figure="7a",
-        claim="over-compensated without passivity controller, the energy falls below zero",
-        paper="E_m < 0",
-        ours=f"down to {lowest:.2f} of what cycle 1 dissipated",
-        value=lowest,
-        holds=lowest < 0.0,
-    )
-
-
-def _stays_above(guarded: Simulation) -> tuple[Claim, ...]:
-    course = make_course(guarded)
-    lowest, tolerance = float(course.energy_j.min()), tolerance_j(guarded)
-    acting = np.flatnonzero(course.damping_nms_per_rad > 0.0)
-    cycles = np.unique(np.searchsorted(course.ends_s, course.t[acting], side="right") + 1)
+def _keeps_above(bare: Simulation, guarded: Simulation) -> tuple[Claim, ...]:
+    alone, course = make_course(bare), make_course(guarded)
+    fallen, lowest = float(alone.energy_j.min() / alone.ends_j[0]), float(course.energy_j.min())
+    tolerance = tolerance_j(guarded)
+    acting = course.t[course.damping_nms_per_rad > 0.0]
+    cycles = np.unique(np.searchsorted(course.ends_s, acting, side="right") + 1)
     return (
         Claim(
-            figure="7b",
-            claim="with it, the energy never falls below zero",
-            paper="E_m >= 0",
-            ours=f"lowest {lowest:.1e} J (tolerance {-tolerance:.1e} J)",
-            value=lowest,
-            holds=lowest >= -tolerance,
-            note="a deficit is seen a tick late and paid within the next: the tolerance is the largest power of a "
-            "tick, over the share of the inertia that is the hand's, on which the controller can draw",
+            "7a", "over-compensated without passivity controller, the energy falls below zero", "E_m < 0",
+            f"down to {fallen:.2f} of what cycle 1 dissipated", fallen, fallen < 0.0,
         ),
         Claim(
-            figure="7b",
-            claim="the controller acts in the fourth cycle, and in no other",
-            paper="fourth cycle",
-            ours=f"acts in cycle {', '.join(map(str, cycles))}",
-            value=float(cycles[0]) if len(cycles) else np.nan,
-            holds=list(cycles) == [FOURTH],
-            note="cycles 2 and 3 inject what cycle 1 dissipated, all but exactly: a softer hand, which moves farther "
+            "7b", "with it, the energy never falls below zero", "E_m >= 0",
+            f"lowest {lowest:.1e} J (tolerance {-tolerance:.1e} J)", lowest, lowest >= -tolerance,
+            "a deficit is seen a tick late and paid within the next: the tolerance is the largest power of a tick, "
+            "over the share of the inertia that is the hand's, on which the controller can draw",
+        ),
+        Claim(
+            "7b", "the controller acts in the fourth cycle, and in no other", "fourth cycle",
+            f"acts in cycle {', '.join(map(str, cycles))}", float(cycles[0]) if len(cycles) else np.nan,
+            list(cycles) == [FOURTH],
+            "cycles 2 and 3 inject what cycle 1 dissipated, all but exactly: a softer hand, which moves farther "
             "when it is aided, uses the reserve up just before cycle 3 ends",
         ),
-    )
+    )  # fmt: skip
 
 
 def tolerance_j(simulation: Simulation) -> float:
@@ -198,41 +153,29 @@ def tolerance_j(simulation: Simulation) -> float:
 
 
 def _returns(guarded: Simulation) -> tuple[Claim, ...]:
-    course, truth = make_course(guarded), guarded.truth.settings.joints[0].viscous_nms_per_rad
-    highest = float(course.damping_nms_per_rad.max())
-    cap = guarded.truth.settings.compensator.max_damping_nms_per_rad
-    after = _applied(course, FOURTH)
-    taken = float(guarded.truth.compensators["dissipated_j"][-1, 0] / course.ends_j[0])
-    error = abs(after / truth - 1.0)
+    course, truth = make_course(guarded), guarded.truth
+    highest, after = float(course.damping_nms_per_rad.max()), _applied(course, FOURTH)
+    cap = truth.settings.compensator.max_damping_nms_per_rad
+    taken = float(truth.compensators["dissipated_j"][-1, 0] / course.ends_j[0])
     return (
         Claim(
-            figure="7c",
-            claim="the adaptive damping is finite and dissipates what was injected too much",
-            paper="shown, no number",
-            ours=f"up to {highest:.1f} N m s/rad, dissipates {taken:.2f} of what cycle 1 dissipated",
-            value=highest,
-            holds=0.0 < highest <= cap and taken > 0.0,
-            note=f"(22) divides by the squared velocity: none below 0.01 rad/s, and never above {cap:g} N m s/rad",
+            "7c", "the adaptive damping is finite and dissipates what was injected too much", "shown, no number",
+            f"up to {highest:.1f} N m s/rad, dissipates {taken:.2f} of what cycle 1 dissipated", highest,
+            0.0 < highest <= cap and taken > 0.0,
+            f"(22) divides by the squared velocity: none below 0.01 rad/s, and never above {cap:g} N m s/rad",
         ),
-        Claim(
-            figure="7c",
-            claim="then the coefficient returns to the true one, from the energy that the controller took",
-            paper="20 Ns/mm, (25)",
-            ours=f"{after:.5f} N m s/rad, {relative(error)} off (bound {relative(RETURN_BOUND)})",
-            value=error,
-            holds=error < RETURN_BOUND,
+        within(
+            "7c", "then the coefficient returns to the true one, from the energy that the controller took",
+            "20 Ns/mm, (25)", f"{after:.5f} N m s/rad, * off",
+            abs(after / truth.settings.joints[0].viscous_nms_per_rad - 1.0), RETURN_BOUND,
         ),
-    )
+    )  # fmt: skip
 
 
 FIGURE_7 = Reproduction(
     figure="7",
     title="Viscous friction compensated by half as much again, without and with the passivity controller",
     scenarios=("fig7-unprotected", "fig7"),
-    check=lambda done: (
-        _falls_below(*done["fig7-unprotected"]),
-        *_stays_above(*done["fig7"]),
-        *_returns(*done["fig7"]),
-    ),
+    check=lambda done: (*_keeps_above(*done["fig7-unprotected"], *done["fig7"]), *_returns(*done["fig7"])),
     draw=lambda done: paper.draw_overcompensation(make_course(*done["fig7-unprotected"]), make_course(*done["fig7"])),
 )

@@ -30,26 +30,17 @@ Payload = tuple[float, float, float, float]
 class Arm:
     """A rigid-body model; arrays have one column per joint, in the order of ``joint_names``.
 
-    Attributes:
-        name: Name of the model in a result.
-        joint_names: Names of the joints that count, base to tip.
-        flange: Name of the flange link, where a payload sits and whose speed is the hand's.
-        model: The MuJoCo model: one hinge per joint, no limits, no contacts.
-        columns: Column of the caller's arrays that each hinge of the model reads.
+    Methods take joint positions q [rad], velocities dq [rad/s] and accelerations ddq [rad/s^2], shape (n, j) each.
     """
 
-    name: str
-    joint_names: tuple[str, ...]
-    flange: str
-    model: "mujoco.MjModel"
-    columns: tuple[int, ...]
+    name: str  # of the model in a result
+    joint_names: tuple[str, ...]  # of the joints that count, base to tip
+    flange: str  # name of the flange link, where a payload sits and whose speed is the hand's
+    model: "mujoco.MjModel"  # one hinge per joint, no limits, no contacts
+    columns: tuple[int, ...]  # column of the caller's arrays that each hinge of the model reads
 
     def matched(self, joint_names: tuple[str, ...], where: str) -> "Arm":
         """Return the arm with its columns in the order of a log: by name if the names agree, else as is.
-
-        Args:
-            joint_names: The joints of the log.
-            where: The log, for the message.
 
         Raises:
             UsageError: If the numbers of joints differ.
@@ -66,11 +57,7 @@ class Arm:
         return replace(self, joint_names=joint_names, columns=columns)
 
     def gravity(self, q: Float) -> Float:
-        """Return the torque that holds the arm against gravity, shape (n, j). [N m]
-
-        Args:
-            q: Joint position, shape (n, j). [rad]
-        """
+        """Return the torque that holds the arm against gravity, shape (n, j). [N m]"""
         import mujoco as mj
 
         model, data = self.model, mj.MjData(self.model)
@@ -83,13 +70,7 @@ class Arm:
         return self.from_model(torque)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
-        """Return M(q) ddq + c(q, dq) + g(q), without friction, shape (n, j). [N m]
-
-        Args:
-            q: Joint position, shape (n, j). [rad]
-            dq: Joint velocity, shape (n, j). [rad/s]
-            ddq: Joint acceleration, shape (n, j). [rad/s^2]
-        """
+        """Return M(q) ddq + c(q, dq) + g(q), without friction, shape (n, j). [N m]"""
         import mujoco as mj
 
         model, data = self.model, mj.MjData(self.model)
@@ -104,22 +85,13 @@ class Arm:
         return self.from_model(torque)
 
     def mass_diagonal(self, q: Float) -> Float:
-        """Return the diagonal of the mass matrix, shape (n, j). [kg m^2]
-
-        Args:
-            q: Joint position, shape (n, j). [rad]
-        """
+        """Return the diagonal of the mass matrix, shape (n, j). [kg m^2]"""
         still, weight, units = np.zeros_like(q), self.gravity(q), np.eye(q.shape[1])
         own = [self.inverse_dynamics(q, still, still + unit)[:, k] - weight[:, k] for k, unit in enumerate(units)]
         return np.column_stack(own)
 
     def hand_speed(self, q: Float, dq: Float) -> Float:
-        """Return the speed of the flange frame's origin, shape (n,). [m/s]
-
-        Args:
-            q: Joint position, shape (n, j). [rad]
-            dq: Joint velocity, shape (n, j). [rad/s]
-        """
+        """Return the speed of the flange frame's origin, shape (n,). [m/s]"""
         import mujoco as mj
 
         model, data = self.model, mj.MjData(self.model)
@@ -134,9 +106,6 @@ class Arm:
 
     def gravity_direction(self, q: Float) -> Float:
         """Return how gravity lies across each joint's axis, seen from the link that the joint moves.
-
-        Args:
-            q: Joint position, shape (n, j). [rad]
 
         Returns:
             Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
@@ -166,10 +135,7 @@ class Arm:
     def with_load(self, mass_kg: float, centre_m: Float, inertia_kg_m2: Float) -> "Arm":
         """Return the arm with a body fixed to the flange.
 
-        Args:
-            mass_kg: Mass. [kg]
-            centre_m: Centre of mass in the flange frame, shape (3,). [m]
-            inertia_kg_m2: Inertia about it in the axes of the flange frame, shape (3, 3). [kg m^2]
+        Centre of mass in the flange frame, shape (3,), and inertia about it in its axes, shape (3, 3).
         """
         import mujoco as mj
 
@@ -184,9 +150,6 @@ class Arm:
 
     def poses(self, q: Float) -> tuple[Float, Float, Float]:
         """Return poses of the links that the joints move, in the order of the model and in the axes of the base.
-
-        Args:
-            q: Joint position, shape (n, j). [rad]
 
         Returns:
             Origin of each link, which lies on its joint's axis, shape (n, j, 3) [m], orientation, shape (n, j, 3, 3),
@@ -238,24 +201,18 @@ def load_arm(
     with ThreadPoolExecutor(max_workers=1) as pool:
         mj: Any = pool.submit(import_module, "mujoco").result()
     where = "the built-in Panda" if urdf is None else str(urdf)
-    parsed = parse_urdf(read_urdf(urdf), where)
+    xml, inertials = parse_urdf(read_urdf(urdf), where)
     try:
-        model = mj.MjModel.from_xml_string(parsed.xml)
+        model = mj.MjModel.from_xml_string(xml)
     except ValueError as error:
         raise UsageError(
             f"{where}: MuJoCo cannot read it as a URDF ({' '.join(str(error).split())}); repair the file"
         ) from error
     for body in range(1, model.nbody):
-        _set_inertial(model, body, *parsed.inertials.get(model.body(body).name, ()))
+        _set_inertial(model, body, *inertials.get(model.body(body).name, ()))
     model.opt.gravity[:] = gravity_vector
-    names = tuple(model.joint(k).name for k in range(model.njnt))
-    arm = Arm(
-        name=BUILT_IN if urdf is None else urdf.stem,
-        joint_names=names,
-        flange=_flange(model),
-        model=model,
-        columns=tuple(range(len(names))),
-    )
+    name, names = BUILT_IN if urdf is None else urdf.stem, tuple(model.joint(k).name for k in range(model.njnt))
+    arm = Arm(name=name, joint_names=names, flange=_flange(model), model=model, columns=tuple(range(len(names))))
     if payload is None:
         return arm
     mass, *centre = payload
@@ -266,20 +223,12 @@ def load_arm(
 
 
 def check_urdf(urdf: Path) -> None:
-    """Refuse a file that is no arm with inertias, without building its model.
-
-    Raises:
-        UsageError: If it cannot be read, is no URDF, no joint counts or there is no mass.
-    """
+    """Raise UsageError for a file that is no arm with inertias, without building its model."""
     parse_urdf(read_urdf(urdf), str(urdf))
 
 
 def read_urdf(urdf: Path | None) -> bytes:
-    """Return the content of a URDF; of the built-in Panda's without a file.
-
-    Raises:
-        UsageError: If the file cannot be read.
-    """
+    """Return the content of a URDF; of the built-in Panda's without a file."""
     if urdf is None:
         return resources.files("friction_audit.robot").joinpath("panda.urdf").read_bytes()
     try:

@@ -2,8 +2,8 @@
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from math import inf
+from typing import NamedTuple
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -27,8 +27,7 @@ _PLACEHOLDER = {
 }
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Inertial:
+class Inertial(NamedTuple):
     """Mass [kg], centre of mass in the link's frame, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2]."""
 
     mass: float
@@ -36,16 +35,13 @@ class Inertial:
     inertia: Float
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Urdf:
-    """What counts of a URDF."""
+def parse_urdf(text: bytes, where: str) -> tuple[str, dict[str, tuple[Inertial, ...]]]:
+    """Read a URDF. A joint counts if it turns, has a motor of its own (no mimic) and is no finger.
 
-    xml: str  # links with placeholder inertias, joints that count as unlimited hinges, all others fixed at zero
-    inertials: dict[str, tuple[Inertial, ...]]  # inertial parameters of the links, by name
-
-
-def parse_urdf(text: bytes, where: str) -> Urdf:
-    """Read a URDF. A joint counts if it turns, has a motor of its own (no mimic) and is no finger."""
+    Returns:
+        A URDF of links with placeholder inertias and of joints, those that count as unlimited hinges, all others fixed
+        at zero; and the inertial parameters of the links, by name.
+    """
     root = _root(text, where)
     faults = _faults(root)
     if faults:
@@ -67,7 +63,7 @@ def parse_urdf(text: bytes, where: str) -> Urdf:
         kind = "continuous" if _counts(joint) else "fixed"
         plain = ET.SubElement(bare, "joint", name=joint.get("name", ""), type=kind)
         plain.extend(part for part in joint if part.tag in ("origin", "parent", "child", "axis"))
-    return Urdf(xml=ET.tostring(bare, encoding="unicode"), inertials=inertials)
+    return ET.tostring(bare, encoding="unicode"), inertials
 
 
 def limits_in(text: bytes, where: str, name: str) -> tuple[float, float, float]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import ceil, inf, isinf, sqrt
 from typing import Any
 
+from friction_audit.compensation.comparison import trial
 from friction_audit.compensation.comparison.methods import (
     BEST,
     FULL,
@@ -17,15 +18,6 @@ from friction_audit.compensation.comparison.methods import (
     Tuning,
 )
 from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row
-from friction_audit.compensation.comparison.trial import (
-    Course,
-    Outcome,
-    Reference,
-    find_loss,
-    find_reference,
-    make_course,
-    measure,
-)
 from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.scenarios import simulate
 
@@ -70,10 +62,10 @@ class _Experiment:
         """Sweep, choose, try."""
         seeds, idle = (*self.seeds, *self.tuning_seeds), self.scene.compensated(NO_COMPENSATION)
 
-        def refer(place: int) -> tuple[Reference, Outcome, Course]:
+        def refer(place: int) -> tuple[trial.Reference, trial.Outcome, trial.Course]:
             simulation = simulate(idle, seeds[place])
-            reference = find_reference(simulation)
-            return reference, measure(simulation, reference), make_course(simulation, reference)
+            reference = trial.find_reference(simulation)
+            return reference, trial.measure(simulation, reference), trial.make_course(simulation, reference)
 
         # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation. The
         # first is made here: the loops that it compiles or loads are then those of all processes.
@@ -83,11 +75,8 @@ class _Experiment:
         chosen = [(method, *one) for method in self.methods for one in self._tunings(method, curves)]
         tunings = [tuning for _, tuning, *_ in chosen]
         trials, margins = self._trials(tunings, self.seeds), self._margins(tunings)
-        rows = []
-        for (method, tuning, role, losses), tried, own in zip(chosen, trials, margins, strict=True):
-            course = tried[0][1]
-            assert course is not None  # that of the first seed
-            row = Row(
+        rows = [
+            Row(
                 method=method.name,
                 label=method.label,
                 tuning=tuning,
@@ -95,9 +84,10 @@ class _Experiment:
                 tuning_losses=losses,
                 outcomes=tuple(outcome for outcome, _ in tried),
                 margins=own,
-                course=course,
+                course=tried[0][1],
             )
-            rows.append(row)
+            for (method, tuning, role, losses), tried, own in zip(chosen, trials, margins, strict=True)
+        ]
         return Comparison(
             scene=self.scene.name,
             title=self.scene.title,
@@ -132,16 +122,16 @@ class _Experiment:
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
         return tuple(curves)
 
-    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[Outcome, Course | None]]]:
-        """Return the outcome of every tuning and seed, and the course of the first person who is reported."""
+    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[trial.Outcome, Any]]]:
+        """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
         jobs = [(one, seed) for one in settings for seed in seeds]
 
-        def work(place: int) -> tuple[Outcome, Course | None]:
+        def work(place: int) -> tuple[trial.Outcome, trial.Course | None]:
             one, seed = jobs[place]
             simulation, reference = simulate(one, seed), self.idle[seed][0]
-            course = make_course(simulation, reference) if seed == self.seeds[0] else None
-            return measure(simulation, reference), course
+            course = trial.make_course(simulation, reference) if seed == self.seeds[0] else None
+            return trial.measure(simulation, reference), course
 
         done = iter(self._map(work, len(jobs)))
         return [
@@ -150,16 +140,16 @@ class _Experiment:
 
     def _tunings(self, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
         """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
-        named = ((method.paper, PAPER), (method.full, FULL))
-        chosen: list[tuple[Tuning, str, int | None]] = [(one, role, None) for one, role in named if one is not None]
+        chosen = [(method.paper, PAPER, None)] + ([(method.full, FULL, None)] if method.full else [])
+        yield from chosen
+        names = {tuning.name for tuning, *_ in chosen}
         points = [point for curve in curves if curve.method == method.name for point in curve.points]
         if points:
             best = choose_best(points)
-            chosen.append((best.tuning, BEST, best.losses))
-        yield from chosen
+            yield best.tuning, BEST, best.losses
+            names.add(best.tuning.name)
         if self.scene.plan.with_others:
             # A further tuning that is the best one has its row already.
-            names = {tuning.name for tuning, *_ in chosen}
             yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
 
     def _margins(self, tunings: Sequence[Tuning]) -> list[tuple[float, ...]]:
@@ -175,7 +165,7 @@ class _Experiment:
             def holds(factor: float) -> bool:
                 compensator: Any = one.compensator
                 scaled = replace(one, compensator=compensator.scaled(factor))
-                return isinf(find_loss(simulate(scaled, seed), self.idle[seed][0]))
+                return isinf(trial.find_loss(simulate(scaled, seed), self.idle[seed][0]))
 
             return find_margin(holds)
 

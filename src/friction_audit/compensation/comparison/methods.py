@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from friction_audit.compensation.compensators import (
     Compensator,
@@ -30,8 +30,7 @@ from friction_audit.simulation.settings import JointByJoint, JointParameters
 PAPER, FULL, BEST, OTHER = "paper", "full", "best", "other"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Joint:
+class Joint(NamedTuple):
     """What a method may know of a joint."""
 
     column: int  # which joint of the arm, counted from 0
@@ -54,11 +53,10 @@ def panda_joint(column: int, motor: JointParameters, gear: JointElasticity) -> J
             faster = (1.0 + loop.gain) ** 0.5
             known = payback_s(faster * bare, damping / faster)
     guard = Guard(max_torque_nm=limits.torque_nm, max_torque_rate_nm_s=limits.rate_nm_s)
-    return Joint(column=column, parameters=motor.at_link, guard=guard, payback_s=known)
+    return Joint(column, motor.at_link, guard, known)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Tuning:
+class Tuning(NamedTuple):
     """One way to set a method up."""
 
     name: str  # short name
@@ -66,8 +64,7 @@ class Tuning:
     make: Callable[[Joint], Any]  # joint -> compensator
 
 
-@dataclass(frozen=True, slots=True)
-class Sweep:
+class Sweep(NamedTuple):
     """One setting of a method, varied."""
 
     name: str  # what all of its tunings share
@@ -104,12 +101,12 @@ OBSERVER = (0.8, 20.0)  # its motor inertia over the true one, and its gain [1/s
 SHARES = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)  # of the observed friction, compensated
 
 
-def _fixed(coulomb_nm: float, viscous_nms_per_rad: float) -> FixedCompensation:
+def _fixed(_: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
     return FixedCompensation(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad)
 
 
 def _fitted(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> Compensator:
-    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S), guard=joint.guard)
+    return replace(fit_sigmoid(coulomb_nm, viscous_nms_per_rad, TOP_SPEED_RAD_S), guard=joint.guard)
 
 
 def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensator:
@@ -117,33 +114,34 @@ def _bristles(joint: Joint, coulomb_nm: float, viscous: float = 0.0) -> Compensa
     return LugreCompensation(**plateau, viscous_nms_per_rad=viscous, guard=joint.guard)
 
 
-def _model_based(name: str, label: str, law: Callable[[Joint, float, float], Compensator], other: Tuning) -> Method:
-    """Return a method that applies a law with the true Coulomb and viscous friction times a scale."""
+Modelled = Callable[[Joint, float, float], Compensator]
 
-    def scaled(scale: float) -> Tuning:
-        return Tuning(
-            name="right" if scale == 1.0 else f"{100 * (scale - 1):+.0f} %",
-            meaning="the true friction" if scale == 1.0 else f"friction {scale:g} times the true one",
-            make=lambda joint: law(
-                joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad
-            ),
-        )
 
+def _scaled(law: Modelled, scale: float) -> Tuning:
+    """Return a law with the true Coulomb and viscous friction times a scale."""
+
+    def make(joint: Joint) -> Compensator:
+        return law(joint, scale * joint.parameters.coulomb_nm, scale * joint.parameters.viscous_nms_per_rad)
+
+    if scale == 1.0:
+        return Tuning("right", "the true friction", make)
+    return Tuning(f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one", make)
+
+
+def _model_based(name: str, label: str, law: Modelled, other: Tuning) -> Method:
+    at = partial(_scaled, law)
+    sweeps = (Sweep("scaled", "modelled over true friction", SCALES, at),)
     return Method(
-        name=name,
-        label=label,
-        paper=scaled(MODELLED_SHARE),
-        others=(other, *map(scaled, (1.0, 0.8, 1.2))),
-        sweeps=(Sweep("scaled", "modelled over true friction", SCALES, scaled),),
+        name=name, label=label, paper=at(MODELLED_SHARE), others=(other, at(1.0), at(0.8), at(1.2)), sweeps=sweeps
     )
 
 
 def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tuning:
     return Tuning(
-        name=f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s, {100 * share:.0f} %",
-        meaning=f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s, {share:g} of "
+        f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s, {100 * share:.0f} %",
+        f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s, {share:g} of "
         "what is observed compensated",
-        make=lambda joint: DisturbanceObserver(
+        lambda joint: DisturbanceObserver(
             inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
             observer_gain_per_s=gain_per_s,
             compensation_gain=share,
@@ -156,9 +154,9 @@ def _regulation(gain: float) -> Tuning:
     """Return a torque regulation by its torque gain B / B_theta - 1."""
     ratio = 1.0 / (1.0 + gain)
     return Tuning(
-        name=f"B_theta = {ratio:.2g} B",
-        meaning=f"desired motor inertia {ratio:.2g} times the true one",
-        make=lambda joint: TorqueRegulation(
+        f"B_theta = {ratio:.2g} B",
+        f"desired motor inertia {ratio:.2g} times the true one",
+        lambda joint: TorqueRegulation(
             inertia_kg_m2=joint.parameters.inertia_kg_m2,
             desired_inertia_kg_m2=joint.parameters.inertia_kg_m2 / (1.0 + gain),
             guard=joint.guard,
@@ -167,19 +165,24 @@ def _regulation(gain: float) -> Tuning:
 
 
 def _energy(window: float) -> Tuning:
-    return Tuning(
-        name=f"k = {window:g}",
-        meaning=f"estimated from {window:g} cycles",
-        make=lambda joint: EnergyCompensator(
-            model="combined",
-            window=int(window),
-            **(asdict(joint.guard) | {"passivity": True, "payback_s": joint.payback_s}),
-        ),
-    )
+    def make(joint: Joint) -> Compensator:
+        guard = asdict(joint.guard) | {"passivity": True, "payback_s": joint.payback_s}
+        return EnergyCompensator(model="combined", window=int(window), **guard)
+
+    return Tuning(f"k = {window:g}", f"estimated from {window:g} cycles", make)
 
 
 # A compensator that does nothing, but counts the cycles.
-NO_COMPENSATION = Tuning(name="none", meaning="no compensation", make=lambda _: _fixed(0.0, 0.0))
+NO_COMPENSATION = Tuning("none", "no compensation", lambda joint: _fixed(joint, 0.0, 0.0))
+OBSERVER_SWEEPS = (
+    Sweep("share", "share of the observed friction", SHARES, partial(_observer, *OBSERVER)),
+    *(
+        Sweep(f"{ratio:g} B", "observer gain [1/s]", OBSERVER_GAINS_PER_S, partial(_observer, ratio))
+        for ratio in INERTIA_RATIOS
+    ),
+)
+GAINS = tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS)
+# In the order of the paper's figures, the oracle last.
 METHODS: tuple[Method, ...] = (
     Method(name=NONE, label="none", paper=NO_COMPENSATION),
     _model_based(
@@ -187,9 +190,9 @@ METHODS: tuple[Method, ...] = (
         "model-based",
         _fitted,
         Tuning(
-            name="another arm",
-            meaning="as published for another Panda",
-            make=lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
+            "another arm",
+            "as published for another Panda",
+            lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
         ),
     ),
     _model_based(
@@ -197,9 +200,9 @@ METHODS: tuple[Method, ...] = (
         "LuGre",
         _bristles,
         Tuning(
-            name="another arm",
-            meaning="plateaus as published for another Panda",
-            make=lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2),
+            "another arm",
+            "plateaus as published for another Panda",
+            lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2),
         ),
     ),
     Method(
@@ -207,26 +210,13 @@ METHODS: tuple[Method, ...] = (
         label="disturbance observer",
         paper=_observer(*OBSERVER, OBSERVED_SHARE),
         full=_observer(*OBSERVER),
-        sweeps=(
-            Sweep("share", "share of the observed friction", SHARES, partial(_observer, *OBSERVER)),
-            *(
-                Sweep(f"{ratio:g} B", "observer gain [1/s]", OBSERVER_GAINS_PER_S, partial(_observer, ratio))
-                for ratio in INERTIA_RATIOS
-            ),
-        ),
+        sweeps=OBSERVER_SWEEPS,
     ),
     Method(
         name="torque_regulation",
         label="torque regulation",
         paper=_regulation(1.0 / SHAPED_RATIO - 1.0),
-        sweeps=(
-            Sweep(
-                "B_theta",
-                "torque gain $B / B_\\theta - 1$",
-                tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS),
-                _regulation,
-            ),
-        ),
+        sweeps=(Sweep("B_theta", "torque gain $B / B_\\theta - 1$", GAINS, _regulation),),
     ),
     Method(
         name="energy",
@@ -238,14 +228,11 @@ METHODS: tuple[Method, ...] = (
     Method(
         name="oracle",
         label="oracle",
-        paper=Tuning(
-            name="true friction",
-            meaning="given the true Coulomb and viscous friction",
-            make=lambda joint: _fixed(joint.parameters.coulomb_nm, joint.parameters.viscous_nms_per_rad),
+        paper=_scaled(_fixed, 1.0)._replace(
+            name="true friction", meaning="given the true Coulomb and viscous friction"
         ),
     ),
 )
-"""In the order of the paper's figures, the oracle last."""
 
 # In a rigid joint nothing but the controller's tick would bound the gains of what feeds torque or motion back.
 _ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1))

@@ -95,15 +95,14 @@ def _settled(at_rest: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def measure(simulation: Simulation, reference: Reference) -> Outcome:
     """Return the measures of a trial."""
-    motion, after = simulation.truth.motion, reference.ends[SECOND]
-    torque = motion.interaction_nm
-    lost = find_loss(simulation, reference)
-    vibration = _rms(vibration_nm(torque)[after:])
+    motion, after, resting = simulation.truth.motion, reference.ends[SECOND], reference.resting
+    torque, lost = motion.interaction_nm, find_loss(simulation, reference)
     felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
-    true = [astuple(one.at_link)[:3] for one in simulation.truth.settings.joints]
-    inertia, coulomb, viscous = map(float, np.mean(felt / np.array(true), axis=0))
-    resting = reference.resting
+    true = np.array([astuple(one.at_link)[:3] for one in simulation.truth.settings.joints])
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
+    left = dict(
+        zip(("inertia_left", "coulomb_left", "viscous_left"), np.mean(felt / true, axis=0).tolist(), strict=True)
+    )
     return Outcome(
         stable=bool(np.isinf(lost)),
         lost_s=lost,
@@ -111,12 +110,10 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
         peak_torque_nm=float(np.abs(torque[after:]).max()),
         drawn_peak_nm=drawn_peak_nm(torque[:, np.argmax(reference.rms_torque_nm)], after),
         rms_torque_nm=float(np.hypot.reduce(_rms(torque[after:]))),
-        vibration_nm=float(np.hypot.reduce(vibration)),
-        standstill_rad_s=_rms_of(motion.inner_dq[resting]),
-        chatter_nm=_rms_of(changes[resting]),
-        coulomb_left=coulomb,
-        viscous_left=viscous,
-        inertia_left=inertia,
+        vibration_nm=float(np.hypot.reduce(_rms(vibration_nm(torque)[after:]))),
+        standstill_rad_s=float(_rms(motion.inner_dq[resting])),
+        chatter_nm=float(_rms(changes[resting])),
+        **left,
     )
 
 
@@ -190,10 +187,6 @@ def make_course(simulation: Simulation, reference: Reference) -> Course:
 
 
 def _rms(values: Float) -> Float:
-    """Return the root of the mean square along the first axis."""
-    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
-
-
-def _rms_of(values: Float) -> float:
-    """Return the root of the mean square of all values, NaN of none."""
-    return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")
+    """Return the root of the mean square along the first axis, NaN of none."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(np.divide(np.sum(values**2, axis=0), len(values))))

@@ -1,13 +1,11 @@
 """The compensators there are, with their settings and their compiled laws."""
 
 from types import NoneType
-from typing import Any
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from friction_audit.compensation.compensators.energy import Coefficients, EnergyCompensator
 from friction_audit.compensation.compensators.feedback import DisturbanceObserver, TorqueRegulation
-from friction_audit.compensation.compensators.law import CompensatorKind, Guard, numbers_of
+from friction_audit.compensation.compensators.law import Guard
 from friction_audit.compensation.compensators.model_based import (
     FixedCompensation,
     JointModelCompensation,
@@ -31,26 +29,28 @@ __all__ = [
     "kind_of",
 ]
 
+
+class CompensatorKind(NamedTuple):
+    """One kind of compensator."""
+
+    name: str  # as in options, tables and documentation; also the field of the records that holds its numbers
+    settings: type[Any]  # frozen dataclass of its settings; NoneType where nothing runs
+    summary: str  # one line
+
+
 # In the order of the documentation, which is that of the codes in ``law``.
-_KINDS: tuple[tuple[str, type[Any], str], ...] = (
-    ("none", NoneType, "no compensation"),
-    ("fixed", FixedCompensation, "given Coulomb and viscous friction; the true ones make it an oracle"),
-    ("energy", EnergyCompensator, "the paper's: Coulomb and viscous friction from the energy of past cycles"),
-    ("sigmoid", SigmoidCompensation, "model-based, Gaz sigmoidal (static): a sigmoid of the velocity"),
-    ("lugre", LugreCompensation, "model-based, LuGre: bristles that bend and slip"),
-    ("disturbance_observer", DisturbanceObserver, "friction observed as what the motor's dynamics do not explain"),
-    ("torque_regulation", TorqueRegulation, "torque feedback that makes motor inertia and friction smaller"),
-    ("joint_model", JointModelCompensation, "model-based: the terms of friction of a joint's model"),
-)
 COMPENSATORS = tuple(
-    CompensatorKind(
-        name=name,
-        summary=summary,
-        settings=settings,
-        code=code,
-        group=np.dtype([(one, "f8") for one in numbers_of(settings)]) if hasattr(settings, "guard") else None,
+    CompensatorKind(*one)
+    for one in (
+        ("none", NoneType, "no compensation"),
+        ("fixed", FixedCompensation, "given Coulomb and viscous friction; the true ones make it an oracle"),
+        ("energy", EnergyCompensator, "the paper's: Coulomb and viscous friction from the energy of past cycles"),
+        ("sigmoid", SigmoidCompensation, "model-based, Gaz sigmoidal (static): a sigmoid of the velocity"),
+        ("lugre", LugreCompensation, "model-based, LuGre: bristles that bend and slip"),
+        ("disturbance_observer", DisturbanceObserver, "friction observed as what the motor's dynamics do not explain"),
+        ("torque_regulation", TorqueRegulation, "torque feedback that makes motor inertia and friction smaller"),
+        ("joint_model", JointModelCompensation, "model-based: the terms of friction of a joint's model"),
     )
-    for code, (name, settings, summary) in enumerate(_KINDS)
 )
 
 # What runs on one joint; None where nothing does.

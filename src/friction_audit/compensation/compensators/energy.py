@@ -1,10 +1,9 @@
 """The compensator of the paper: Coulomb and viscous friction estimated from energy, cycle by cycle."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import inf
-from typing import Self
 
-from friction_audit.compensation.compensators.law import Guard, require, soft_sign
+from friction_audit.compensation.compensators.law import Guard, soft_sign
 from friction_audit.compiled import Record, compiled
 from friction_audit.errors import UsageError
 
@@ -32,6 +31,10 @@ class EnergyCompensator(Guard):
     coefficient at standstill. With the ramp the Coulomb term stays at or below the friction it meets, so that what is
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
     """
+
+    positive = (*Guard.positive, "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
+    not_negative = (*Guard.not_negative, "ridge", "factor", "dead_band_rad_s", "ramp_rad_s")
+    gains = ("factor",)
 
     model: str = "combined"  # ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20)
     window: int | None = None  # number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2
@@ -72,17 +75,7 @@ class EnergyCompensator(Guard):
             )
         if self.forced_from_cycle < 1:
             raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
-        require(
-            "compensator",
-            self,
-            positive=("minimum_path_rad", "maximum_gap_s", "cutoff_hz"),
-            not_negative=("ridge", "factor", "dead_band_rad_s", "ramp_rad_s"),
-        )
         Guard.__post_init__(self)
-
-    def scaled(self, factor: float) -> Self:
-        """Return it with the factor on its estimate times another."""
-        return replace(self, factor=factor * self.factor)
 
     @property
     def unknowns(self) -> int:

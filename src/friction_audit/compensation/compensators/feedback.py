@@ -8,21 +8,25 @@ control of flexible joint robots, International Journal of Robotics Research 26(
 """
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Self
 
-from friction_audit.compensation.compensators.law import Guard, numbers_of, require, soft_sign
+from friction_audit.compensation.compensators.law import Law, soft_sign
 from friction_audit.compiled import Record, compiled
 from friction_audit.errors import UsageError
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class DisturbanceObserver:
+class DisturbanceObserver(Law):
     """u = gain times the observed friction, whose rate is L (F_m + u - B ddq - observed friction).
 
     Without a dead-band a joint that sticks is pushed free by nothing but noise and bias, which the observer adds up;
     it then hunts. In the dead-band it is therefore silent, and observes on.
     """
+
+    where, gains = "disturbance observer", ("observer_gain_per_s",)
+    positive = ("observer_gain_per_s",)
+    not_negative = ("inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s")
 
     inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
     observer_gain_per_s: float  # L, bandwidth of the observer [1/s]
@@ -30,24 +34,13 @@ class DisturbanceObserver:
     dead_band_rad_s: float = 0.01  # speed up to which it is silent [rad/s]
     # range of speed over which it then rises to all of it; dead-band and ramp 0: always all of it, as published [rad/s]
     ramp_rad_s: float = 0.03
-    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
-        require(
-            "disturbance observer",
-            self,
-            finite=numbers_of(type(self)),
-            positive=("observer_gain_per_s",),
-            not_negative=("inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s"),
-        )
+        Law.__post_init__(self)
         if not 0 < self.compensation_gain <= 1:
             raise UsageError(
                 f"disturbance observer: compensation_gain {self.compensation_gain:g}: expected a share above 0, up to 1"
             )
-
-    def scaled(self, factor: float) -> Self:
-        """Return it with its bandwidth times a factor."""
-        return replace(self, observer_gain_per_s=factor * self.observer_gain_per_s)
 
 
 @compiled(inline=True)
@@ -75,30 +68,24 @@ def observed_nm(group: Record, memory: Record, dq: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TorqueRegulation:
+class TorqueRegulation(Law):
     """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
 
     The torque does not depend on the velocity: nothing chatters at standstill, and a joint breaks away at B_theta / B
     of its friction.
     """
 
+    where = "torque regulation"
+    positive = ("inertia_kg_m2", "desired_inertia_kg_m2", "cutoff_hz")
+
     inertia_kg_m2: float  # motor inertia B as assumed [kg m^2]
     desired_inertia_kg_m2: float  # B_theta; above B the joint gets heavier [kg m^2]
     cutoff_hz: float = math.inf  # corner of the first-order low-pass on F_m; infinite for none [Hz]
-    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
-
-    def __post_init__(self) -> None:
-        inertias = ("inertia_kg_m2", "desired_inertia_kg_m2")
-        require("torque regulation", self, finite=inertias, positive=numbers_of(type(self)))
-
-    @property
-    def torque_gain(self) -> float:
-        """B / B_theta - 1."""
-        return self.inertia_kg_m2 / self.desired_inertia_kg_m2 - 1.0
 
     def scaled(self, factor: float) -> Self:
-        """Return it with its torque gain times a factor."""
-        return replace(self, desired_inertia_kg_m2=self.inertia_kg_m2 / (1.0 + factor * self.torque_gain))
+        """Return it with its torque gain B / B_theta - 1 times a factor."""
+        gain = factor * (self.inertia_kg_m2 / self.desired_inertia_kg_m2 - 1.0)
+        return replace(self, desired_inertia_kg_m2=self.inertia_kg_m2 / (1.0 + gain))
 
 
 @compiled(inline=True)

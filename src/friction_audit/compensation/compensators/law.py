@@ -1,39 +1,49 @@
-"""What the compensators share: ranges of their numbers, passivity controller and limits, the ramped sign function."""
+"""What the compensators share: bounds of their numbers, passivity controller and limits, the ramped sign function."""
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields, replace
 from math import inf, isfinite
-from typing import Any
-
-import numpy as np
+from typing import Any, ClassVar, Self
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 
 
-def require(
-    where: str,
-    settings: object,
-    *,
-    finite: Iterable[str] = (),
-    positive: Iterable[str] = (),
-    not_negative: Iterable[str] = (),
-) -> None:
-    """Raise UsageError unless the named numbers are finite, above zero, zero or more."""
-    for names, holds, expected in (
-        (finite, isfinite, "a finite number"),
-        (positive, (0.0).__lt__, "a number above zero"),
-        (not_negative, (0.0).__le__, "zero or more"),
-    ):
-        for name in names:
-            if not holds(value := getattr(settings, name)):
-                raise UsageError(f"{where}: {name} {value:g}: expected {expected}")
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Numbers:
+    """Settings whose plain numbers are finite, unless their default is infinite, and within bounds."""
+
+    where: ClassVar[str] = "compensator"  # what messages call them
+    positive: ClassVar[tuple[str, ...]] = ()  # names of numbers that must be above zero
+    not_negative: ClassVar[tuple[str, ...]] = ()
+    gains: ClassVar[tuple[str, ...]] = ()  # numbers to which the torque is proportional
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            if item.type is not float:
+                continue
+            value, expected = getattr(self, item.name), "a finite number"
+            holds = isfinite(value) or value == item.default == inf
+            if item.name in self.positive:
+                holds, expected = holds and value > 0.0, "a number above zero"
+            elif item.name in self.not_negative:
+                holds, expected = holds and value >= 0.0, "zero or more"
+            if not holds:
+                raise UsageError(f"{self.where}: {item.name} {value:g}: expected {expected}")
+
+    def scaled(self, factor: float) -> Self:
+        """Return them with their gains times a factor."""
+        return replace(self, **{name: factor * getattr(self, name) for name in self.gains})
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Guard:
+class Guard(Numbers):
     """Passivity controller and limits around a law of any kind."""
+
+    positive: ClassVar[tuple[str, ...]] = (
+        "max_damping_nms_per_rad", "max_torque_nm", "max_torque_rate_nm_s", "minimum_speed_rad_s"
+    )  # fmt: skip
+    not_negative: ClassVar[tuple[str, ...]] = ("initial_energy_j", "payback_s")
 
     passivity: bool = False  # if True, the passivity controller acts
     initial_energy_j: float = 0.0  # E(0) of (21) [J]
@@ -48,9 +58,12 @@ class Guard:
     max_torque_nm: float = inf  # largest torque of compensation and passivity controller together [N m]
     max_torque_rate_nm_s: float = inf  # fastest change of it [N m/s]
 
-    def __post_init__(self) -> None:
-        limits = ("max_damping_nms_per_rad", "max_torque_nm", "max_torque_rate_nm_s", "minimum_speed_rad_s")
-        require("compensator", self, positive=limits, not_negative=("initial_energy_j", "payback_s"))
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Law(Numbers):
+    """A law with a guard around it; the records hold its plain numbers as a group of its own."""
+
+    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
 
 def payback_s(mode_rad_s: float, damping_ratio: float) -> float:
@@ -64,17 +77,6 @@ def payback_s(mode_rad_s: float, damping_ratio: float) -> float:
 
 # Values of ``kind`` in the records.
 NONE, FIXED, ENERGY, SIGMOID, LUGRE, DISTURBANCE_OBSERVER, TORQUE_REGULATION, JOINT_MODEL = range(8)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class CompensatorKind:
-    """One kind of compensator."""
-
-    name: str  # as in options, tables and documentation; also the field of the records that holds its group
-    summary: str  # one line
-    settings: type[Any]  # frozen dataclass of its settings; NoneType where nothing runs
-    code: int  # value of ``kind`` in the records
-    group: np.dtype[np.void] | None = None  # numbers that only its own law reads; None if it has none
 
 
 def numbers_of(settings: type[Any]) -> tuple[str, ...]:

@@ -10,31 +10,26 @@ for passivity of the LuGre friction model, IEEE Transactions on Automatic Contro
 """
 
 import math
-from dataclasses import dataclass, field, replace
-from typing import Self
+from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Guard, numbers_of, require, soft_sign
+from friction_audit.compensation.compensators.law import Law, Numbers, soft_sign
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class FixedCompensation:
+class FixedCompensation(Numbers):
     """A compensator that never learns: u = coulomb sgn(dq) + viscous dq outside the dead-band, else 0."""
+
+    where, not_negative = "fixed compensation", ("dead_band_rad_s",)
+    gains = ("coulomb_nm", "viscous_nms_per_rad")
 
     coulomb_nm: float  # Coulomb friction compensated [N m]
     viscous_nms_per_rad: float  # viscous friction compensated [N m s/rad]
     dead_band_rad_s: float = 0.02  # speed up to which it stays silent [rad/s]
-
-    def __post_init__(self) -> None:
-        require("fixed compensation", self, not_negative=("dead_band_rad_s",))
-
-    def scaled(self, factor: float) -> Self:
-        """Return it with every torque times a factor."""
-        return replace(self, coulomb_nm=factor * self.coulomb_nm, viscous_nms_per_rad=factor * self.viscous_nms_per_rad)
 
 
 @compiled(inline=True)
@@ -45,31 +40,25 @@ def fixed_nm(settings: Record, memory: Record, dq: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class SigmoidCompensation:
+class SigmoidCompensation(Law):
     """u = phi1 / (1 + exp(-phi2 (dq + phi3))) - phi1 / (1 + exp(-phi2 phi3)).
 
     It is smooth through standstill, where its slope is at most phi1 phi2 / 4: noise of the velocity comes out times
     that slope, and is not amplified to the whole plateau as by a sign function.
     """
 
+    where, gains = "sigmoid compensation", ("height_nm",)
+    positive = ("height_nm", "steepness_s_per_rad")
+
     height_nm: float  # phi1, from plateau to plateau [N m]
     steepness_s_per_rad: float  # phi2 [s/rad]
     shift_rad_s: float = 0.0  # phi3, which makes the plateaus unequal [rad/s]
-    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
-
-    def __post_init__(self) -> None:
-        sizes = ("height_nm", "steepness_s_per_rad")
-        require("sigmoid compensation", self, finite=numbers_of(type(self)), positive=sizes)
 
     @property
     def plateaus_nm(self) -> tuple[float, float]:
         """Friction at high speed in the positive and in the negative direction, both above zero. [N m]"""
         backward = self.height_nm / (1.0 + math.exp(-self.steepness_s_per_rad * self.shift_rad_s))
         return self.height_nm - backward, backward
-
-    def scaled(self, factor: float) -> Self:
-        """Return it with every torque times a factor."""
-        return replace(self, height_nm=factor * self.height_nm)
 
 
 # Of the seven joints, as published.
@@ -83,39 +72,24 @@ PUBLISHED = (
     SigmoidCompensation(height_nm=0.56489, steepness_s_per_rad=10.336, shift_rad_s=0.0035526),
 )
 
-TYPICAL_STEEPNESS_S_PER_RAD = 9.0657  # median of the published ones
+STEEPNESS_S_PER_RAD = 9.0657  # of a fit: median of the published ones
 
 
-def fit_sigmoid(
-    coulomb_nm: float,
-    viscous_nms_per_rad: float,
-    *,
-    top_speed_rad_s: float = 1.0,
-    offset_nm: float = 0.0,
-    steepness_s_per_rad: float = TYPICAL_STEEPNESS_S_PER_RAD,
-) -> SigmoidCompensation:
+def fit_sigmoid(coulomb_nm: float, viscous_nms_per_rad: float, top_speed_rad_s: float = 1.0) -> SigmoidCompensation:
     """Return the sigmoid nearest to Coulomb and viscous friction over speeds up to a highest one, by least squares.
 
     The steepness is given and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
-    it may be, which at standstill turns noise of the velocity into torque. By the offset friction is larger in the
-    positive direction than on average.
-
-    Raises:
-        UsageError: If there is no friction to fit, or the offset is larger than it.
+    it may be, which at standstill turns noise of the velocity into torque.
     """
     speed = np.linspace(0.0, top_speed_rad_s, 401)[1:]
-    level = coulomb_nm + viscous_nms_per_rad * speed
-    if not (top_speed_rad_s > 0 and coulomb_nm >= 0 and viscous_nms_per_rad >= 0 and level[-1] > 0):
+    level, shape = coulomb_nm + viscous_nms_per_rad * speed, np.tanh(STEEPNESS_S_PER_RAD * speed / 2)
+    if not (coulomb_nm >= 0 and viscous_nms_per_rad >= 0 and level[-1] > 0):
         raise UsageError(
-            f"sigmoid compensation: Coulomb {coulomb_nm:g}, viscous {viscous_nms_per_rad:g}, top speed "
-            f"{top_speed_rad_s:g}: expected friction above zero and a speed above zero"
+            f"sigmoid compensation: Coulomb {coulomb_nm:g}, viscous {viscous_nms_per_rad:g}: expected friction above "
+            "zero"
         )
-    shape = np.tanh(steepness_s_per_rad * speed / 2)
-    half = float(shape @ level / (shape @ shape))
-    if not abs(offset_nm) < half:
-        raise UsageError(f"sigmoid compensation: offset {offset_nm:g} N m: expected less than the friction {half:g}")
-    shift = math.log((half - offset_nm) / (half + offset_nm)) / steepness_s_per_rad
-    return SigmoidCompensation(height_nm=2 * half, steepness_s_per_rad=steepness_s_per_rad, shift_rad_s=shift)
+    height = 2 * float(shape @ level / (shape @ shape))
+    return SigmoidCompensation(height_nm=height, steepness_s_per_rad=STEEPNESS_S_PER_RAD)
 
 
 @compiled(inline=True)
@@ -127,12 +101,17 @@ def sigmoid_nm(group: Record, dq: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class LugreCompensation:
+class LugreCompensation(Law):
     """u = sigma0 z + sigma1 dz/dt + sigma2 dq, with dz/dt = dq - sigma0 |dq| z / g(dq).
 
     g(dq) = Fc + (Fs - Fc) exp(-(dq/vs)^2). At standstill the bristles hold their torque; in a tick it changes by no
     more than sigma0 times the displacement, so that noise of the velocity does not make it chatter.
     """
+
+    where = "LuGre compensation"
+    positive = ("coulomb_nm", "stribeck_rad_s", "stiffness_nm_per_rad")
+    not_negative = ("viscous_nms_per_rad", "damping_nms_per_rad")
+    gains = ("coulomb_nm", "breakaway_nm", "viscous_nms_per_rad", "stiffness_nm_per_rad", "damping_nms_per_rad")
 
     coulomb_nm: float  # Fc [N m]
     breakaway_nm: float  # Fs [N m]
@@ -140,26 +119,14 @@ class LugreCompensation:
     stribeck_rad_s: float = 0.05  # vs [rad/s]
     stiffness_nm_per_rad: float = 300.0  # sigma0 [N m/rad]
     damping_nms_per_rad: float = 0.0  # sigma1 [N m s/rad]
-    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
-        require(
-            "LuGre compensation",
-            self,
-            finite=numbers_of(type(self)),
-            positive=("coulomb_nm", "stribeck_rad_s", "stiffness_nm_per_rad"),
-            not_negative=("viscous_nms_per_rad", "damping_nms_per_rad"),
-        )
+        Law.__post_init__(self)
         if self.breakaway_nm < self.coulomb_nm:
             raise UsageError(
                 f"LuGre compensation: breakaway_nm {self.breakaway_nm:g}: expected coulomb_nm {self.coulomb_nm:g} "
                 f"or more"
             )
-
-    def scaled(self, factor: float) -> Self:
-        """Return it with every torque times a factor."""
-        torques = ("coulomb_nm", "breakaway_nm", "viscous_nms_per_rad", "stiffness_nm_per_rad", "damping_nms_per_rad")
-        return replace(self, **{name: factor * getattr(self, name) for name in torques})
 
 
 @compiled(inline=True)
@@ -191,7 +158,7 @@ def lugre_nm(group: Record, memory: Record, dq: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class JointModelCompensation:
+class JointModelCompensation(Law):
     """A compensator that applies the terms of friction of a joint's model instead of the log's friction.
 
     It runs in a replay, which gives it at every tick what they take. As with the compensator of the paper, dry friction
@@ -199,16 +166,16 @@ class JointModelCompensation:
     are applied at any speed.
     """
 
+    where, not_negative = "compensation by a joint's model", ("dead_band_rad_s", "ramp_rad_s")
+
     terms: tuple[FittedTerm, ...]
     dead_band_rad_s: float = 0.01  # speed up to which dry friction is silent [rad/s]
     ramp_rad_s: float = 0.03  # range of speed over which it then rises to all of it [rad/s]
-    guard: Guard = field(default_factory=Guard)  # passivity controller and limits
 
     def __post_init__(self) -> None:
         if not self.terms:
             raise UsageError("compensation by a joint's model: no term of friction; expected one at least")
-        ranges = numbers_of(type(self))
-        require("compensation by a joint's model", self, finite=ranges, not_negative=ranges)
+        Law.__post_init__(self)
 
 
 @compiled(inline=True)
