@@ -103,7 +103,7 @@ JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
         (HEAD + "joint = [1]", r"no \[\[joint\]\] table"),
         (
             HEAD + "[[joint]]\n[joint.terms.offset]",
-            "joint 1: name is missing.*inertia_kg_m2 is missing.*offset_nm miss",
+            "joint 1: name, inertia_kg_m2 missing.*offset: offset_nm missing",
         ),
         (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = "1"', "joint 1: inertia_kg_m2 is no number"),
         (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = nan', "joint 1: inertia_kg_m2 = nan; expected a number"),
@@ -148,9 +148,6 @@ def test_a_file_that_is_no_text_or_not_there(tmp_path: Path) -> None:
         load_model(tmp_path / "model.toml")
     with pytest.raises(InputError, match="cannot be read: No such file"):
         load_model(tmp_path / "none.toml")
-
-
-"""All numbers of a gravity error that version 0.1.0 wrote."""
 
 
 def test_an_arm_has_a_name_per_joint() -> None:

@@ -21,15 +21,10 @@ CHANGE_PER_COULOMB = 0.5
 
 
 def mean_sign(t: Float, dq: Float, ddq: Float) -> Float:
-    """Return the mean sign of a velocity from half a sample before to half a sample after, shape (n,).
+    """Return the mean sign of a velocity of slope ddq from half a sample before to half a sample after, shape (n,).
 
     A sharp sign changes at a sample, a reversal anywhere between two: at 400 Hz a millisecond of twice the Coulomb
     friction, more than the noise of a good sensor.
-
-    Args:
-        t: Evenly spaced times, shape (n,). [s]
-        dq: Velocity, shape (n,). [rad/s]
-        ddq: Its slope there, shape (n,). [rad/s^2]
     """
     if len(t) < 2:  # noqa: PLR2004 - one sample has no cell
         return np.sign(dq)
@@ -40,9 +35,7 @@ def mean_sign(t: Float, dq: Float, ddq: Float) -> Float:
 def grid_noise(signal: Float, differences: int = 2) -> float:
     """Return the standard deviation of a signal's noise, from differences that no motion reaches.
 
-    Args:
-        signal: Shape (n,).
-        differences: 2 for a velocity or a torque; 4 for a position, whose second ones are a motion's acceleration.
+    Those are the second of a velocity or a torque, the fourth of a position, whose second are a motion's acceleration.
     """
     bend = np.abs(np.diff(signal, n=differences))
     return SIGMA_PER_BEND[differences] * SIGMA_PER_MEDIAN * float(np.median(bend)) if len(bend) else 0.0
@@ -57,16 +50,13 @@ class JointData:
     Attributes:
         joint: Which joint, column of the interaction.
         t: Time, shape (n,), evenly spaced. [s]
-        q: Position, shape (n,). [rad]
-        dq: Velocity. [rad/s]
-        ddq: Acceleration, the derivative of the filtered velocity. [rad/s^2]
+        q, dq, ddq: Position [rad], velocity [rad/s] and the derivative of the filtered velocity [rad/s^2], shape (n,).
         torque: What drives the side on which friction acts: F_m plus a logged compensator. [N m]
         temperature: Temperature where it was logged, else None. [degC]
         load: What the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and
             the links' inertia where it was taken away; predicted, None where it is not known, shape (n,). [N m]
         rigid: What the rigid-body model of the arm says about the joint, None where no model is known.
-        others_dq: Velocities of all joints, shape (n, j). [rad/s]
-        others_ddq: Accelerations of all joints, shape (n, j). [rad/s^2]
+        others_dq, others_ddq: Velocities [rad/s] and accelerations [rad/s^2] of all joints, shape (n, j).
         others_torque: What the torque sensors of all joints read, gravity included, counted as the torque counts,
             shape (n, j). [N m]
         others_joint: Column of this joint among them; ``joint`` where None.
@@ -163,21 +153,13 @@ def duration(data: JointData) -> float:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Nominal:
-    """The nominal model as fitted to a joint: what columns may be built on, never the measured torque itself.
-
-    Attributes:
-        inertia_kg_m2: Inertia. [kg m^2]
-        coulomb_nm: Coulomb friction. [N m]
-        viscous_nms_per_rad: Viscous friction. [N m s/rad]
-        torque: Torque that the model predicts, shape (n,). [N m]
-        declared: Names of the numbers above that were stated; all others were fitted.
-    """
+    """The nominal model as fitted to a joint: what columns may be built on, never the measured torque itself."""
 
     inertia_kg_m2: float
     coulomb_nm: float
     viscous_nms_per_rad: float
-    torque: Float
-    declared: frozenset[str] = frozenset()
+    torque: Float  # that the model predicts, shape (n,) [N m]
+    declared: frozenset[str] = frozenset()  # names of the numbers above that were stated; all others were fitted
 
 
 def displacement(data: JointData) -> Float:
@@ -205,9 +187,8 @@ def displacement(data: JointData) -> Float:
 
 def moves(data: JointData, _nominal: Nominal) -> str | None:
     """Some motion at all."""
-    if int(data.used.sum()) < FEWEST_SAMPLES:
-        return "hardly any motion: move back and forth for several cycles"
-    return None
+    few = int(data.used.sum()) < FEWEST_SAMPLES
+    return "hardly any motion: move back and forth for several cycles" if few else None
 
 
 def both_directions(data: JointData, nominal: Nominal) -> str | None:
@@ -236,9 +217,8 @@ def several_speeds(data: JointData, nominal: Nominal) -> str | None:
     peak = np.zeros(int(cycle.max()) + 1)
     np.maximum.at(peak, cycle, speed)
     peak = peak[np.unique(cycle)]
-    if peak.std() >= 0.1 * peak.mean():
-        return None
-    return "all motions are equally fast: repeat them at two or more clearly different speeds"
+    equal = "all motions are equally fast: repeat them at two or more clearly different speeds"
+    return equal if peak.std() < 0.1 * peak.mean() else None
 
 
 def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
@@ -246,11 +226,8 @@ def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
     if lacking := moves(data, nominal):
         return lacking
     low, high = reach(data)
-    return (
-        None
-        if high - low >= least_rad
-        else f"the joint spans {high - low:.2f} rad: move it over at least {least_rad:g} rad"
-    )
+    few = f"the joint spans {high - low:.2f} rad: move it over at least {least_rad:g} rad"
+    return few if high - low < least_rad else None
 
 
 def reversals(data: JointData, nominal: Nominal) -> str | None:
@@ -276,6 +253,6 @@ def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:
         return "the log has one joint: record its neighbours too"
     if lacking := moves(data, nominal):
         return lacking
-    if data.others_torque[data.used][:, neighbours].std(axis=0).max() >= CHANGE_PER_COULOMB * abs(nominal.coulomb_nm):
-        return None
-    return "the torque of the neighbours hardly changes: load them, also while this joint rests"
+    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
+    few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
+    return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None

@@ -20,7 +20,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import BatchedEffect, Nonlinear
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -34,7 +34,7 @@ SPAN_SHARES = np.append(np.geomspace(1e-5, 1e-4, 3)[:-1], np.geomspace(1e-4, 0.3
 KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 
-class Presliding(BatchedEffect):
+class Presliding(Effect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield what bristles in the place of Coulomb friction add: z + T dz/dt - sgn(dq).
 
@@ -62,10 +62,7 @@ class Presliding(BatchedEffect):
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
     """Return the state z along a path, exact for a path straight between its samples, 0 at the start, shape (n,).
 
-    Args:
-        q: Positions, shape (n,). [rad]
-        reach_rad: Displacement after which a spring as stiff as at z = 0 would be at the level. [rad]
-        exponent: n; 0 gives way all at once, larger ones give way longer before.
+    At the reach a spring as stiff as at z = 0 would be at the level; exponent 0 gives way all at once.
     """
     path = np.ascontiguousarray(q, dtype=np.float64) / reach_rad
     if exponent < 1.0:
