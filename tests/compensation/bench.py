@@ -12,8 +12,9 @@ from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compiled import Record
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.simulation import TrueMotion
 
 # Competitors on the simulator's bench, and step by step.
@@ -40,7 +41,7 @@ def guided(
         compensator=compensator,
         duration_s=duration_s,
     )
-    return simulate_bench(settings, 0).truth.motion
+    return simulate(settings, 0).truth.motion
 
 
 def work_j(motion: TrueMotion) -> float:

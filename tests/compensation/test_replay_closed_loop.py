@@ -12,8 +12,9 @@ from friction_audit.compensation.settings import Competitor, OperatorImpedance, 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.motion import Sinusoid, StopAndGo
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
@@ -25,7 +26,7 @@ COMPENSATOR = energy_compensator()
 
 @cache
 def log_of(settings: BenchSettings) -> JointLog:
-    return simulate_bench(settings, 1).log
+    return simulate(settings, 1).log
 
 
 def replay(log: JointLog, settings: ReplaySettings) -> LogReplay:

@@ -19,9 +19,10 @@ from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
 
 SIMPLE = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
@@ -69,7 +70,7 @@ def file_of(*joints: JointModel | None) -> ModelFile:
 @cache
 def log_of(model: JointModel, *, noisy: bool = False) -> JointLog:
     bench = replace(BENCH, sensors=(PANDA_SENSORS[0],)) if noisy else BENCH
-    return simulate_bench(with_model(bench, file_of(model).model), 1).log
+    return simulate(with_model(bench, file_of(model).model), 1).log
 
 
 def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool = False) -> JointReplay:

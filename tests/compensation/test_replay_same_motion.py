@@ -13,10 +13,11 @@ from friction_audit.compensation.settings import ReplaySettings, energy_compensa
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
 from friction_audit.reporting.sentences import sentence_of
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
@@ -28,7 +29,7 @@ VISCOUS_BENCH = replace(BENCH, joints=(VISCOUS_JOINT,))
 
 @cache
 def log_of(settings: BenchSettings, seed: int = 1) -> JointLog:
-    return simulate_bench(settings, seed).log
+    return simulate(settings, seed).log
 
 
 def replay(

@@ -146,7 +146,7 @@ IN_LOGS = {"stiction", "frictional_lag", "joint_limit_stop", "torque_drift", "jo
 
 
 def whole_delay(delay_s: float) -> Float:
-    return np.asarray(delayed(REST, delay_s, DT))
+    return np.asarray(delayed(delay_s, REST, DT))
 
 
 @pytest.mark.parametrize(("name", "values", "simulated"), CASES, ids=[case[0] for case in CASES])

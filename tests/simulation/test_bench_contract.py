@@ -9,9 +9,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.slow_and_events import UnloggedCompensation
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
 
@@ -42,7 +43,7 @@ READING = ("gravity_error", "torque_bias", "torque_drift", "time_delay")
 
 @pytest.fixture(scope="module")
 def nothing() -> Simulation:
-    return simulate_bench(PLAIN, SEED)
+    return simulate(PLAIN, SEED)
 
 
 def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:
@@ -71,7 +72,7 @@ def test_at_zero_strength_nothing_changes_to_the_bit(
     effect: type[HiddenEffect], form: str, nothing: Simulation
 ) -> None:
     """A joint gets warm with or without an effect on its friction: warm-up may tell how fast."""
-    simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form, **others_changed(effect)),)), SEED)
+    simulation = simulate(replace(PLAIN, hidden=(hide(effect, form, **others_changed(effect)),)), SEED)
     for (name, column), (_, plain) in zip(columns(simulation), columns(nothing), strict=True):
         if (effect.name, name) != ("warm_up", "warmth"):
             assert_array_equal(column, plain, err_msg=name)
@@ -80,7 +81,7 @@ def test_at_zero_strength_nothing_changes_to_the_bit(
 
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
 def test_as_usual_it_shows_and_stays_finite(effect: type[HiddenEffect], form: str, nothing: Simulation) -> None:
-    simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form),)), SEED)
+    simulation = simulate(replace(PLAIN, hidden=(hide(effect, form),)), SEED)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
     assert simulation.log.source.sha256 != nothing.log.source.sha256
@@ -108,7 +109,7 @@ def net_work(motion: TrueMotion) -> Any:
     ids=[n for n in NAMES if n.split("-")[0] in FRICTION],
 )
 def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEffect], form: str) -> None:
-    motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
+    motion = simulate(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
     taken = motion.dissipated_j[:, 0]
     assert (np.diff(taken) >= 0.0).all()
     kinetic = 0.5 * FINE.joints[0].inertia_kg_m2 * motion.inner_dq[:, 0] ** 2
@@ -120,7 +121,7 @@ def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEff
 def test_the_joint_obeys_its_equation_of_motion(effect: type[HiddenEffect], form: str) -> None:
     """B ddq = F_m + u - tau_f at every tick, what else pulls behind the sensor being left over."""
     elsewhere = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")
-    motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
+    motion = simulate(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
     inertia = 0.3 + (0.1 if effect.name == "inertia_error" else 0.0)
     left = inertia * motion.inner_ddq - (motion.interaction_nm + motion.unlogged_nm - motion.friction_nm)
     if effect.name in elsewhere and form != "reading":
@@ -155,7 +156,7 @@ def test_all_effects_at_once(number: int, driven: bool) -> None:
     hidden = everything(number)
     if driven:
         hidden = replace(hidden, unlogged_compensation=Hidden().unlogged_compensation)
-    simulation = simulate_bench(replace(settings, hidden=(hidden,)), SEED)
+    simulation = simulate(replace(settings, hidden=(hidden,)), SEED)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
     assert np.abs(simulation.truth.motion.dq).max() < 5.0

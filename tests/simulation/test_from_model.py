@@ -11,9 +11,10 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.hide import EQUALS, hidden_effects, with_model
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
 from tests.effects.recordings import typical_term
 
@@ -77,7 +78,7 @@ CASES = [*EXAMPLES.items(), ("cable_spring", PRELOADED)]
 @pytest.mark.parametrize(("name", "values"), CASES, ids=lambda part: part if isinstance(part, str) else "")
 def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, values: dict[str, float]) -> None:
     model = model_of({name: values})
-    simulation = simulate_bench(with_model(IDEAL, arm_of(model)), 3)
+    simulation = simulate(with_model(IDEAL, arm_of(model)), 3)
     log = simulation.log
     assert log.tau_interaction is not None
     t, q, dq = log.t, log.q[:, 0], log.dq[:, 0]

@@ -54,12 +54,12 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 
-def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *, driven: bool) -> Mechanism:
+def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams) -> Mechanism:
     """Build the mechanism at rest; its masses and its drive are the caller's to set.
 
     Where ``driven``, the motors are on the outer side, friction and links on the inner one.
     """
-    n, hidden = len(settings.joints), settings.hidden
+    n, hidden, driven = len(settings.joints), settings.hidden, settings.driven
     for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):
         rigid = inside.joint_elasticity.compliance_rad_per_nm == 0.0
         if joint.torque_loop != TorqueLoop() and (rigid or driven):

@@ -218,10 +218,10 @@ def test_drifts_by_hand_and_the_scatter_of_random_walks() -> None:
 @pytest.mark.parametrize("steps", [0.0, 1.0, 2.25, 7.0, 80.0])
 def test_a_delay_line_shifts_samples_and_reads_between_them(steps: float) -> None:
     ramp = np.arange(50.0)
-    assert_allclose(delayed(ramp, steps * 1e-4, 1e-4), np.maximum(ramp - steps, 0.0), atol=1e-9)
+    assert_allclose(delayed(steps * 1e-4, ramp, 1e-4), np.maximum(ramp - steps, 0.0), atol=1e-9)
     table = np.column_stack((ramp, 2 * ramp))
-    assert_allclose(delayed(table, steps * 1e-4, 1e-4)[:, 1], 2 * np.maximum(ramp - steps, 0.0), atol=1e-9)
-    assert delayed(ramp, 0.0, 1e-4) is ramp
+    assert_allclose(delayed(steps * 1e-4, table, 1e-4)[:, 1], 2 * np.maximum(ramp - steps, 0.0), atol=1e-9)
+    assert delayed(0.0, ramp, 1e-4) is ramp
 
 
 @given(

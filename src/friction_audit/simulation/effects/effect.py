@@ -1,18 +1,15 @@
 """What a hidden effect is: something that real joints and sensors do, as the simulator's own formula."""
 
 import difflib
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from math import inf, nan, pi, sqrt
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import effect_of
 from friction_audit.errors import UsageError
-
-if TYPE_CHECKING:
-    from friction_audit.simulation.settings import JointParameters
+from friction_audit.simulation.settings import JointParameters, kind_name
 
 FORM = "form"
 LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
@@ -27,7 +24,7 @@ ALIKE = 0.05  # numbers that differ by a smaller share are taken for equal, for 
 class Setting:
     """What the meaning of a term of a joint model depends on."""
 
-    joint: "JointParameters"  # inertia and friction of the joint
+    joint: JointParameters  # inertia and friction of the joint
     start_rad: float  # where the joint is at the start; the simulator counts some positions from there [rad]
     driven: bool  # true if the joint moves by itself
     duration_s: float  # length of the recording [s]
@@ -83,7 +80,7 @@ class HiddenEffect:
     name: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:
-        cls.name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", cls.__name__).lower()
+        cls.name = kind_name(cls)
 
     @classmethod
     def family(cls) -> str:

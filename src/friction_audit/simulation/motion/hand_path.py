@@ -1,46 +1,35 @@
 """The path of a hand that guides an arm: minimum-jerk strokes between via points, the orientation turning along."""
 
 from dataclasses import dataclass
-from math import inf, pi
 
 import numpy as np
 
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation.motion.strokes import PEAK, REST_S, SHORTEST_S, course, latest, slope, tick_times
-from friction_audit.simulation.settings import require_order, require_positive, require_within
+from friction_audit.simulation.settings import Checked, positive, within
 
-WHERE = "hand path"
 SHORTEST_M = 1e-3  # a hand that reaches less far stands still
 SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to rounding
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class HandPath:
+class HandPath(Checked):
     """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
 
     A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
     of a Panda that starts in its ready pose, the first one the least, and keep its limits.
     """
 
-    reach_m: float = 0.12  # radius of the ball of positions around the start [m]
-    sideways: float = 2.5  # the ball is so many times as wide along y, to the sides
-    rotation_rad: float = 0.6  # radius of the ball of rotation vectors around the start orientation [rad]
+    reach_m: float = within(0.12, SHORTEST_M)  # radius of the ball of positions around the start [m]
+    sideways: float = positive(2.5)  # the ball is so many times as wide along y, to the sides
+    # radius of the ball of rotation vectors around the start orientation, below half a turn [rad]
+    rotation_rad: float = within(0.6, 0.0, 3.14)
     # shortest and longest duration of a stroke, where neither the speed nor the reach cuts it [s]
-    stroke_s: tuple[float, float] = (0.9, 1.8)
+    stroke_s: tuple[float, float] = within((0.9, 1.8), SHORTEST_S)
     # slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it [m/s]
-    speed_m_s: tuple[float, float] = (0.15, 0.6)
-    turning_rad_s: float = 1.2  # no stroke turns faster [rad/s]
-    pause_s: tuple[float, float] = (0.2, 0.7)  # shortest and longest pause between two strokes [s]
-
-    def __post_init__(self) -> None:
-        require_positive(WHERE, sideways=self.sideways, turning_rad_s=self.turning_rad_s, slowest_m_s=self.speed_m_s[0])
-        require_within(WHERE, SHORTEST_M, inf, reach_m=self.reach_m)
-        require_within(WHERE, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
-        require_within(WHERE, 0, inf, rotation_rad=self.rotation_rad, shortest_pause_s=self.pause_s[0])
-        require_order(WHERE, stroke_s=self.stroke_s, speed_m_s=self.speed_m_s, pause_s=self.pause_s)
-        if self.rotation_rad >= pi:
-            raise UsageError(f"{WHERE}: rotation_rad {self.rotation_rad:g}: expected less than half a turn")
+    speed_m_s: tuple[float, float] = positive((0.15, 0.6))
+    turning_rad_s: float = positive(1.2)  # no stroke turns faster [rad/s]
+    pause_s: tuple[float, float] = within((0.2, 0.7))  # shortest and longest pause between two strokes [s]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
