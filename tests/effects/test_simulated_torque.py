@@ -92,12 +92,8 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
         (0.2, 1.7, 1e-6, 0.0),
         lambda g: SIGN * each("nonlinear_viscous_nm", abs(MOTION.dq))(g),
     ),
-    ("asymmetric_coulomb", (0.1,), lambda g: SIGN * each("asymmetric_coulomb_nm", SIGN)(g)),
-    (
-        "asymmetric_viscous",
-        (0.05,),
-        lambda g: SIGN * each("asymmetric_viscous_nm", SIGN, abs(MOTION.dq))(g),
-    ),
+    ("asymmetric_coulomb", (0.1,), lambda g: g.half_difference_nm * SIGN**2),
+    ("asymmetric_viscous", (0.05,), lambda g: g.half_difference_nms_per_rad * abs(MOTION.dq)),
     ("presliding", (0.4, 0.02, 1.0, 0.0), bristles),
     ("presliding", (0.4, 0.02, 1.5, 0.0), bristles),
     (
@@ -157,7 +153,7 @@ def test_the_simulator_s_formula_is_the_column(
     by_name = {parameter.name: value for parameter, value in zip(term.parameters, values, strict=True)}
     setting = Setting(joint=JOINT, start_rad=0.0, driven=False, duration_s=N * DT)
     given = HIDDEN[name].from_parameters(by_name, setting)
-    group = HIDDEN[name].make({key: v if isinstance(v, str) else repr(float(v)) for key, v in given.items()})
+    group = HIDDEN[name].make(given)
     expected = term.torque(MOTION, values)
     scale = float(np.abs(expected).max())
     assert scale > 0.0

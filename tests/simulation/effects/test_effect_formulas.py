@@ -28,7 +28,7 @@ from friction_audit.simulation.effects.sensors import (
     torque_drift_nm,
 )
 from friction_audit.simulation.effects.slow_and_events import WarmUp, temperature_c
-from friction_audit.simulation.effects.structure import JointElasticity, coupled_mass, damping_nms_per_rad
+from friction_audit.simulation.effects.structure import JointElasticity, coupled_mass
 from friction_audit.simulation.mechanics.records import pack
 
 CLASSES = {effect.name: effect for effect in EFFECTS}
@@ -71,8 +71,6 @@ BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] 
     ("nonlinear_viscous", "nonlinear_viscous_nm", "cubic", NV, (2.0,), 1.6),
     ("nonlinear_viscous", "nonlinear_viscous_nm", "eyring", NV, (1.0,), 0.2),
     ("nonlinear_viscous", "nonlinear_viscous_nm", "arctan", NV, (1e9,), 0.1 * math.pi / math.atan(10.0)),
-    ("asymmetric_coulomb", "asymmetric_coulomb_nm", "", {"half_difference_nm": -0.08}, (-1.0,), 0.08),
-    ("asymmetric_viscous", "asymmetric_viscous_nm", "", {"half_difference_nms_per_rad": 0.03}, (-1.0, 2.0), -0.06),
     ("load_dependent_friction", "load_friction_nm", "linear", {"share": 0.1}, (-5.0, 1.0), 0.5),
     ("load_dependent_friction", "load_friction_nm", "quadratic", {"share": 0.1}, (-5.0, 1.0), 0.25),
     ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, 1.0), 0.75),
@@ -151,10 +149,9 @@ def test_friction_grows_or_falls_and_never_drives(
     assert min(low, high) >= 0.0
 
 
-def test_a_gear_too_stiff_to_be_simulated_is_refused_and_damping_by_hand() -> None:
+def test_a_gear_too_stiff_to_be_simulated_is_refused() -> None:
     with pytest.raises(UsageError, match="compliance_rad_per_nm 1e-09: expected 0, a rigid joint, or at least 1e-05"):
         JointElasticity(compliance_rad_per_nm=1e-9)
-    assert damping_nms_per_rad(0.05, 1e-3, 0.15) == pytest.approx(0.1 * math.sqrt(1e3 * 0.15))
 
 
 @given(warmth=st.floats(0.0, 10.0), power=st.floats(0.0, 2.0), h=st.floats(0.0, 100.0))

@@ -3,8 +3,9 @@
 A robot excites itself by a multisine, as identification practice has it (Swevers et al., 1997).
 """
 
+import itertools
 from dataclasses import dataclass
-from math import inf, pi
+from math import inf, isqrt, pi
 
 import numpy as np
 
@@ -123,10 +124,6 @@ def frequencies_hz(settings: Commanded, joints: int) -> Float:
 
 
 def _primes(count: int) -> Float:
-    """Return the first primes, shape (count,), by Eratosthenes' sieve below Rosser's bound n (ln n + ln ln n)."""
-    limit = int(count * (np.log(count) + np.log(np.log(count)))) + 1
-    prime = np.ones(limit + 1, dtype=bool)
-    prime[:2] = False
-    for number in range(2, int(limit**0.5) + 1):
-        prime[number * number :: number] &= not prime[number]
-    return np.flatnonzero(prime)[:count].astype(np.float64)
+    """Return the first primes, shape (count,)."""
+    primes = (n for n in itertools.count(2) if all(n % k for k in range(2, isqrt(n) + 1)))
+    return np.array(list(itertools.islice(primes, count)), dtype=np.float64)
