@@ -142,12 +142,7 @@ ROWS: list[Row] = [
     ("warm_up", HEATED, S * np.exp(-0.5 * HEAT), 0.95, {}),
     *(
         ("load_dependent_friction", LOADED, 0.02 * S * size, 0.999, {})
-        for size in (
-            np.abs(WEIGHT),
-            np.abs(BORNE),
-            BORNE**2,
-            np.abs(BORNE) * (1.0 + 0.4 * np.sign(BORNE * V)),
-        )
+        for size in (np.abs(WEIGHT), np.abs(BORNE), BORNE**2, np.abs(BORNE) * (1.0 + 0.4 * np.sign(BORNE * V)))
     ),
     ("gravity_error", A_LINK, 0.3 * np.cos(ANGLES[1]), 0.99, {}),
     ("gravity_error", an_arm(OWN, NEXT, LAST), NEXT @ [0.03, 0, 0, 0] + LAST @ [0.02, -0.04, 0, 0], 0.999, {}),

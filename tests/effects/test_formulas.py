@@ -191,10 +191,7 @@ def test_coupling_by_all_others_and_by_the_model_of_the_arm() -> None:
     [
         (1.0, lambda x: 2.0 / np.pi * np.arctan(np.sqrt(2.0) * x)),
         (2.0, lambda x: x / np.sqrt(1.0 + x**2)),
-        (
-            4.0,
-            lambda x: np.sin(np.arctan(x / 2**0.5)) * (1.0 + np.cos(np.arctan(x / 2**0.5)) ** 2 / 2.0),
-        ),
+        (4.0, lambda x: np.sin(np.arctan(x / 2**0.5)) * (1.0 + np.cos(np.arctan(x / 2**0.5)) ** 2 / 2.0)),
     ],
 )
 def test_bends_that_have_a_formula(freedom: float, formula: object) -> None:

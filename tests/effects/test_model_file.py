@@ -101,10 +101,7 @@ JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
         (HEAD, r"no \[\[joint\]\] table"),
         (HEAD + "joint = []", r"no \[\[joint\]\] table"),
         (HEAD + "joint = [1]", r"no \[\[joint\]\] table"),
-        (
-            HEAD + "[[joint]]\n[joint.terms.offset]",
-            "joint 1: name, inertia_kg_m2 missing.*offset: offset_nm missing",
-        ),
+        (HEAD + "[[joint]]\n[joint.terms.offset]", "joint 1: name, inertia_kg_m2 missing.*offset: offset_nm missing"),
         (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = "1"', "joint 1: inertia_kg_m2 is no number"),
         (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = nan', "joint 1: inertia_kg_m2 = nan; expected a number"),
         (HEAD + '[[joint]]\nname = "a"\ninertia = 1', r"'inertia' is no key \(did you mean inertia_kg_m2\?\)"),

@@ -87,11 +87,7 @@ def crosstalk(group: Any) -> Float:
 # Effect, parameters of the term, torque that the simulator's formula takes: F_m with the effect less F_m without it.
 CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     ("stribeck", (0.2, 0.3, 1.5), lambda g: SIGN * each("stribeck_nm", abs(MOTION.dq))(g)),
-    (
-        "nonlinear_viscous",
-        (0.2, 1.7, 1e-6, 0.0),
-        lambda g: SIGN * each("nonlinear_viscous_nm", abs(MOTION.dq))(g),
-    ),
+    ("nonlinear_viscous", (0.2, 1.7, 1e-6, 0.0), lambda g: SIGN * each("nonlinear_viscous_nm", abs(MOTION.dq))(g)),
     ("asymmetric_coulomb", (0.1,), lambda g: g.half_difference_nm * SIGN**2),
     ("asymmetric_viscous", (0.05,), lambda g: g.half_difference_nms_per_rad * abs(MOTION.dq)),
     ("presliding", (0.4, 0.02, 1.0, 0.0), bristles),
@@ -123,16 +119,8 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     ("inertia_error", (0.05,), lambda g: g.extra_kg_m2 * MOTION.ddq),
     ("friction_step", (0.1, 0.02, 1.0, 0.0), stepped),
     ("friction_step", (0.1, 0.02, 1.0, 0.5), stepped),
-    (
-        "unlogged_compensation",
-        (0.15, 0.05, 0.0, 0.0),
-        lambda g: -each("unlogged_nm", MOTION.dq)(g),
-    ),
-    (
-        "unlogged_compensation",
-        (0.15, 0.05, 0.0, 1.0),
-        lambda g: -each("unlogged_nm", MOTION.dq)(g),
-    ),
+    ("unlogged_compensation", (0.15, 0.05, 0.0, 0.0), lambda g: -each("unlogged_nm", MOTION.dq)(g)),
+    ("unlogged_compensation", (0.15, 0.05, 0.0, 1.0), lambda g: -each("unlogged_nm", MOTION.dq)(g)),
 ]
 
 # Without an equal formula, or a torque only in a moving joint: compared in simulated logs (tests/simulation).

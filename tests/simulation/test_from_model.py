@@ -40,11 +40,7 @@ EXAMPLES: dict[str, dict[str, float]] = {
     "offset": {"offset_nm": 0.1},
     "torque_bias": {"torque_bias_nm": -0.1},
     "stribeck": {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0},
-    "nonlinear_viscous": {
-        "curved_viscous_nm": 0.1,
-        "curved_viscous_exponent": 2.0,
-        "curved_viscous_speed_rad_s": 1e-3,
-    },
+    "nonlinear_viscous": {"curved_viscous_nm": 0.1, "curved_viscous_exponent": 2.0, "curved_viscous_speed_rad_s": 1e-3},
     "asymmetric_coulomb": {"coulomb_half_difference_nm": 0.1},
     "asymmetric_viscous": {"viscous_half_difference_nms_per_rad": 0.03},
     "position_dependent_friction": {

@@ -114,11 +114,12 @@ def move_arm(settings: ArmSettings, streams: Streams, path: str, progress: Progr
     gravity = np.zeros((ticks + 1, len(pose)))
     arm = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
     # The inner sides, the motors' or the links', bear gravity compensation or their weight.
-    settle(
-        mechanism.joints, mechanism.body, -arm.compute(pose, 0.0 * pose)[1] if settings.driven else arm.support(pose)
-    )
+    load = -arm.compute(pose, 0.0 * pose)[1] if settings.driven else arm.support(pose)
+    settle(mechanism.joints, mechanism.body, load)
     for k in range(ticks + 1):
-        arm.pull(k, gravity[k])
+        q, dq = arm.predict(k)
+        gravity[k] = arm.support(q)
+        arm.pull(k, q, *arm.compute(q, dq), gravity[k])
         run(mechanism, np.zeros(0), np.zeros(0), arm.jacobian, arm.cycle, k, k + 1)
         if progress is not None and k % CHUNK_TICKS == 0:
             progress(k / ticks)
@@ -210,19 +211,17 @@ class GuidedArm(RigidBody):
         self._orientation = Rotation.from_rotvec(intended.rotation).as_matrix() @ upright
         self._quaternion, self._turn = np.zeros(4), np.zeros(3)
 
-    def pull(self, k: int, gravity: Float) -> None:
-        """Let the hand pull from half a tick before tick k to half a tick after it; write gravity compensation down."""
-        q, dq = self.predict(k)
-        mass, bias = self.compute(q, dq)
+    def pull(self, k: int, q: Float, mass: Float, bias: Float, gravity: Float) -> None:
+        """Let the hand pull from half a tick before tick k to half a tick after it."""
         mj, data, jacobian, springs, dampers = self._mj, self._data, self.jacobian, self._springs, self._dampers
         mj.mj_jacBody(self._model, data, jacobian[:3], jacobian[3:], self._flange)
         mj.mju_mat2Quat(self._quaternion, (self._orientation[k] @ data.xmat[self._flange].reshape(3, 3).T).ravel())
         mj.mju_quat2Vel(self._turn, self._quaternion, 1.0)
         off, target = np.concatenate([self._place[k] - data.xpos[self._flange], self._turn]), self._target[k]
         pull = springs * off + dampers * target + self._lift
-        gravity[:] = self.support(q)
-        body = self.mechanism.body
-        guide(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity)
+        guide(
+            self.mechanism.body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity
+        )
 
 
 class ServoedArm(RigidBody):
@@ -235,11 +234,8 @@ class ServoedArm(RigidBody):
         body.stiffness[:] = np.eye(len(body.y)) * self._servo.stiffness_nm_per_rad
         body.drive_damping[:] = np.eye(len(body.y)) * self._servo.damping_nms_per_rad
 
-    def pull(self, k: int, gravity: Float) -> None:
-        """Let the motors pull; write gravity compensation down."""
-        q, dq = self.predict(k)
-        mass, bias = self.compute(q, dq)
-        gravity[:] = self.support(q)
+    def pull(self, k: int, _: Float, mass: Float, bias: Float, gravity: Float) -> None:
+        """Let the motors pull, likewise."""
         body, servo, n = self.mechanism.body, self._servo, self._joints
         place, speed = self._command.position[k] + self.settings.pose_rad, self._command.velocity[k]
         body.push[:n] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed

@@ -14,15 +14,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.sensors import torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.effects.structure import coupled_mass
-from friction_audit.simulation.mechanics.records import (
-    ROWS,
-    STATE,
-    Clock,
-    Loop,
-    Mechanism,
-    make_body,
-    pack,
-)
+from friction_audit.simulation.mechanics.records import ROWS, STATE, Clock, Loop, Mechanism, make_body, pack
 from friction_audit.simulation.sensors import draw_noise
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, JointParameters, Streams, TorqueLoop, of_each_joint
 

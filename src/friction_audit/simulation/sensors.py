@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compensation.compensators import guard_of
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
 from friction_audit.simulation.effects.slow_and_events import temperature_c
-from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, any_guards
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, of_each_joint
 from friction_audit.simulation.simulation import Moved
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def _channels(settings: "Settings", moved: Moved) -> dict[str, Float]:
         channels["gravity"] = quantise(logged, GRAVITY_STEP_NM)
     if settings.compensator is not None:
         channels["tau_compensation"] = motion.compensation_nm
-        if any_guards(settings.compensator):
+        if any(guard_of(one).passivity for one in of_each_joint(settings.compensator, len(hidden))):
             channels["tau_passivity"] = motion.passivity_nm
     if settings.robot == "panda" and not settings.driven:
         channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, guard_of
+from friction_audit.compensation.compensators import Compensator
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -213,9 +213,3 @@ def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Comp
     if len(compensator.compensators) != joints:
         raise UsageError(f"joint by joint: {len(compensator.compensators)} compensators: expected {joints}")
     return compensator.compensators
-
-
-def any_guards(compensator: AnyCompensator | None) -> bool:
-    """Return True if a passivity controller acts in some joint."""
-    several = compensator.compensators if isinstance(compensator, JointByJoint) else (compensator,)
-    return any(guard_of(one).passivity for one in several)

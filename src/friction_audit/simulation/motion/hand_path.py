@@ -44,13 +44,14 @@ class HandMotion:
 
 def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
     """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
-    pose, rate = _follow(_draw_strokes(settings, ticks * dt, rng), tick_times(ticks, dt))
-    return HandMotion(
-        position=np.ascontiguousarray(pose[:, :3]),
-        rotation=np.ascontiguousarray(pose[:, 3:]),
-        velocity=np.ascontiguousarray(rate[:, :3]),
-        angular=angular_velocity(pose[:, 3:], rate[:, 3:]),
-    )
+    strokes, t = _draw_strokes(settings, ticks * dt, rng), tick_times(ticks, dt)
+    current = strokes[latest(strokes[:, 0], t)]
+    start, lasts, origin, change = np.split(current, [1, 2, 8], axis=1)
+    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
+    position, rotation = np.hsplit(origin + course(x) * change, 2)
+    velocity, turning = np.hsplit(slope(x) / lasts * change, 2)
+    angular = angular_velocity(rotation, turning)
+    return HandMotion(position=position, rotation=rotation, velocity=velocity, angular=angular)
 
 
 def angular_velocity(rotation: Float, derivative: Float) -> Float:
@@ -65,14 +66,6 @@ def angular_velocity(rotation: Float, derivative: Float) -> Float:
     across = np.cross(rotation, derivative)
     result: Float = derivative + first[:, np.newaxis] * across + second[:, np.newaxis] * np.cross(rotation, across)
     return result
-
-
-def _follow(strokes: Float, t: Float) -> tuple[Float, Float]:
-    """Return pose and its derivative at the times t, shape (n, 6) each. [m, rad; m/s, rad/s]"""
-    current = strokes[latest(strokes[:, 0], t)]
-    start, lasts, origin, change = current[:, :1], current[:, 1:2], current[:, 2:8], current[:, 8:]
-    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
-    return origin + course(x) * change, slope(x) / lasts * change
 
 
 def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generator) -> Float:
@@ -90,22 +83,21 @@ def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generato
 
 
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
-    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point, as far as it gets."""
-    change = _draw_via(settings, pose[:3], rng) - pose
+    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke as far as it gets towards a via point.
+
+    The via point is at least half the reach away.
+    """
+    while True:
+        place = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
+        if np.linalg.norm(place - pose[:3]) >= settings.reach_m / 2:
+            break
+    change = np.concatenate((place, settings.rotation_rad * _draw_in_ball(rng))) - pose
     distance = float(np.linalg.norm(change[:3]))
     speed = float(np.exp(rng.uniform(*np.log(settings.speed_m_s))))
     length = min(distance, speed * rng.uniform(*settings.stroke_s) / PEAK)
     change *= length / distance
     turn = float(np.linalg.norm(change[3:]))
     return max(PEAK * length / speed, PEAK * turn / settings.turning_rad_s, settings.stroke_s[0]), change
-
-
-def _draw_via(settings: HandPath, place: Float, rng: np.random.Generator) -> Float:
-    """Draw a via point, shape (6,) [m, rad], at least half the reach away from the place."""
-    while True:
-        position = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
-        if np.linalg.norm(position - place) >= settings.reach_m / 2:
-            return np.concatenate((position, settings.rotation_rad * _draw_in_ball(rng)))
 
 
 def _draw_in_ball(rng: np.random.Generator) -> Float:
