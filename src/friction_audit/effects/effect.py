@@ -36,44 +36,32 @@ class Trait(Flag):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
-    """One effect; a subclass defines ``columns`` or ``columns_of_many`` and overrides what only it needs.
+    """One effect; a subclass defines ``columns`` or ``columns_of_many`` and overrides what only it needs."""
 
-    Attributes:
-        name: From the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``.
-        label: A few words for people.
-        axis: Quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour.
-        coefficients: Parameters in which the torque is linear, one per column; bounds above zero are sign constraints.
-            Empty for an effect that no joint model can hold.
-        nonlinear: The other parameters.
-        traits: What holds for the torque.
-        needs: Which motion a log must hold; what is returned names the one that it lacks.
-        forward: How it takes part in a forward simulation:
-
-            - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other
-              joints as recorded. Where the past matters too, its torque along the motion is iterated.
-            - ``bristle``: by a torque that builds up with the path since a reversal.
-            - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
-            - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the
-              parameter whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
-            - ``play``: the measured side moves within a gap, of the full width of the parameter whose name ends on
-              ``_rad``, before it takes the side of friction with it.
-
-            Of a spring and of a gap ``far_share`` is the part of the inertia on the side of friction; the parameter
-            that ends on ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
-        record: The motion on which it shows itself best.
-        separate: Names of effects that are easily confused with it, and the motion that separates the two; every pair
-            stands in one of the two effects.
-    """
-
-    name: str
-    label: str
-    axis: str
+    name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
+    label: str  # a few words for people
+    axis: str  # quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour
+    # Parameters in which the torque is linear, one per column; bounds above zero are sign constraints. Empty for an
+    # effect that no joint model can hold.
     coefficients: tuple[Parameter, ...] = ()
-    nonlinear: tuple[Parameter, ...] = ()
+    nonlinear: tuple[Parameter, ...] = ()  # the other parameters
     traits: Trait = Trait.NONE
+    # Which motion a log must hold; what is returned names the one that it lacks.
     needs: Callable[[JointData, Nominal], str | None] = moves
+    # How it takes part in a forward simulation:
+    # - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other joints as
+    #   recorded. Where the past matters too, its torque along the motion is iterated.
+    # - ``bristle``: by a torque that builds up with the path since a reversal.
+    # - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
+    # - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the parameter
+    #   whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
+    # - ``gap``: the measured side moves within a gap, of the full width of the parameter whose name ends on ``_rad``,
+    #   before it takes the side of friction with it.
+    # Of a spring and of a gap ``far_share`` is the part of the inertia on the side of friction; the parameter that ends
+    # on ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
     forward: Forward = "instant"
-    record: str = ""
+    record: str = ""  # the motion on which it shows itself best
+    # Effects that are easily confused with it, and the motion that separates the two; every pair stands in one of them.
     separate: Mapping[str, str] = field(default_factory=dict)
 
     # What few effects set, in their class.

@@ -46,51 +46,32 @@ class JointData:
     """One joint on an even grid of n samples; j joints in the log.
 
     Torque and motion went through one and the same zero-phase low-pass, so that relations between them still hold.
-
-    Attributes:
-        joint: Which joint, column of the interaction.
-        t: Time, shape (n,), evenly spaced. [s]
-        q, dq, ddq: Position [rad], velocity [rad/s] and the derivative of the filtered velocity [rad/s^2], shape (n,).
-        torque: What drives the side on which friction acts: F_m plus a logged compensator. [N m]
-        temperature: Temperature where it was logged, else None. [degC]
-        load: What the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and
-            the links' inertia where it was taken away; predicted, None where it is not known, shape (n,). [N m]
-        rigid: What the rigid-body model of the arm says about the joint, None where no model is known.
-        others_dq, others_ddq: Velocities [rad/s] and accelerations [rad/s^2] of all joints, shape (n, j).
-        others_torque: What the torque sensors of all joints read, gravity included, counted as the torque counts,
-            shape (n, j). [N m]
-        others_joint: Column of this joint among them; ``joint`` where None.
-        sample_s: Usual step of the log itself, 0 where a torque that is late by part of it is of no interest. [s]
-        cycle: Number of the energy cycle of each sample, -1 outside of any, shape (n,).
-        moving: Samples in which the direction of motion is certain, shape (n,).
-        valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
-        dead_speed_rad_s: Below this speed the direction is not certain. [rad/s]
-        derived_from: ``"q"`` or ``"dq"``: what velocity and acceleration were taken from.
-        crossover_hz: Below it a velocity from ``"dq"`` is mainly the derivative of the position. [Hz]
-        logged_dq: Velocity as it was logged, through the same filter; ``dq`` where None, shape (n,). [rad/s]
     """
 
-    joint: int
-    t: Float
-    q: Float
-    dq: Float
-    ddq: Float
-    torque: Float
-    temperature: Float | None
-    others_dq: Float
-    others_ddq: Float
+    joint: int  # which joint, column of the interaction
+    t: Float  # time, evenly spaced, shape (n,), as all that names none [s]
+    q: Float  # position [rad]
+    dq: Float  # velocity [rad/s]
+    ddq: Float  # derivative of the filtered velocity [rad/s^2]
+    torque: Float  # what drives the side on which friction acts: F_m plus a logged compensator [N m]
+    temperature: Float | None  # where it was logged, else None [degC]
+    others_dq: Float  # velocities of all joints, shape (n, j) [rad/s]
+    others_ddq: Float  # accelerations of all joints, shape (n, j) [rad/s^2]
+    # what the torque sensors of all joints read, gravity included, counted as the torque counts, shape (n, j) [N m]
     others_torque: Float
-    cycle: NDArray[np.int64]
-    moving: NDArray[np.bool_]
-    valid: NDArray[np.bool_]
-    dead_speed_rad_s: float
-    derived_from: str = "dq"
-    logged_dq: Float | None = None
+    cycle: NDArray[np.int64]  # number of the energy cycle of each sample, -1 outside of any
+    moving: NDArray[np.bool_]  # samples in which the direction of motion is certain
+    valid: NDArray[np.bool_]  # samples that are not next to a hole, a stale stretch or an end of the filter
+    dead_speed_rad_s: float  # below it the direction is not certain [rad/s]
+    derived_from: str = "dq"  # what velocity and acceleration were taken from, "q" or "dq"
+    logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
+    # what the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and the links'
+    # inertia where it was taken away; predicted, None where it is not known [N m]
     load: Float | None = None
-    rigid: RigidBody | None = None
-    others_joint: int | None = None
-    sample_s: float = 0.0
-    crossover_hz: float = 0.0
+    rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
+    others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
+    sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
+    crossover_hz: float = 0.0  # below it a velocity from "dq" is mainly the derivative of the position [Hz]
 
     @property
     def used(self) -> NDArray[np.bool_]:

@@ -71,21 +71,16 @@ class Provenance:
 class JointModel:
     """Model of one joint: F_m + u = B ddq + the sum of its terms.
 
-    Attributes:
-        inertia_kg_m2: Inertia B behind the torque sensor; of a torque from which a rigid-body model has taken the
-            inertia out already, what is left to be paid: about zero, and below it where the model took too much.
-        terms: The other terms, each at most once.
-        provenance: Where it comes from.
-        held: Names of the terms whose numbers are known from elsewhere, so that a diagnosis does not fit them again.
-
     Raises:
         AnalysisError: If the inertia is no number, a term stands twice, or one is held that is not there.
     """
 
+    # Inertia B behind the torque sensor; of a torque from which a rigid-body model has taken the inertia out already,
+    # what is left to be paid: about zero, and below it where the model took too much.
     inertia_kg_m2: float
-    terms: tuple[FittedTerm, ...] = ()
+    terms: tuple[FittedTerm, ...] = ()  # the other terms, each at most once
     provenance: Provenance = field(default_factory=Provenance)
-    held: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()  # terms whose numbers are known from elsewhere: a diagnosis does not fit them again
 
     def __post_init__(self) -> None:
         if not isfinite(self.inertia_kg_m2):
