@@ -33,6 +33,8 @@ from friction_audit.simulation.effects.velocity import (
     DELAYED,
     LORENTZIAN,
     RELAXING,
+    AsymmetricCoulomb,
+    AsymmetricViscous,
     FrictionalLag,
     NonlinearViscous,
     Presliding,
@@ -54,42 +56,26 @@ def truth(hidden: Hidden) -> TrueMotion:
     return simulate(replace(IDEAL, hidden=(hidden,)), SEED).truth.motion
 
 
-def law(hidden: Hidden, motion: TrueMotion) -> Float:
-    """Return the magnitude of friction by hand, shape (n + 1, 1)."""
-    speed, level = np.abs(motion.dq), np.full_like(motion.dq, 0.30)
-    if hidden.stribeck.excess_nm:
-        level = level + 0.15 / (1.0 + (speed / 0.1) ** 2)
-    if hidden.position_dependent_friction.share:
-        level = level * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
-    if hidden.nonlinear_viscous.torque_nm:
-        level = level + 0.15 * speed**3
-    if hidden.load_dependent_friction.share:
-        before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
-        level = level + 0.06 * np.abs(before)
-    return np.asarray(level + 0.07 * speed)
-
-
-LAWS = {
-    "none": Hidden(),
-    "stribeck": Hidden(stribeck=Stribeck(excess_nm=0.15, form=LORENTZIAN)),
-    "position": Hidden(position_dependent_friction=PositionDependentFriction(share=0.4)),
-    "cubic": Hidden(nonlinear_viscous=NonlinearViscous(torque_nm=0.15, form=CUBIC)),
-    "load": Hidden(load_dependent_friction=LoadDependentFriction(share=0.06)),
-}
-LAWS["all"] = Hidden(
-    stribeck=LAWS["stribeck"].stribeck,
-    position_dependent_friction=LAWS["position"].position_dependent_friction,
-    nonlinear_viscous=LAWS["cubic"].nonlinear_viscous,
-    load_dependent_friction=LAWS["load"].load_dependent_friction,
+ALL = Hidden(
+    stribeck=Stribeck(excess_nm=0.15, form=LORENTZIAN),
+    position_dependent_friction=PositionDependentFriction(share=0.4),
+    nonlinear_viscous=NonlinearViscous(torque_nm=0.15, form=CUBIC),
+    load_dependent_friction=LoadDependentFriction(share=0.06),
+    asymmetric_coulomb=AsymmetricCoulomb(half_difference_nm=0.05),
+    asymmetric_viscous=AsymmetricViscous(half_difference_nms_per_rad=0.02),
 )
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_sliding_friction_is_the_law_at_the_present_motion(name: str) -> None:
-    motion = truth(LAWS[name])
+@pytest.mark.parametrize("hidden", [Hidden(), ALL], ids=["none", "all"])
+def test_sliding_friction_is_the_law_at_the_present_motion(hidden: Hidden) -> None:
+    motion = truth(hidden)
+    speed, sign, level = np.abs(motion.dq), np.sign(motion.dq), 0.30
+    if hidden is ALL:
+        before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
+        level = (level + 0.15 / (1.0 + (speed / 0.1) ** 2)) * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
+        level = level + 0.06 * np.abs(before) + 0.15 * speed**3 + sign * (0.05 + 0.02 * speed)
     sliding = motion.dq != 0.0
-    expected = np.sign(motion.dq) * law(LAWS[name], motion)
-    assert_allclose(motion.friction_nm[sliding], expected[sliding], atol=1e-9)
+    assert_allclose(motion.friction_nm[sliding], (sign * (level + 0.07 * speed))[sliding], atol=1e-9)
 
 
 @pytest.mark.parametrize("form", [RELAXING, DELAYED])
@@ -109,9 +95,9 @@ def test_lagging_friction_follows_the_speed_late(form: int) -> None:
 
 def test_words_about_the_progress_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """The loop is left and entered again; nothing of it is lost on the way."""
-    whole = truth(LAWS["all"])
+    whole = truth(ALL)
     monkeypatch.setattr(bench, "CHUNK_TICKS", 777)
-    parts = truth(LAWS["all"])
+    parts = truth(ALL)
     assert_array_equal(whole.q, parts.q)
     assert_array_equal(whole.port_nm, parts.port_nm)
 

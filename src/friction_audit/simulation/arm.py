@@ -110,7 +110,12 @@ def move_arm(settings: ArmSettings, streams: Streams, path: str, progress: Progr
     Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
     """
     ticks, pose = count_ticks(settings.duration_s, settings.rate_hz), np.array(settings.pose_rad)
-    mechanism = assemble(_with_brakes(settings), ticks, pose, streams)
+    joints, hidden = list(settings.joints), list(settings.hidden)
+    for number in settings.braked:  # a brake holds its joint, in which nothing hidden can then be felt
+        joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)
+        hidden[number - 1] = Hidden()
+    held = replace(settings, joints=tuple(joints), hidden=tuple(hidden))
+    mechanism = assemble(held, ticks, pose, streams)
     gravity = np.zeros((ticks + 1, len(pose)))
     arm = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
     # The inner sides, the motors' or the links', bear gravity compensation or their weight.
@@ -124,15 +129,6 @@ def move_arm(settings: ArmSettings, streams: Streams, path: str, progress: Progr
         if progress is not None and k % CHUNK_TICKS == 0:
             progress(k / ticks)
     return moved_by(mechanism, path, gravity)
-
-
-def _with_brakes(settings: ArmSettings) -> ArmSettings:
-    """Let the brakes hold their joints, in which nothing hidden can then be felt."""
-    joints, hidden = list(settings.joints), list(settings.hidden)
-    for number in settings.braked:
-        joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)
-        hidden[number - 1] = Hidden()
-    return replace(settings, joints=tuple(joints), hidden=tuple(hidden))
 
 
 HAND_INERTIA_KG_M2 = 0.002  # of the hand about any axis through the flange; a guess that hardly matters

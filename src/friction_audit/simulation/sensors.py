@@ -153,10 +153,16 @@ def _by_joint(function: Callable[[Any, Float], Float], of: Sequence[object], sig
 def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, NDArray[np.int64]]:
     """Draw lost samples, stale samples and the jitter of the stamps for the states at the given times.
 
-    Returns:
-        Stamps from 0, strictly increasing [s], and which of the states each sample holds, shape (m,) each.
+    Returns stamps from 0, strictly increasing [s], and which of the states each sample holds, shape (m,) each.
     """
-    kept = np.flatnonzero(~_lost(len(times), sensors, rng))
+    # One long burst is lost, the others one by one; the ends are kept.
+    lost = np.zeros(len(times), dtype=np.bool_)
+    count = min(round(sensors.lost * len(times)), len(times) - 2)
+    burst = min(sensors.longest_loss, count)
+    lost[1 + rng.choice(len(times) - 2, count - burst, replace=False)] = True
+    first = rng.integers(1, len(times) - burst)
+    lost[first : first + burst] = True
+    kept = np.flatnonzero(~lost)
     stale = rng.random(len(kept)) < sensors.stale
     stale[0] = False
     source = np.maximum.accumulate(np.where(stale, 0, np.arange(len(kept))))
@@ -166,14 +172,3 @@ def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Genera
         stamps = stamps + np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)
     nanoseconds = np.rint(stamps * NANOSECONDS).astype(np.int64)
     return (nanoseconds - nanoseconds[0]) / NANOSECONDS, kept[source]
-
-
-def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Mark the samples that were never recorded: one long burst, the others one by one; the ends are kept."""
-    lost = np.zeros(samples, dtype=np.bool_)
-    count = min(round(sensors.lost * samples), samples - 2)
-    burst = min(sensors.longest_loss, count)
-    lost[1 + rng.choice(samples - 2, count - burst, replace=False)] = True
-    first = rng.integers(1, samples - burst)
-    lost[first : first + burst] = True
-    return lost

@@ -51,13 +51,11 @@ LOG, NV = {"excess_nm": 0.2, "dwell_s": 1e-3}, {"torque_nm": 0.2}
 P = {"share": 0.4, "cycles_per_rev": 2.0, "phase_rad": 0.0}
 C = {"stiffness_nm_per_rad": 0.4, "centre_rad": 0.2, "free_rad": 0.3}
 W = {"stiffness_nm_per_rad": 20.0, "at_rad": 0.8, "damping_s": 0.02}
-U, SPRING, GAP = {"share": 0.7}, {"compliance_rad_per_nm": 1e-3, "damping_ratio": 0.05}, {"gap_rad": 2e-3}
+SPRING, GAP = {"compliance_rad_per_nm": 1e-3, "damping_ratio": 0.05}, {"gap_rad": 2e-3}
 STEP, HEAT = {"change": 0.5, "at_share": 1.0 / 3.0}, {"reduction": 0.5, "time_s": 60.0, "power_w": 0.2}
 
-# Effect, function, form, numbers, arguments, expected.
+# Effect, function, form, numbers, arguments, expected; forms that equal a column are in ``test_simulated_torque.py``.
 BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] = [
-    ("stribeck", "stribeck_nm", "exponential", S, (0.1,), 0.3 * E1),
-    ("stribeck", "stribeck_nm", "exponential", {**S, "exponent": 1.0}, (0.2,), 0.3 * E1**2),  # Bo and Pavelescu
     ("stribeck", "stribeck_nm", "lorentzian", S, (0.1,), 0.15),
     ("stribeck", "stribeck_nm", "piecewise", S, (0.1,), 0.0),
     ("stribeck", "stribeck_nm", "piecewise", S, (0.0,), 0.3),
@@ -66,18 +64,12 @@ BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] 
     ("stiction", "stiction_nm", "logarithmic", LOG, (10.0,), 0.2),
     ("stiction", "stiction_nm", "logarithmic", LOG, (1000.0,), 0.2 * math.log1p(1e6) / math.log1p(1e4)),
     ("stiction", "stiction_nm", "immediate", ST, (0.0,), 0.2),
-    ("nonlinear_viscous", "nonlinear_viscous_nm", "power", {**NV, "exponent": 0.5}, (2.0,), 0.2 * math.sqrt(2.0)),
-    ("nonlinear_viscous", "nonlinear_viscous_nm", "power", NV, (2.0,), 0.8),
     ("nonlinear_viscous", "nonlinear_viscous_nm", "cubic", NV, (2.0,), 1.6),
     ("nonlinear_viscous", "nonlinear_viscous_nm", "eyring", NV, (1.0,), 0.2),
     ("nonlinear_viscous", "nonlinear_viscous_nm", "arctan", NV, (1e9,), 0.1 * math.pi / math.atan(10.0)),
-    ("load_dependent_friction", "load_friction_nm", "linear", {"share": 0.1}, (-5.0, 1.0), 0.5),
-    ("load_dependent_friction", "load_friction_nm", "quadratic", {"share": 0.1}, (-5.0, 1.0), 0.25),
     ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, 1.0), 0.75),
     ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, -1.0), 0.25),
     ("load_dependent_friction", "load_friction_nm", "backdrive", {"share": 0.1}, (-5.0, 0.0), 0.5),
-    ("position_dependent_friction", "place_factor", "sinusoid", P, (math.pi / 4,), 1.4),
-    ("position_dependent_friction", "place_factor", "sinusoid", P, (-math.pi / 4,), 0.6),
     ("position_dependent_friction", "place_factor", "patch", P, (math.pi,), 1.4),
     ("position_dependent_friction", "place_factor", "patch", P, (math.acos(1 - math.log(2) / 8) / 2,), 1.2),
     (
@@ -86,10 +78,7 @@ BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] 
     ),
     ("torque_ripple", "cogging_nm", "cogging", {"torque_nm": 0.1, "second_share": 0.3}, (math.pi / 400,), 0.07),
     ("torque_ripple", "cogging_nm", "reading", {"torque_nm": 0.1}, (0.3,), 0.0),
-    ("cable_spring", "cable_spring_nm", "linear", C, (0.7,), -0.2),
     ("cable_spring", "cable_spring_nm", "hardening", C, (1.2,), -0.8),
-    ("cable_spring", "cable_spring_nm", "slack", C, (0.4,), 0.0),
-    ("cable_spring", "cable_spring_nm", "slack", C, (-0.3,), 0.08),
     ("cable_spring", "cable_spring_nm", "tether", C, (0.7,), -0.08),
     ("cable_spring", "cable_spring_nm", "tether", C, (-0.9,), 0.0),
     ("joint_limit_stop", "limit_stop_nm", "spring_damper", W, (0.7, 1.0), 0.0),
@@ -109,14 +98,8 @@ BY_HAND: list[tuple[str, str, str, dict[str, float], tuple[float, ...], float]] 
     ("warm_up", "warm_up_advance", "self_heating", HEAT, (1.0, 0.0, 60.0), E1),
     ("warm_up", "warm_up_viscous_factor", "ambient", {"reduction": 0.4}, (0.5,), math.sqrt(0.6)),
     ("warm_up", "warm_up_coulomb_factor", "ambient", {"reduction": 0.4}, (1.0,), 0.8),
-    ("friction_step", "friction_step_factor", "abrupt", STEP, (1.0, 22.0, 60.0), 1.5),
-    ("friction_step", "friction_step_factor", "ramp", STEP, (1.0, 22.0, 60.0), 1.2),
     ("friction_step", "friction_step_factor", "settling", STEP, (1.0, 22.0, 60.0), 1.5 - 0.5 * math.exp(-0.4)),
-    ("friction_step", "friction_step_factor", "abrupt", STEP, (0.2, 40.0, 60.0), 1.1),
     ("friction_step", "friction_step_factor", "settling", STEP, (1.0, 19.999, 60.0), 1.0),
-    ("unlogged_compensation", "unlogged_nm", "smooth", U, (0.05,), 0.7 * (0.2 * math.tanh(1.0) + 0.0025)),
-    ("unlogged_compensation", "unlogged_nm", "dead_band", U, (0.05,), 0.0),
-    ("unlogged_compensation", "unlogged_nm", "dead_band", U, (-0.1,), -0.7 * 0.205),
 ]  # fmt: skip
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.strokes import PEAK, REST_S, SHORTEST_S, course, latest, slope, tick_times
+from friction_audit.simulation.motion.strokes import PEAK, REST_S, SHORTEST_S, course, latest, slope
 from friction_audit.simulation.settings import Checked, positive, within
 
 SHORTEST_M = 1e-3  # a hand that reaches less far stands still
@@ -44,7 +44,7 @@ class HandMotion:
 
 def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
     """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
-    strokes, t = _draw_strokes(settings, ticks * dt, rng), tick_times(ticks, dt)
+    strokes, t = _draw_strokes(settings, ticks * dt, rng), dt * np.arange(ticks + 1)
     current = strokes[latest(strokes[:, 0], t)]
     start, lasts, origin, change = np.split(current, [1, 2, 8], axis=1)
     x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)

@@ -3,15 +3,15 @@
 A robot excites itself by a multisine, as identification practice has it (Swevers et al., 1997).
 """
 
-import itertools
 from dataclasses import dataclass
+from itertools import count, islice
 from math import inf, isqrt, pi
 
 import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.strokes import SHORTEST_S, Intention, area, course, rising, slope, tick_times
+from friction_audit.simulation.motion.strokes import SHORTEST_S, Intention, area, course, rising, slope
 from friction_audit.simulation.settings import Checked, positive, within
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
@@ -32,34 +32,26 @@ class Sinusoid(Checked):
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the whole half-periods that fit, then rest; at rest throughout if not one fits."""
-        halves, pace = _pace(tick_times(ticks, dt), self)
+        t, half_period = dt * np.arange(ticks + 1), self.period_s / 2
+        # How many half-periods have passed, and how many pass in a second.
+        halves, pace = t / half_period, np.full_like(t, 1 / half_period)
+        if self.ease_s > 0:
+            eased = t / self.ease_s
+            halves, pace = self.ease_s * area(eased) / half_period, rising(eased) / half_period
         fitting = int(halves[-1] + ROUNDING)
         pace[halves >= fitting] = 0.0
         halves = np.minimum(halves, fitting)
-        amplitude, change = _amplitude(self, halves, fitting, rng)
+        # The amplitude passes from one end of the travel to the next.
+        ends = self.amplitude_rad * (1.0 + self.spread * rng.uniform(-1.0, 1.0, fitting + 2))
+        ends[0] = self.amplitude_rad
+        end = np.minimum(np.floor(halves), fitting).astype(np.intp)
+        passed, change = halves - end, np.diff(ends)[end]
+        amplitude, change = ends[end] + change * course(passed), change * slope(passed)
         half = np.minimum(np.floor(halves), max(fitting - 1, 0))
         x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
         rate = pi * amplitude * np.sin(pi * x) - change * np.cos(pi * x)
         position = self.amplitude_rad - side * amplitude * np.cos(pi * x)
         return Intention(position=position, velocity=side * rate * pace)
-
-
-def _pace(t: Float, settings: Sinusoid) -> tuple[Float, Float]:
-    """Return how many half-periods have passed and how many pass in a second [1/s], both of the shape of t."""
-    half_period = settings.period_s / 2
-    if settings.ease_s == 0:
-        return t / half_period, np.full_like(t, 1 / half_period)
-    eased = t / settings.ease_s
-    return settings.ease_s * area(eased) / half_period, rising(eased) / half_period
-
-
-def _amplitude(settings: Sinusoid, halves: Float, fitting: int, rng: np.random.Generator) -> tuple[Float, Float]:
-    """Return the amplitude and its derivative by the number of half-periods, both of the shape of halves. [rad]"""
-    ends = settings.amplitude_rad * (1.0 + settings.spread * rng.uniform(-1.0, 1.0, fitting + 2))
-    ends[0] = settings.amplitude_rad
-    half = np.minimum(np.floor(halves), fitting).astype(np.intp)
-    x, change = halves - half, np.diff(ends)[half]
-    return ends[half] + change * course(x), change * slope(x)
 
 
 STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take as many as they have joints
@@ -94,7 +86,7 @@ class Commanded(Checked):
 
 def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
     """Return a multisine for each of the joints, shape (ticks + 1, joints), all frequencies different."""
-    t = tick_times(ticks, dt)
+    t = dt * np.arange(ticks + 1)
     pulsation = 2 * np.pi * frequencies_hz(settings, joints)
     phase = rng.uniform(0.0, 2 * np.pi, pulsation.shape)
     # A factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s].
@@ -119,11 +111,6 @@ def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: 
 def frequencies_hz(settings: Commanded, joints: int) -> Float:
     """Return the frequencies, shape (joints, sines). [Hz]"""
     stride = max(STRIDE, joints)
-    roots = np.sqrt(_primes(stride * settings.sines) / 2)
+    primes = (n for n in count(2) if all(n % k for k in range(2, isqrt(n) + 1)))
+    roots = np.sqrt(np.array(list(islice(primes, stride * settings.sines))) / 2)
     return settings.lowest_hz * roots.reshape(settings.sines, stride).T[:joints]
-
-
-def _primes(count: int) -> Float:
-    """Return the first primes, shape (count,)."""
-    primes = (n for n in itertools.count(2) if all(n % k for k in range(2, isqrt(n) + 1)))
-    return np.array(list(itertools.islice(primes, count)), dtype=np.float64)
