@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion, Others
+from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, neighbours_loaded, neighbours_move
 from friction_audit.effects.parameter import Parameter
@@ -79,7 +79,9 @@ class InertialCoupling(Effect):
         if source <= ALL:
             if motion.others is None:
                 return columns
-            meant = list(_meant(source, motion.others))
+            joint, joints = motion.others.joint, min(motion.others.ddq.shape[1], JOINTS)
+            wanted = {BEFORE: (joint - 1,), AFTER: (joint + 1,), BOTH: (joint - 1, joint + 1)}
+            meant = [k for k in wanted.get(source, range(joints)) if 0 <= k < joints and k != joint]
             columns[:, meant] = motion.others.ddq[:, meant]
             if source == ALL:
                 columns[:, [JOINTS + joint for joint in meant]] = motion.others.dq[:, meant] ** 2
@@ -108,12 +110,6 @@ class InertialCoupling(Effect):
         """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
         share, mass_kg = np.abs(coefficients[2 * JOINTS : 2 * JOINTS + 2])
         return bool(share <= LARGEST_SHARE and mass_kg <= LARGEST_MASS_KG)
-
-
-def _meant(source: int, others: Others) -> range | tuple[int, ...]:
-    joint, joints = others.joint, min(others.ddq.shape[1], JOINTS)
-    wanted = {BEFORE: (joint - 1,), AFTER: (joint + 1,), BOTH: (joint - 1, joint + 1)}
-    return tuple(k for k in wanted.get(source, range(joints)) if 0 <= k < joints and k != joint)
 
 
 INERTIAL_COUPLING = InertialCoupling(

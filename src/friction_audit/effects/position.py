@@ -117,7 +117,9 @@ class TorqueRipple(Effect):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Orders of the range, as far as they reach."""
-        (first, last), spread = order_range(data), spread_of(data)
+        first, last = order_range(data)
+        # Of the position while the joint moves: orders that differ by one over it are others.
+        spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
         step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
         orders = np.arange(first, last, step)[:MOST_ORDERS]
         return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
@@ -139,11 +141,6 @@ def order_range(data: JointData) -> tuple[float, float]:
     (slow,) = speeds(data, 25.0)
     first = 4.0 * np.pi / max(high - low, 1e-3)
     return first, max(2.0 * np.pi * CORNER_HZ / float(slow), first)
-
-
-def spread_of(data: JointData) -> float:
-    """Standard deviation of the position while the joint moves; orders that differ by one over it are others. [rad]"""
-    return max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
 
 
 TORQUE_RIPPLE = TorqueRipple(

@@ -43,7 +43,10 @@ class Presliding(Effect):
         places: dict[tuple[float, float], list[int]] = {}
         for place, (reach, exponent, _) in enumerate(many):
             places.setdefault((reach, exponent), []).append(place)
-        sign, times = motion.direction, _spacing(motion.t)
+        sign, steps = motion.direction, np.diff(motion.t)
+        # The step of even times, of which a derivative takes a tenth of the work, or the times themselves.
+        even = len(steps) > 0 and np.ptp(steps) <= EVEN * np.mean(steps)
+        times: Float | float = float(np.mean(steps)) if even else motion.t
         for (reach, exponent), alike in places.items():
             z = bristle(motion.q, reach, exponent)
             rate = np.gradient(z, times) if any(many[place][2] > 0.0 for place in alike) else np.zeros(len(z))
@@ -81,12 +84,6 @@ def spread(exponent: float) -> tuple[Float, Float]:
     slips = 2.0**bend * gone / (2.0 * bend)
     slope = np.append(-np.diff(missing) / np.diff(slips), 0.0)
     return slips[1:], -np.diff(slope)
-
-
-def _spacing(t: Float) -> Float | float:
-    """Return the step of even times, of which a derivative takes a tenth of the work, or the times themselves."""
-    steps = np.diff(t)
-    return float(np.mean(steps)) if len(steps) and np.ptp(steps) <= EVEN * np.mean(steps) else t
 
 
 @compiled(any_order=True)

@@ -205,19 +205,14 @@ class ContactEvent(Effect):
         """Yield hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
         for place, at in enumerate(grid):
             hats = [np.zeros((len(data.t), 1))] if not at else []
-            for contact in contacts_of(at):
-                knots = np.linspace(contact.start_s, contact.stop_s, KNOTS + 2)
+            for k in range(1, len(at) // 2 + 1):
+                knots = np.linspace(at[f"start_{k}_s"], at[f"stop_{k}_s"], KNOTS + 2)
                 hats += [np.interp(data.t, knots, hat, left=0.0, right=0.0)[:, None] for hat in np.eye(KNOTS + 2)[1:-1]]
             yield place, np.hstack(hats)
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """Any torque, where there was a contact."""
         return bool(at)
-
-
-def contacts_of(at: Nonlinear) -> tuple[Contact, ...]:
-    """Return the contacts of a point of the grid."""
-    return tuple(Contact(start_s=at[f"start_{k}_s"], stop_s=at[f"stop_{k}_s"]) for k in range(1, len(at) // 2 + 1))
 
 
 CONTACT_EVENT = ContactEvent(
