@@ -14,9 +14,10 @@ import numpy as np
 from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, simple_model
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 
 BENCH = BenchSettings(
@@ -54,7 +55,7 @@ def _removed(effect: FittedTerm | None, seed: int, duration_s: float) -> tuple[f
     """Return the shares removed by the energy compensator, by it once it has an estimate, by fixed, by the model."""
     terms = SIMPLE.terms if effect is None else (*SIMPLE.terms, effect)
     model = ArmModel(names=("joint1",), joints=(replace(SIMPLE, terms=terms),))
-    log = simulate_bench(with_model(replace(BENCH, duration_s=duration_s), model), seed).log
+    log = simulate(with_model(replace(BENCH, duration_s=duration_s), model), seed).log
     estimate = estimate_log(log, AuditSettings())
     given = ModelFile(path="model.toml", model=model)
     asked = (

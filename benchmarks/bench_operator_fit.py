@@ -14,8 +14,9 @@ from friction_audit.compensation.counterfactual import recording_of
 from friction_audit.compensation.operator_fit import FittedOperator, fit_operator
 from friction_audit.errors import AnalysisError
 from friction_audit.pipeline import AuditSettings, estimate_log
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 
 BENCH = BenchSettings(
@@ -58,7 +59,7 @@ def _person(seed: int, duration_s: float) -> tuple[tuple[float, ...], FittedOper
         stiffness_nm_per_rad=true[2],
         motion=Sinusoid(spread=0.3),
     )
-    log = simulate_bench(replace(BENCH, operator=hand, duration_s=duration_s), seed).log
+    log = simulate(replace(BENCH, operator=hand, duration_s=duration_s), seed).log
     interaction = estimate_log(log, AuditSettings()).interaction
     try:
         return true, fit_operator(recording_of(interaction, 0), interaction.q[:, 0])

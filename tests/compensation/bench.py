@@ -14,8 +14,9 @@ from friction_audit.compensation.settings import OperatorImpedance
 from friction_audit.compiled import Record
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.simulation import TrueMotion
 
 TICK_S = 1e-3
@@ -29,7 +30,7 @@ BENCH = BenchSettings(joints=(JOINT,), sensors=(IDEAL_SENSORS,), operator=BY_HAN
 
 @cache
 def log_of(settings: BenchSettings, seed: int = 1) -> JointLog:
-    return simulate_bench(settings, seed).log
+    return simulate(settings, seed).log
 
 
 def guided(
@@ -45,7 +46,7 @@ def guided(
     settings = BenchSettings(
         joints=(joint,), sensors=(sensors,), operator=operator, compensator=compensator, duration_s=duration_s
     )
-    return simulate_bench(settings, 0).truth.motion
+    return simulate(settings, 0).truth.motion
 
 
 def work_j(motion: TrueMotion) -> float:

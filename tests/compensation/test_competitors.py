@@ -27,10 +27,11 @@ from friction_audit.compensation.controller import FIND, step
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Operator
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from tests.compensation.bench import (
     COULOMB,
     HAND,
@@ -262,7 +263,7 @@ def rings(regulation: TorqueRegulation, compliance: float, damping_ratio: float)
         compensator=regulation,
         duration_s=30.0,
     )
-    return bool(np.abs(simulate_bench(settings, 0).truth.motion.compensation_nm).max() > 30.0)
+    return bool(np.abs(simulate(settings, 0).truth.motion.compensation_nm).max() > 30.0)
 
 
 @pytest.mark.parametrize(("compliance", "cutoff_hz"), [(1e-4, inf), (1e-4, 30.0), (2e-4, 100.0), (1e-5, 100.0)])
@@ -296,7 +297,7 @@ def vibration(hz: float, compensator: EnergyCompensator, seed: int = 0, duration
         compensator=compensator,
         duration_s=duration_s,
     )
-    motion = simulate_bench(settings, seed).truth.motion
+    motion = simulate(settings, seed).truth.motion
     return float(sqrt((vibration_nm(motion.interaction_nm)[2000:] ** 2).mean()))
 
 

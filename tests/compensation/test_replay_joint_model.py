@@ -19,8 +19,8 @@ from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
-from friction_audit.simulation.bench import simulate_bench
 from friction_audit.simulation.hide import with_model
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
 from tests.compensation.bench import BENCH, TRUE_HAND
 
@@ -62,7 +62,7 @@ def file_of(*joints: JointModel | None) -> ModelFile:
 @cache
 def log_of(model: JointModel, *, noisy: bool = False) -> JointLog:
     bench = replace(BENCH, duration_s=40.0, sensors=(PANDA_SENSORS[0] if noisy else IDEAL_SENSORS,))
-    return simulate_bench(with_model(bench, file_of(model).model), 1).log
+    return simulate(with_model(bench, file_of(model).model), 1).log
 
 
 def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool = False) -> JointReplay:

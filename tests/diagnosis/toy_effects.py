@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from copy import copy
+from typing import Any
 
 import numpy as np
 
@@ -34,11 +35,14 @@ def _coefficients(units: Sequence[str]) -> tuple[Parameter, ...]:
 
 
 def altered(effect: Effect, *, units: Sequence[str] = (), **changes: object) -> Effect:
-    """Return an effect with other attributes or methods; ``grid`` is given as its points."""
+    """Return an effect with other attributes or methods; ``grid`` is given as its points, ``regressor`` of one."""
     other = copy(effect)
     if "grid" in changes:
         points = changes["grid"]
         changes["grid"] = lambda _data: points
+    if "regressor" in changes:  # of one point
+        one: Any = changes.pop("regressor")
+        changes["regressors"] = lambda data, nominal, grid: ((k, one(data, nominal, at)) for k, at in enumerate(grid))
     if units:
         changes["coefficients"] = _coefficients(units)
     for name, value in changes.items():

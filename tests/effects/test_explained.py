@@ -74,26 +74,15 @@ ROWS: list[Row] = [
     ),
     *(
         ("nonlinear_viscous", DATA, S * rising, 0.98, {"stribeck": 1.0})
-        for rising in (
-            np.sqrt(np.abs(V)),
-            V**2,
-            np.abs(V) ** 3,
-            np.arcsinh(np.abs(V) / 0.2),
-            np.tanh(np.abs(V) / 0.1),
-            np.arctan(np.abs(V) / 0.1),
-        )
+        for rising in (np.abs(V) ** 0.5, V**2, np.abs(V) ** 3, np.arcsinh(np.abs(V) / 0.2), np.tanh(np.abs(V) / 0.1),
+                       np.arctan(np.abs(V) / 0.1))
     ),
     ("cable_spring", DATA, 0.4 * (Q - 0.3), 0.9, {"joint_limit_stop": 1.0}),
     ("cable_spring", DATA, 0.2 * Q + 0.3 * Q**3, 0.9, {"joint_limit_stop": 1.0}),
     ("cable_spring", DATA, np.sign(Q) * np.maximum(np.abs(Q) - 0.25, 0.0), 0.9, {"joint_limit_stop": 1.0}),
     ("cable_spring", DATA, np.maximum(Q - 0.1, 0.0), 0.99, {"joint_limit_stop": 1.0}),
-    (
-        "joint_limit_stop",
-        DATA,
-        20.0 * (np.maximum(Q - 0.9, 0.0) - np.maximum(-0.95 - Q, 0.0)),
-        0.95,
-        {"cable_spring": 1.0},
-    ),
+    ("joint_limit_stop", DATA, 20.0 * (np.maximum(Q - 0.9, 0.0) - np.maximum(-0.95 - Q, 0.0)), 0.95,
+     {"cable_spring": 1.0}),
     ("joint_limit_stop", DATA, 20.0 * np.maximum(Q - 0.85, 0.0), 0.95, {"cable_spring": 1.0}),
     ("joint_limit_stop", DATA, -20.0 * np.maximum(-0.9 - Q, 0.0), 0.95, {"cable_spring": 1.0}),
     ("joint_limit_stop", DATA, 100.0 * np.maximum(Q - 0.8, 0.0) ** 2, 0.95, {}),  # a tether that hardens is one too
@@ -114,24 +103,13 @@ ROWS: list[Row] = [
         for part in (0.0, 0.25, 0.5)
     ),
     *(
-        (
-            "warm_up",
-            COLD,
-            (S + viscous * V) * np.exp(-T / time_constant),
-            0.98,
-            {"friction_step": 0.97, "torque_drift": 0.97},
-        )
-        for time_constant in (6.0, 15.0, 40.0, 120.0)
+        ("warm_up", COLD, (S + viscous * V) * np.exp(-T / tau), 0.98, {"friction_step": 0.97, "torque_drift": 0.97})
+        for tau in (6.0, 15.0, 40.0, 120.0)
         for viscous in (0.0, 0.5)
     ),
     *(
-        (
-            "friction_step",
-            COLD,
-            (0.2 * S + 0.1 * V) * np.clip((T - moment) / max(length, 1e-6), 0.0, 1.0),
-            0.95,
-            {"warm_up": 0.9, "torque_drift": 0.9},
-        )
+        ("friction_step", COLD, (0.2 * S + 0.1 * V) * np.clip((T - moment) / max(length, 1e-6), 0.0, 1.0), 0.95,
+         {"warm_up": 0.9, "torque_drift": 0.9})
         for moment in (9.3, 30.0, 41.7)
         for length in (0.0, 5.0)
     ),
@@ -142,12 +120,7 @@ ROWS: list[Row] = [
     ("warm_up", HEATED, S * np.exp(-0.5 * HEAT), 0.95, {}),
     *(
         ("load_dependent_friction", LOADED, 0.02 * S * size, 0.999, {})
-        for size in (
-            np.abs(WEIGHT),
-            np.abs(BORNE),
-            BORNE**2,
-            np.abs(BORNE) * (1.0 + 0.4 * np.sign(BORNE * V)),
-        )
+        for size in (np.abs(WEIGHT), np.abs(BORNE), BORNE**2, np.abs(BORNE) * (1.0 + 0.4 * np.sign(BORNE * V)))
     ),
     ("gravity_error", A_LINK, 0.3 * np.cos(ANGLES[1]), 0.99, {}),
     ("gravity_error", an_arm(OWN, NEXT, LAST), NEXT @ [0.03, 0, 0, 0] + LAST @ [0.02, -0.04, 0, 0], 0.999, {}),
@@ -159,7 +132,7 @@ ROWS: list[Row] = [
         for reach in (0.003, 0.02)
         for torque in (lugre(reach, 0.0), lugre(reach, 0.01), sliders(reach))
     ),
-]
+]  # fmt: skip
 # The same torques turned around, or on a joint of which less is known: not explained.
 AGAINST: list[tuple[str, JointData, Float, float]] = [
     *((name, data, -torque, 0.7) for name, data, torque, _, _ in ROWS if name == "cable_spring"),

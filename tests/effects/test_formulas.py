@@ -54,68 +54,28 @@ COLUMNS: list[tuple[str, Motion, Sequence[float], object]] = [
     ("asymmetric_viscous", ARM, (), abs(DQ)[:, None]),
     ("torque_bias", ARM, (), np.ones((N, 1))),
     ("inertia_error", ARM, (), 3.0 * DQ[:, None]),
-    (
-        "cable_spring",
-        motion_of(q=[0.3, 0.5, 0.8, -0.2, -0.7]),
-        (0.25, 0.25),
-        [[0, 0, 1], [0, 0, 1], [0.3, 0.027, 1], [-0.2, -0.008, 1], [-0.7, -0.343, 1]],
-    ),
-    (
-        "joint_limit_stop",
-        motion_of(q=[0.0, 1.0, 1.1, 1.2, -0.6], dq=[1.0, 1.0, 2.0, -1.0, -3.0]),
-        (1.0, -0.5, 2.0),
-        [[0, 0, 0, 0], [0, 0, 0, 0], [1, 0, 2, 2], [4, 0, -1, -4], [0, -1, -3, -3]],
-    ),
-    (
-        "friction_step",
-        motion_of(t=[0.0, 1.0, 2.0, 3.0], dq=[2.0, 2.0, -2.0, 0.5]),
-        (2.0, 0.0),
-        [[0, 0], [0, 0], [-1, -2], [1, 0.5]],
-    ),
-    (
-        "friction_step",
-        motion_of(t=[0.0, 3.0, 4.0, 5.0, 9.0], dq=np.ones(5)),
-        (4.0, 4.0),
-        np.array([[0, 0.25, 0.5, 0.75, 1.0]] * 2).T,
-    ),
-    (
-        "position_dependent_friction",
-        motion_of(q=[0.1, 0.1, 0.1, 0.1 + np.pi / 6], dq=[2.0, -0.1, 0.0, 1.0]),
-        (3.0, 0.1, 1e6),
-        [[1, 0], [-1, 0], [0, 0], [0, 1]],
-    ),
-    (
-        "position_dependent_friction",
-        motion_of(q=[0.5, 0.7, 0.3, 2.5], dq=[1.0, 1.0, -1.0, 1.0]),
-        (0.0, 0.5, 0.2),
-        [[1, 0], [E1**0.5, 0], [-(E1**0.5), 0], [0, 0]],
-    ),
-    (
-        "torque_ripple",
-        motion_of(q=[0.0, TURN / 4, TURN / 2, TURN, 7 * TURN], dq=[1.0, -1.0, 0.0, -2.0, 3.0]),
-        (100.0,),
-        [[1, 0], [0, 1], [-1, 0], [1, 0], [1, 0]],
-    ),
-    (
-        "torque_drift",
-        motion_of(t=[100.0, 160.0, 220.0]),
-        (0.0,),
-        [[0] * 4, np.sin(np.pi * np.array([0.25, 0.75, 1.25, 1.75])), [1, -1, 1, -1]],
-    ),
+    ("cable_spring", motion_of(q=[0.3, 0.5, 0.8, -0.2, -0.7]), (0.25, 0.25),
+     [[0, 0, 1], [0, 0, 1], [0.3, 0.027, 1], [-0.2, -0.008, 1], [-0.7, -0.343, 1]]),
+    ("joint_limit_stop", motion_of(q=[0.0, 1.0, 1.1, 1.2, -0.6], dq=[1.0, 1.0, 2.0, -1.0, -3.0]), (1.0, -0.5, 2.0),
+     [[0, 0, 0, 0], [0, 0, 0, 0], [1, 0, 2, 2], [4, 0, -1, -4], [0, -1, -3, -3]]),
+    ("friction_step", motion_of(t=[0.0, 1.0, 2.0, 3.0], dq=[2.0, 2.0, -2.0, 0.5]), (2.0, 0.0),
+     [[0, 0], [0, 0], [-1, -2], [1, 0.5]]),
+    ("friction_step", motion_of(t=[0.0, 3.0, 4.0, 5.0, 9.0], dq=np.ones(5)), (4.0, 4.0),
+     np.array([[0, 0.25, 0.5, 0.75, 1.0]] * 2).T),
+    ("position_dependent_friction", motion_of(q=[0.1, 0.1, 0.1, 0.1 + np.pi / 6], dq=[2.0, -0.1, 0.0, 1.0]),
+     (3.0, 0.1, 1e6), [[1, 0], [-1, 0], [0, 0], [0, 1]]),
+    ("position_dependent_friction", motion_of(q=[0.5, 0.7, 0.3, 2.5], dq=[1.0, 1.0, -1.0, 1.0]), (0.0, 0.5, 0.2),
+     [[1, 0], [E1**0.5, 0], [-(E1**0.5), 0], [0, 0]]),
+    ("torque_ripple", motion_of(q=[0.0, TURN / 4, TURN / 2, TURN, 7 * TURN], dq=[1.0, -1.0, 0.0, -2.0, 3.0]),
+     (100.0,), [[1, 0], [0, 1], [-1, 0], [1, 0], [1, 0]]),
+    ("torque_drift", motion_of(t=[100.0, 160.0, 220.0]), (0.0,),
+     [[0] * 4, np.sin(np.pi * np.array([0.25, 0.75, 1.25, 1.75])), [1, -1, 1, -1]]),
     ("torque_drift", motion_of(t=[100.0, 220.0]), (2.0,), [[0] * 4, [1, -1, 0, 0]]),
     ("torque_drift", motion_of(t=[5.0, 5.0]), (0.0,), np.zeros((2, 4))),
-    (
-        "warm_up",
-        motion_of(t=[50.0, 80.0, 110.0], dq=[0.5, -2.0, 0.0]),
-        (30.0, 0.0),
-        [[1, 0.5], [-E1, -2 * E1], [0, 0]],
-    ),
-    (
-        "warm_up",
-        motion_of(dq=[1.0, 1.0, -1.0], temperature=[25.0, 35.0, 15.0]),
-        (1e9, 0.1),
-        [[1, 1], [E1, E1], [-1 / E1, -1 / E1]],
-    ),
+    ("warm_up", motion_of(t=[50.0, 80.0, 110.0], dq=[0.5, -2.0, 0.0]), (30.0, 0.0),
+     [[1, 0.5], [-E1, -2 * E1], [0, 0]]),
+    ("warm_up", motion_of(dq=[1.0, 1.0, -1.0], temperature=[25.0, 35.0, 15.0]), (1e9, 0.1),
+     [[1, 1], [E1, E1], [-1 / E1, -1 / E1]]),
     ("warm_up", motion_of(dq=[1.0, 1.0]), (10.0, 0.5), [[1, 1], [E1**0.1, E1**0.1]]),  # no temperature
     ("torque_crosstalk", ARM, (-1,), np.column_stack([np.arange(N), np.zeros(N)])),
     ("torque_crosstalk", ARM, (1,), np.column_stack([np.zeros(N), 20.0 + np.arange(N)])),
@@ -143,25 +103,17 @@ TORQUES: list[tuple[str, Motion, Sequence[float], object]] = [
     ("load_dependent_friction", replace(LOADED, load=None), (0.1, 0.0, 1.0, 0.0, 0.0), [-0.1, -0.1, 0.0, 0.1, 0.1]),
     ("load_dependent_friction", LOADED, (0.1, 0.0, 1.0, 0.0, 1.0), [-0.4, -0.4, 0.0, 0.4, 0.2]),
     # phi1 / (1 + exp(-phi2 (v + phi3))) - phi1 / (1 + exp(-phi2 phi3)), Gaz et al. (2019)
-    (
-        "unlogged_compensation",
-        ARM,
-        (0.3, 0.5, 0.2, 0),
-        -(0.6 / (1 + np.exp(-4.0 * (DQ + 0.1))) - 0.6 / (1 + np.exp(-0.4))),
-    ),
-]
+    ("unlogged_compensation", ARM, (0.3, 0.5, 0.2, 0),
+     -(0.6 / (1 + np.exp(-4.0 * (DQ + 0.1))) - 0.6 / (1 + np.exp(-0.4)))),
+]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "motion", "values", "expected"), COLUMNS, ids=lambda x: x if isinstance(x, str) else ""
-)
+@pytest.mark.parametrize(("name", "motion", "values", "expected"), COLUMNS, ids=name_of)
 def test_columns_by_hand(name: str, motion: Motion, values: Sequence[float], expected: object) -> None:
     assert_allclose(columns(name, motion, *values), np.asarray(expected, dtype=float), rtol=2e-5, atol=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("name", "motion", "values", "expected"), TORQUES, ids=lambda x: x if isinstance(x, str) else ""
-)
+@pytest.mark.parametrize(("name", "motion", "values", "expected"), TORQUES, ids=name_of)
 def test_torques_by_hand(name: str, motion: Motion, values: Sequence[float], expected: object) -> None:
     found = torque(name, motion, *values)
     moving = motion.dq != 0.0 if name == "load_dependent_friction" else slice(None)
@@ -191,10 +143,7 @@ def test_coupling_by_all_others_and_by_the_model_of_the_arm() -> None:
     [
         (1.0, lambda x: 2.0 / np.pi * np.arctan(np.sqrt(2.0) * x)),
         (2.0, lambda x: x / np.sqrt(1.0 + x**2)),
-        (
-            4.0,
-            lambda x: np.sin(np.arctan(x / 2**0.5)) * (1.0 + np.cos(np.arctan(x / 2**0.5)) ** 2 / 2.0),
-        ),
+        (4.0, lambda x: np.sin(np.arctan(x / 2**0.5)) * (1.0 + np.cos(np.arctan(x / 2**0.5)) ** 2 / 2.0)),
     ],
 )
 def test_bends_that_have_a_formula(freedom: float, formula: object) -> None:

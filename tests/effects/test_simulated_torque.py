@@ -87,17 +87,9 @@ def crosstalk(group: Any) -> Float:
 # Effect, parameters of the term, torque that the simulator's formula takes: F_m with the effect less F_m without it.
 CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     ("stribeck", (0.2, 0.3, 1.5), lambda g: SIGN * each("stribeck_nm", abs(MOTION.dq))(g)),
-    (
-        "nonlinear_viscous",
-        (0.2, 1.7, 1e-6, 0.0),
-        lambda g: SIGN * each("nonlinear_viscous_nm", abs(MOTION.dq))(g),
-    ),
-    ("asymmetric_coulomb", (0.1,), lambda g: SIGN * each("asymmetric_coulomb_nm", SIGN)(g)),
-    (
-        "asymmetric_viscous",
-        (0.05,),
-        lambda g: SIGN * each("asymmetric_viscous_nm", SIGN, abs(MOTION.dq))(g),
-    ),
+    ("nonlinear_viscous", (0.2, 1.7, 1e-6, 0.0), lambda g: SIGN * each("nonlinear_viscous_nm", abs(MOTION.dq))(g)),
+    ("asymmetric_coulomb", (0.1,), lambda g: g.half_difference_nm * SIGN**2),
+    ("asymmetric_viscous", (0.05,), lambda g: g.half_difference_nms_per_rad * abs(MOTION.dq)),
     ("presliding", (0.4, 0.02, 1.0, 0.0), bristles),
     ("presliding", (0.4, 0.02, 1.5, 0.0), bristles),
     (
@@ -127,16 +119,8 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     ("inertia_error", (0.05,), lambda g: g.extra_kg_m2 * MOTION.ddq),
     ("friction_step", (0.1, 0.02, 1.0, 0.0), stepped),
     ("friction_step", (0.1, 0.02, 1.0, 0.5), stepped),
-    (
-        "unlogged_compensation",
-        (0.15, 0.05, 0.0, 0.0),
-        lambda g: -each("unlogged_nm", MOTION.dq)(g),
-    ),
-    (
-        "unlogged_compensation",
-        (0.15, 0.05, 0.0, 1.0),
-        lambda g: -each("unlogged_nm", MOTION.dq)(g),
-    ),
+    ("unlogged_compensation", (0.15, 0.05, 0.0, 0.0), lambda g: -each("unlogged_nm", MOTION.dq)(g)),
+    ("unlogged_compensation", (0.15, 0.05, 0.0, 1.0), lambda g: -each("unlogged_nm", MOTION.dq)(g)),
 ]
 
 # Without an equal formula, or a torque only in a moving joint: compared in simulated logs (tests/simulation).
@@ -146,7 +130,7 @@ IN_LOGS = {"stiction", "frictional_lag", "joint_limit_stop", "torque_drift", "jo
 
 
 def whole_delay(delay_s: float) -> Float:
-    return np.asarray(delayed(REST, delay_s, DT))
+    return np.asarray(delayed(delay_s, REST, DT))
 
 
 @pytest.mark.parametrize(("name", "values", "simulated"), CASES, ids=[case[0] for case in CASES])
@@ -157,7 +141,7 @@ def test_the_simulator_s_formula_is_the_column(
     by_name = {parameter.name: value for parameter, value in zip(term.parameters, values, strict=True)}
     setting = Setting(joint=JOINT, start_rad=0.0, driven=False, duration_s=N * DT)
     given = HIDDEN[name].from_parameters(by_name, setting)
-    group = HIDDEN[name].make({key: v if isinstance(v, str) else repr(float(v)) for key, v in given.items()})
+    group = HIDDEN[name].make(given)
     expected = term.torque(MOTION, values)
     scale = float(np.abs(expected).max())
     assert scale > 0.0

@@ -106,10 +106,7 @@ def test_a_dead_zone_is_a_backlash() -> None:
         assert max(share_seen(other, torque) for other in RIVALS if other is not GAP) < truth - 0.3
 
 
-@pytest.mark.parametrize(
-    ("candidate", "link"),
-    [(SPRING, (600.0, 1.5, 0.0)), (GAP, (1e4, 20.0, 2e-3))],
-)
+@pytest.mark.parametrize(("candidate", "link"), [(SPRING, (600.0, 1.5, 0.0)), (GAP, (1e4, 20.0, 2e-3))])
 def test_a_rotor_before_the_transmission_is_not_behind_it(candidate: Effect, link: tuple[float, float, float]) -> None:
     stiffness, damping, half_gap = link
     torque = 0.12 * DATA.ddq + far_side_torque(stiffness, damping, half_gap, 0.18)

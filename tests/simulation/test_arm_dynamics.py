@@ -13,8 +13,7 @@ from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
 from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Simulation, TrueMotion, mechanism, simulate
 from friction_audit.simulation import settings as settings_module
-from friction_audit.simulation.arm import move
-from friction_audit.simulation.bench import make_motion
+from friction_audit.simulation.arm import move_arm
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
 from friction_audit.simulation.settings import make_streams
 from tests.simulation.hand_at_flange import Pull, pull
@@ -66,7 +65,7 @@ def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPat
     """Return the motion under a controller with another rate."""
     for module in (settings_module, mechanism):
         monkeypatch.setattr(module, "CONTROL_RATE_HZ", rate_hz)
-    return make_motion(move(settings, make_streams(SEED, 7))[0], "free swing", driven=settings.driven)
+    return move_arm(settings, make_streams(SEED, 7), "free swing", None).motion
 
 
 def imbalance(settings: ArmSettings, motion: TrueMotion) -> Float:

@@ -11,15 +11,7 @@ from hypothesis import strategies as st
 from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
-from friction_audit.simulation.assign import (
-    Kind,
-    PerJoint,
-    as_nested,
-    assign_text,
-    assign_texts,
-    paths,
-    write_value,
-)
+from friction_audit.simulation.assign import Kind, PerJoint, as_nested, assign_text, assign_texts, paths, write_value
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.scenarios import SCENARIOS, Scenario

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import fields, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -9,45 +10,43 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.slow_and_events import UnloggedCompensation
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
 
 SEED = 4
 PLAIN = BenchSettings(duration_s=20.0)
-FINE = replace(PLAIN, sensors=(IDEAL_SENSORS,), duration_s=10.0)
+FINE = replace(PLAIN, sensors=(IDEAL_SENSORS,))
 ALONE = [effect for effect in EFFECTS if not effect.needs_neighbours]
 CASES = [(effect, form) for effect in ALONE for form in effect.forms or ("",)]
 NAMES = [f"{effect.name}-{form}" for effect, form in CASES]
 
 FRICTION = (
-    "stribeck",
-    "stiction",
-    "nonlinear_viscous",
-    "asymmetric_coulomb",
-    "asymmetric_viscous",
-    "frictional_lag",
-    "load_dependent_friction",
-    "position_dependent_friction",
-    "warm_up",
-    "friction_step",
-)
+    "stribeck", "stiction", "nonlinear_viscous", "asymmetric_coulomb", "asymmetric_viscous", "frictional_lag",
+    "load_dependent_friction", "position_dependent_friction", "warm_up", "friction_step",
+)  # fmt: skip
 """Effects that change friction and nothing else; what it has taken never comes back. Bristles are springs."""
 
 READING = ("gravity_error", "torque_bias", "torque_drift", "time_delay")
 """Effects that change what is read and nothing else."""
 
 
-@pytest.fixture(scope="module")
-def nothing() -> Simulation:
-    return simulate_bench(PLAIN, SEED)
-
-
 def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:
     group = effect.make({"form": form} if form else {})
     return Hidden().holding(replace(group, **numbers))
+
+
+@cache
+def usual(effect: type[HiddenEffect], form: str) -> Simulation:
+    return simulate(replace(FINE, hidden=(hide(effect, form),)), SEED)
+
+
+@cache
+def nothing(settings: BenchSettings) -> Simulation:
+    return simulate(settings, SEED)
 
 
 def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
@@ -67,25 +66,25 @@ def others_changed(effect: type[HiddenEffect]) -> dict[str, float]:
 
 
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
-def test_at_zero_strength_nothing_changes_to_the_bit(
-    effect: type[HiddenEffect], form: str, nothing: Simulation
-) -> None:
+def test_at_zero_strength_nothing_changes_to_the_bit(effect: type[HiddenEffect], form: str) -> None:
     """A joint gets warm with or without an effect on its friction: warm-up may tell how fast."""
-    simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form, **others_changed(effect)),)), SEED)
-    for (name, column), (_, plain) in zip(columns(simulation), columns(nothing), strict=True):
+    simulation, plain = (
+        simulate(replace(PLAIN, hidden=(hide(effect, form, **others_changed(effect)),)), SEED),
+        nothing(PLAIN),
+    )
+    for (name, column), (_, own) in zip(columns(simulation), columns(plain), strict=True):
         if (effect.name, name) != ("warm_up", "warmth"):
-            assert_array_equal(column, plain, err_msg=name)
-    assert simulation.log.source == nothing.log.source
+            assert_array_equal(column, own, err_msg=name)
+    assert simulation.log.source == plain.log.source
 
 
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
-def test_as_usual_it_shows_and_stays_finite(effect: type[HiddenEffect], form: str, nothing: Simulation) -> None:
-    simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form),)), SEED)
+def test_as_usual_it_shows_and_stays_finite(effect: type[HiddenEffect], form: str) -> None:
+    simulation, without = usual(effect, form), nothing(FINE)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
-    assert simulation.log.source.sha256 != nothing.log.source.sha256
-    assert_array_equal(simulation.log.t, nothing.log.t)
-    motion, plain = simulation.truth.motion, nothing.truth.motion
+    assert simulation.log.source.sha256 != without.log.source.sha256
+    motion, plain = simulation.truth.motion, without.truth.motion
     assert np.abs(motion.dq).max() < 2.0 * np.abs(plain.dq).max()
     if effect.name in READING or form == "reading":
         for item in fields(TrueMotion):
@@ -102,13 +101,9 @@ def net_work(motion: TrueMotion) -> Any:
     return np.concatenate([[0.0], np.cumsum(port + held)])
 
 
-@pytest.mark.parametrize(
-    ("effect", "form"),
-    [(e, f) for e, f in CASES if e.name in FRICTION],
-    ids=[n for n in NAMES if n.split("-")[0] in FRICTION],
-)
+@pytest.mark.parametrize(("effect", "form"), [(e, f) for e, f in CASES if e.name in FRICTION])
 def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEffect], form: str) -> None:
-    motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
+    motion = usual(effect, form).truth.motion
     taken = motion.dissipated_j[:, 0]
     assert (np.diff(taken) >= 0.0).all()
     kinetic = 0.5 * FINE.joints[0].inertia_kg_m2 * motion.inner_dq[:, 0] ** 2
@@ -120,7 +115,7 @@ def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEff
 def test_the_joint_obeys_its_equation_of_motion(effect: type[HiddenEffect], form: str) -> None:
     """B ddq = F_m + u - tau_f at every tick, what else pulls behind the sensor being left over."""
     elsewhere = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")
-    motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
+    motion = usual(effect, form).truth.motion
     inertia = 0.3 + (0.1 if effect.name == "inertia_error" else 0.0)
     left = inertia * motion.inner_ddq - (motion.interaction_nm + motion.unlogged_nm - motion.friction_nm)
     if effect.name in elsewhere and form != "reading":
@@ -155,7 +150,7 @@ def test_all_effects_at_once(number: int, driven: bool) -> None:
     hidden = everything(number)
     if driven:
         hidden = replace(hidden, unlogged_compensation=Hidden().unlogged_compensation)
-    simulation = simulate_bench(replace(settings, hidden=(hidden,)), SEED)
+    simulation = simulate(replace(settings, hidden=(hidden,)), SEED)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
     assert np.abs(simulation.truth.motion.dq).max() < 5.0

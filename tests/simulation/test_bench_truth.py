@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation import bench
-from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.load_and_place import (
     LoadDependentFriction,
@@ -33,6 +33,8 @@ from friction_audit.simulation.effects.velocity import (
     DELAYED,
     LORENTZIAN,
     RELAXING,
+    AsymmetricCoulomb,
+    AsymmetricViscous,
     FrictionalLag,
     NonlinearViscous,
     Presliding,
@@ -40,6 +42,7 @@ from friction_audit.simulation.effects.velocity import (
     Stribeck,
 )
 from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, Sensors, make_streams
 from friction_audit.simulation.simulation import TrueMotion
 
@@ -50,45 +53,29 @@ IDEAL = BenchSettings(duration_s=8.0, sensors=(IDEAL_SENSORS,), operator=Operato
 
 
 def truth(hidden: Hidden) -> TrueMotion:
-    return simulate_bench(replace(IDEAL, hidden=(hidden,)), SEED).truth.motion
+    return simulate(replace(IDEAL, hidden=(hidden,)), SEED).truth.motion
 
 
-def law(hidden: Hidden, motion: TrueMotion) -> Float:
-    """Return the magnitude of friction by hand, shape (n + 1, 1)."""
-    speed, level = np.abs(motion.dq), np.full_like(motion.dq, 0.30)
-    if hidden.stribeck.excess_nm:
-        level = level + 0.15 / (1.0 + (speed / 0.1) ** 2)
-    if hidden.position_dependent_friction.share:
-        level = level * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
-    if hidden.nonlinear_viscous.torque_nm:
-        level = level + 0.15 * speed**3
-    if hidden.load_dependent_friction.share:
-        before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
-        level = level + 0.06 * np.abs(before)
-    return np.asarray(level + 0.07 * speed)
-
-
-LAWS = {
-    "none": Hidden(),
-    "stribeck": Hidden(stribeck=Stribeck(excess_nm=0.15, form=LORENTZIAN)),
-    "position": Hidden(position_dependent_friction=PositionDependentFriction(share=0.4)),
-    "cubic": Hidden(nonlinear_viscous=NonlinearViscous(torque_nm=0.15, form=CUBIC)),
-    "load": Hidden(load_dependent_friction=LoadDependentFriction(share=0.06)),
-}
-LAWS["all"] = Hidden(
-    stribeck=LAWS["stribeck"].stribeck,
-    position_dependent_friction=LAWS["position"].position_dependent_friction,
-    nonlinear_viscous=LAWS["cubic"].nonlinear_viscous,
-    load_dependent_friction=LAWS["load"].load_dependent_friction,
+ALL = Hidden(
+    stribeck=Stribeck(excess_nm=0.15, form=LORENTZIAN),
+    position_dependent_friction=PositionDependentFriction(share=0.4),
+    nonlinear_viscous=NonlinearViscous(torque_nm=0.15, form=CUBIC),
+    load_dependent_friction=LoadDependentFriction(share=0.06),
+    asymmetric_coulomb=AsymmetricCoulomb(half_difference_nm=0.05),
+    asymmetric_viscous=AsymmetricViscous(half_difference_nms_per_rad=0.02),
 )
 
 
-@pytest.mark.parametrize("name", LAWS)
-def test_sliding_friction_is_the_law_at_the_present_motion(name: str) -> None:
-    motion = truth(LAWS[name])
+@pytest.mark.parametrize("hidden", [Hidden(), ALL], ids=["none", "all"])
+def test_sliding_friction_is_the_law_at_the_present_motion(hidden: Hidden) -> None:
+    motion = truth(hidden)
+    speed, sign, level = np.abs(motion.dq), np.sign(motion.dq), 0.30
+    if hidden is ALL:
+        before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
+        level = (level + 0.15 / (1.0 + (speed / 0.1) ** 2)) * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
+        level = level + 0.06 * np.abs(before) + 0.15 * speed**3 + sign * (0.05 + 0.02 * speed)
     sliding = motion.dq != 0.0
-    expected = np.sign(motion.dq) * law(LAWS[name], motion)
-    assert_allclose(motion.friction_nm[sliding], expected[sliding], atol=1e-9)
+    assert_allclose(motion.friction_nm[sliding], (sign * (level + 0.07 * speed))[sliding], atol=1e-9)
 
 
 @pytest.mark.parametrize("form", [RELAXING, DELAYED])
@@ -108,9 +95,9 @@ def test_lagging_friction_follows_the_speed_late(form: int) -> None:
 
 def test_words_about_the_progress_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """The loop is left and entered again; nothing of it is lost on the way."""
-    whole = truth(LAWS["all"])
+    whole = truth(ALL)
     monkeypatch.setattr(bench, "CHUNK_TICKS", 777)
-    parts = truth(LAWS["all"])
+    parts = truth(ALL)
     assert_array_equal(whole.q, parts.q)
     assert_array_equal(whole.port_nm, parts.port_nm)
 
@@ -120,7 +107,7 @@ def test_a_motor_cogs_on_its_own_side_of_the_sensor() -> None:
     hidden = Hidden(torque_ripple=TorqueRipple(torque_nm=0.1, cycles_per_rev=60.0, second_share=0.0))
     for driven in (False, True):
         settings = replace(IDEAL, hidden=(hidden,), logs_sensor=True, driven=driven)
-        motion = simulate_bench(settings, SEED).truth.motion
+        motion = simulate(settings, SEED).truth.motion
         left = 0.3 * motion.inner_ddq + motion.friction_nm - motion.interaction_nm
         cogging = 0.1 * np.sin(60.0 * motion.q)
         assert_allclose(left, np.zeros_like(left) if driven else cogging, atol=1e-9)
@@ -160,7 +147,7 @@ def impulse(t: Float, torque: Float) -> Float:
 def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: str) -> None:
     """In impulses: integral F_m dt = integral of the hand's spring and damper - m_hand dq, at every tick."""
     settings = replace(PORT_IDEAL, hidden=(HIDDEN[name],))
-    simulation = simulate_bench(settings, PORT_SEED)
+    simulation = simulate(settings, PORT_SEED)
     log = simulation.log
     assert log.tau_interaction is not None
     q, dq = log.q[:, 0], log.dq[:, 0]
@@ -175,7 +162,7 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
 def test_sensor_of_a_driven_joint_carries_inertia_gravity_and_friction_of_the_link(name: str) -> None:
     """tau_J = J ddq + g(q) + tau_f."""
     settings = replace(LOADED, driven=True, hidden=(HIDDEN[name],))
-    simulation = simulate_bench(settings, PORT_SEED)
+    simulation = simulate(settings, PORT_SEED)
     log, motion = simulation.log, simulation.truth.motion
     assert log.tau_J is not None
     link = 0.3 * motion.inner_ddq + GRAVITY_NM * np.sin(log.q + PHASE_RAD) + motion.friction_nm
@@ -194,12 +181,12 @@ SLOW_IDEAL = replace(PLAIN, sensors=(IDEAL_SENSORS,), operator=Operator(motion=S
 
 
 def truth_slow(hidden: Hidden, settings: BenchSettings = SLOW_IDEAL) -> TrueMotion:
-    return simulate_bench(replace(settings, hidden=(hidden,)), SLOW_SEED).truth.motion
+    return simulate(replace(settings, hidden=(hidden,)), SLOW_SEED).truth.motion
 
 
 @pytest.mark.parametrize("rate", [1000.0, 500.0, 300.0, 250.0, 100.0])
 def test_a_lower_rate_picks_the_ticks_nearest_to_its_own(rate: float) -> None:
-    simulation = simulate_bench(replace(SLOW_IDEAL, rate_hz=rate), SLOW_SEED)
+    simulation = simulate(replace(SLOW_IDEAL, rate_hz=rate), SLOW_SEED)
     log, motion = simulation.log, simulation.truth.motion
     ticks = np.rint(np.arange(int(12.0 * rate) + 1) * 1000.0 / rate).astype(int)
     assert len(motion.t) == 12_001
@@ -210,7 +197,7 @@ def test_a_lower_rate_picks_the_ticks_nearest_to_its_own(rate: float) -> None:
 def test_stale_samples_repeat_the_one_before_and_lost_ones_leave_a_gap() -> None:
     """Every sample is the state of a tick not after its stamp; a lost tick is in no sample."""
     sensors = Sensors(stale=0.1, lost=0.05)
-    simulation = simulate_bench(replace(SLOW_IDEAL, sensors=(sensors,)), SLOW_SEED)
+    simulation = simulate(replace(SLOW_IDEAL, sensors=(sensors,)), SLOW_SEED)
     log, motion = simulation.log, simulation.truth.motion
     own = np.rint(log.t * 1e3).astype(int)
     assert len(own) == 12_001 - round(0.05 * 12_001)

@@ -11,9 +11,10 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects.velocity import Stribeck
 from friction_audit.simulation.hide import EQUALS, hidden_effects, with_model
+from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
 from tests.effects.recordings import typical_term
 
@@ -35,49 +36,25 @@ def arm_of(*joints: JointModel | None) -> ArmModel:
     return ArmModel(names=tuple(f"joint{k}" for k in range(len(joints))), joints=joints)
 
 
-EXAMPLES: dict[str, dict[str, float]] = {
-    "offset": {"offset_nm": 0.1},
-    "torque_bias": {"torque_bias_nm": -0.1},
-    "stribeck": {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0},
-    "nonlinear_viscous": {
-        "curved_viscous_nm": 0.1,
-        "curved_viscous_exponent": 2.0,
-        "curved_viscous_speed_rad_s": 1e-3,
-    },
-    "asymmetric_coulomb": {"coulomb_half_difference_nm": 0.1},
-    "asymmetric_viscous": {"viscous_half_difference_nms_per_rad": 0.03},
-    "position_dependent_friction": {
-        "position_friction_cos_nm": 0.1,
-        "position_friction_sin_nm": -0.05,
-        "position_friction_order": 3.0,
-        "position_friction_centre_rad": 0.2,
-        "position_friction_width_rad": 200.0,
-    },
-    "torque_ripple": {"ripple_sin_nm": 0.1, "ripple_order": 20.0},
-    "gravity_error": {"gravity_cos_nm": 0.2, "gravity_sin_nm": -0.1},
-    "cable_spring": {"cable_stiffness_nm_per_rad": 0.4, "cable_centre_rad": 0.1, "cable_free_rad": 0.3},
-    "inertia_error": {"extra_inertia_kg_m2": 0.05},
-    "friction_step": {
-        "step_coulomb_nm": 0.1,
-        "step_viscous_nms_per_rad": 0.02,
-        "step_time_s": 8.0,
-        "step_length_s": 4.0,
-    },
-    "presliding": {"bristle_nm": 0.4, "reach_rad": 0.004, "yielding_exponent": 1.0},
-    "time_delay": {"delay_s": 0.004, "delay_step_s": 0.004},
-    "joint_elasticity": {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1000.0},
-    "unlogged_compensation": {"unlogged_nm": 0.2, "unlogged_width_rad_s": 0.05},
-}
-
-
-PRELOADED = {"cable_stiffness_nm_per_rad": 0.4, "cable_preload_nm": 0.2, "cable_centre_rad": 0.1}
-CASES = [*EXAMPLES.items(), ("cable_spring", PRELOADED)]
+# Formula by formula the effects are compared in ``tests/effects/test_simulated_torque.py``.
+STRIBECK = {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}
+STEP = {"step_coulomb_nm": 0.1, "step_viscous_nms_per_rad": 0.02, "step_time_s": 8.0, "step_length_s": 4.0}
+CASES = [
+    ("offset", {"offset_nm": 0.1}),
+    ("stribeck", STRIBECK),
+    ("cable_spring", {"cable_stiffness_nm_per_rad": 0.4, "cable_preload_nm": 0.2, "cable_centre_rad": 0.1}),
+    ("gravity_error", {"gravity_cos_nm": 0.2, "gravity_sin_nm": -0.1}),
+    ("friction_step", STEP),
+    ("presliding", {"bristle_nm": 0.4, "reach_rad": 0.004, "yielding_exponent": 1.0}),
+    ("time_delay", {"delay_s": 0.004, "delay_step_s": 0.004}),
+    ("joint_elasticity", {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1000.0}),
+]
 
 
 @pytest.mark.parametrize(("name", "values"), CASES, ids=lambda part: part if isinstance(part, str) else "")
 def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, values: dict[str, float]) -> None:
     model = model_of({name: values})
-    simulation = simulate_bench(with_model(IDEAL, arm_of(model)), 3)
+    simulation = simulate(with_model(IDEAL, arm_of(model)), 3)
     log = simulation.log
     assert log.tau_interaction is not None
     t, q, dq = log.t, log.q[:, 0], log.dq[:, 0]
@@ -105,7 +82,7 @@ def test_inertia_and_friction_are_taken_over() -> None:
 
 def test_joints_without_a_model_stay_as_they_are() -> None:
     arm = ArmSettings()
-    model = model_of({"stribeck": EXAMPLES["stribeck"]})
+    model = model_of({"stribeck": STRIBECK})
     settings = with_model(arm, arm_of(None, model, *(None,) * 5))
     assert settings.joints[0] == arm.joints[0]
     assert settings.joints[1] == JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
@@ -120,11 +97,7 @@ def test_joints_without_a_model_stay_as_they_are() -> None:
         ("torque_ripple", {"ripple_sin_nm": 0.1, "ripple_cos_nm": 0.1, "ripple_order": 20.0}, "phase of a sine or"),
         ("presliding", {"bristle_nm": 0.2, "reach_rad": 0.004, "yielding_exponent": 1.0}, "bear all of the Coulomb"),
         ("gravity_error", {"gravity_error_source": 2.0, "link_mass_kg": 1.0}, "errs in the joint's own angle"),
-        (
-            "load_dependent_friction",
-            {"load_friction_nm": 0.1, "load_exponent": 1.0, "load_static": 1.0},
-            "not the weight alone",
-        ),
+        ("load_dependent_friction", {"load_exponent": 1.0, "load_static": 1.0}, "not the weight alone"),
         ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
     ],
 )

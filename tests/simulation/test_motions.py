@@ -211,7 +211,7 @@ REFUSED: list[tuple[type, dict[str, Any], str]] = [
     ),
     (Commanded, {"sines": 0}, "sines 0"),
     (HandPath, {"reach_m": 0.0}, "reach_m 0: expected 0.001 or more"),
-    (HandPath, {"rotation_rad": 3.2}, "rotation_rad 3.2: expected less than half a turn"),
+    (HandPath, {"rotation_rad": 3.2}, "rotation_rad 3.2: expected a number from 0 to 3.14"),
 ]
 
 

@@ -70,7 +70,8 @@ def command(
     from friction_audit.reporting.compare import compare_document, compare_lines
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.figures.comparison import draw_comparison
-    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
+    from friction_audit.simulation.assign import as_nested
+    from friction_audit.simulation.hide import hidden_effects
 
     voice, names = general.voice, choices.some_figures(figures, FIGURES)
     out = ResultFolder(folder=folder, figures=names, formats=formats, overwrite=overwrite)
@@ -85,7 +86,7 @@ def command(
     with voice.step("draw"):
         drawn = ((name, figure) for name, figure in draw_comparison(result).items() if name in names)
         files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
-    about: dict[str, object] = {"arm": result.scene, "settings": settings_in_sight(settings)}
+    about: dict[str, object] = {"arm": result.scene, "settings": as_nested(settings)}
     about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}
     about["effects"] = [asdict(effect) for effect in hidden_effects(settings)]
     document = compare_document(about, result.rows, result.curves, files)

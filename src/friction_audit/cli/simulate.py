@@ -92,7 +92,8 @@ def command(
         return
     from friction_audit.io.writers.write_log import check_fit
     from friction_audit.reporting import documents
-    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
+    from friction_audit.simulation.assign import as_nested
+    from friction_audit.simulation.hide import hidden_effects
     from friction_audit.simulation.scenarios import simulate
 
     chosen, voice, seed = _find_scenario(scenario), general.voice, simulation.seed
@@ -105,7 +106,7 @@ def command(
     with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
         check_fit(log, writer)
         writer.write(log, draft)
-        effects, seen = [asdict(effect) for effect in hidden_effects(settings)], settings_in_sight(settings)
+        effects, seen = [asdict(effect) for effect in hidden_effects(settings)], as_nested(settings)
         simulated = documents.SimulatedLog(chosen.name, seed, seen, effects, sha256_of(draft))
         if truth is not None:
             with whole_file(truth, overwrite=overwrite) as other:

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import BatchedEffect, Nonlinear
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, JointData, Nominal, grid_noise, moves
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -60,21 +60,13 @@ SLOWEST = 3.0
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Breakaways:
-    """Moments at which a joint leaves a standstill, k of them, on the fine grid.
+    """Moments at which a joint leaves a standstill, k of them, on the fine grid."""
 
-    Attributes:
-        samples: Samples of the standstill whose torque is followed, shape (k, w).
-        onset: Sample at which the joint starts, shape (k,).
-        certain: First sample whose direction is certain, shape (k,).
-        direction: -1 or 1, shape (k,).
-        weights: What carries them on to the onset, sum 1, shape (w,).
-    """
-
-    samples: Index
-    onset: Index
-    certain: Index
-    direction: Float
-    weights: Float
+    samples: Index  # samples of the standstill whose torque is followed, shape (k, w)
+    onset: Index  # sample at which the joint starts, shape (k,)
+    certain: Index  # first sample whose direction is certain, shape (k,)
+    direction: Float  # -1 or 1, shape (k,)
+    weights: Float  # what carries them on to the onset, sum 1, shape (w,)
 
     def of(self, columns: Float) -> Float:
         """Columns, shape (n,) or (n, p), carried on to the onsets, shape (k,) or (k, p)."""
@@ -89,11 +81,7 @@ class Breakaways:
 def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Breakaways:
     """Find the moments at which a joint leaves a standstill.
 
-    Args:
-        q: Position on an even grid, shape (n,). [rad]
-        dq: Velocity, shape (n,). [rad/s]
-        dead_speed: Below it the sign is the noise's. [rad/s]
-        step_s: Spacing of the grid. [s]
+    Position and velocity are on an even grid, shape (n,); below the dead speed the sign is the noise's.
     """
     still = max(round(STANDSTILL_S / step_s), DEGREE + 1)
     before = still + APART
@@ -134,11 +122,6 @@ def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> NDArra
 
     It is where it is the same earlier or later, or falls behind the start by more than it differs there: friction is
     less once the joint moves, and whoever pushes gives way.
-
-    Args:
-        torque: On the fine grid, shape (n,). [N m]
-        breakaways: The moments.
-        step_s: Spacing of the grid. [s]
     """
     if not len(breakaways.onset):
         return np.zeros(0, np.bool_)
@@ -164,11 +147,9 @@ def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float
     What is built on the sign of the velocity then holds at break-away as it does in motion. [rad/s], [rad/s^2]
     """
     dq, ddq = dq.copy(), ddq.copy()
-    for first, onset, certain, direction in zip(
-        breakaways.samples[:, 0], breakaways.onset, breakaways.certain, breakaways.direction, strict=True
-    ):
-        dq[first:certain] = direction * dead_speed
-        ddq[first:onset] = 0.0
+    for k, first in enumerate(breakaways.samples[:, 0]):
+        dq[first : breakaways.certain[k]] = breakaways.direction[k] * dead_speed
+        ddq[first : breakaways.onset[k]] = 0.0
     return dq, ddq
 
 
@@ -200,7 +181,7 @@ SPAN_SHARES = np.geomspace(3e-4, 0.03, 6)  # longer ones as shares of the span o
 FEWEST_BREAKAWAYS = 6
 
 
-class Stiction(BatchedEffect):
+class Stiction(Effect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield the excess after every onset per unit of that after a long rest, each as a column."""
         slow = REST_SHARE * float(np.sqrt(np.mean(motion.dq**2)))
@@ -246,14 +227,8 @@ def _starts(data: JointData) -> tuple[int, int]:
 def since_onset(q: Float, way: Float, moving: NDArray[np.bool_], step_s: float) -> tuple[Float, Float]:
     """Return how long the latest rest was and the path since, shape (n,) each. [s], [rad]
 
-    Both are 0 before and during a rest; in its last samples that already have the direction of the onset the rest
-    counts and the path is 0.
-
-    Args:
-        q: Positions, shape (n,). [rad]
-        way: Signs of the velocity.
-        moving: Samples in which the joint does not rest.
-        step_s: Spacing of the samples. [s]
+    Both are 0 before and during a rest; in its last samples whose velocity already has the ``way``, the sign, of the
+    onset, the rest counts and the path is 0.
     """
     rest, slid = np.zeros(len(q)), np.zeros(len(q))
     still, latest, path = 0.0, 0.0, 0.0

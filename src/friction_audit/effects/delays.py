@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side, simple_torque
-from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, reversals, several_speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -21,7 +21,7 @@ STRIBECK = ((1e-3, 0.3), *((excess, float(share)) for excess in (0.2, 1.0) for s
 LARGEST_SHARE = 1.6
 
 
-class FrictionalLag(BatchedEffect):
+class FrictionalLag(Effect):
     """Frictional lag: friction follows the speed late, its direction does not.
 
     Of the torque of friction at a steady speed s, level + mu_v s + e mu_c exp(-s / v_s), all that depends on the speed
@@ -79,7 +79,7 @@ STEPS_S = np.geomspace(1e-3, 0.1, 13)
 LEAST_SHARE = 0.5
 
 
-class TimeDelay(BatchedEffect):
+class TimeDelay(Effect):
     """Time delay: the torque reaches the log later than the motion, or earlier if the delay is below zero.
 
     The regressor is the torque of inertia and friction, read earlier by a step, less what it is now, per step: jumps at
@@ -124,7 +124,7 @@ TIME_DELAY = TimeDelay(
     coefficients=(Parameter("delay_s", "s", "delay of the torque", lower=-1.0, upper=1.0),),
     nonlinear=(
         Parameter("delay_step_s", "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
-        Parameter("delayed_load", "1", "1 if the load is late too", lower=0.0, upper=1.0, whole=True),
+        Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
     ),
     traits=Trait.NEEDS_NOMINAL,
     forward="delay",

@@ -2,9 +2,7 @@
 
 A joint model says F_m + u = sum of its terms: interaction torque and compensator torque pay for inertia, friction and
 all other effects. Each is linear in its coefficients once its nonlinear parameters are known, so that a fit searches
-over the nonlinear parameters only. An effect is defined in one place: a subclass of ``Effect`` with its formula, and
-one instance with its names, units, bounds and words; everything else in the program is derived from it. Effects whose
-formulas are alike share a module.
+over the nonlinear parameters only. Effects whose formulas are alike share a module.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -38,44 +36,32 @@ class Trait(Flag):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
-    """One effect; a subclass defines ``columns`` and overrides what only it needs.
+    """One effect; a subclass defines ``columns`` or ``columns_of_many`` and overrides what only it needs."""
 
-    Attributes:
-        name: From the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``.
-        label: A few words for people.
-        axis: Quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour.
-        coefficients: Parameters in which the torque is linear, one per column; bounds above zero are sign constraints.
-            Empty for an effect that no joint model can hold.
-        nonlinear: The other parameters.
-        traits: What holds for the torque.
-        needs: Which motion a log must hold; what is returned names the one that it lacks.
-        forward: How it takes part in a forward simulation:
-
-            - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other
-              joints as recorded. Where the past matters too, its torque along the motion is iterated.
-            - ``bristle``: by a torque that builds up with the path since a reversal.
-            - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
-            - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the
-              parameter whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
-            - ``play``: the measured side moves within a gap, of the full width of the parameter whose name ends on
-              ``_rad``, before it takes the side of friction with it.
-
-            Of a spring and of a gap ``far_share`` is the part of the inertia on the side of friction; the parameter
-            that ends on ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
-        record: The motion on which it shows itself best.
-        separate: Names of effects that are easily confused with it, and the motion that separates the two; every pair
-            stands in one of the two effects.
-    """
-
-    name: str
-    label: str
-    axis: str
+    name: str  # from the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``
+    label: str  # a few words for people
+    axis: str  # quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour
+    # Parameters in which the torque is linear, one per column; bounds above zero are sign constraints. Empty for an
+    # effect that no joint model can hold.
     coefficients: tuple[Parameter, ...] = ()
-    nonlinear: tuple[Parameter, ...] = ()
+    nonlinear: tuple[Parameter, ...] = ()  # the other parameters
     traits: Trait = Trait.NONE
+    # Which motion a log must hold; what is returned names the one that it lacks.
     needs: Callable[[JointData, Nominal], str | None] = moves
+    # How it takes part in a forward simulation:
+    # - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other joints as
+    #   recorded. Where the past matters too, its torque along the motion is iterated.
+    # - ``bristle``: by a torque that builds up with the path since a reversal.
+    # - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
+    # - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the parameter
+    #   whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
+    # - ``gap``: the measured side moves within a gap, of the full width of the parameter whose name ends on ``_rad``,
+    #   before it takes the side of friction with it.
+    # Of a spring and of a gap ``far_share`` is the part of the inertia on the side of friction; the parameter that ends
+    # on ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
     forward: Forward = "instant"
-    record: str = ""
+    record: str = ""  # the motion on which it shows itself best
+    # Effects that are easily confused with it, and the motion that separates the two; every pair stands in one of them.
     separate: Mapping[str, str] = field(default_factory=dict)
 
     # What few effects set, in their class.
@@ -86,16 +72,12 @@ class Effect:
     part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return the torque per unit of each coefficient, shape (n, p).
-
-        Args:
-            motion: Motion of the joint.
-            values: Nonlinear parameters, in order.
-        """
-        raise NotImplementedError(f"{self.name} has no formula")
+        """Return the torque per unit of each coefficient, shape (n, p), at the nonlinear parameters in order."""
+        ((_, columns),) = self.columns_of_many(motion, [values])
+        return columns
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
-        """Yield place and columns for many values, in any order; see ``BatchedEffect``."""
+        """Yield place and columns for many values, in any order; instead of ``columns`` where they share work."""
         yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
@@ -115,13 +97,9 @@ class Effect:
         pairs = zip(self.coefficients, coefficients.tolist(), strict=False)
         return all(one.lower < value <= one.upper for one, value in pairs)
 
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """Return the columns on the samples of a joint, shape (n, p)."""
-        return self.columns(data.motion(nominal.torque), self.values(at))
-
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
-        """Yield place and columns for many points of the grid, in any order."""
-        yield from ((place, self.regressor(data, nominal, at)) for place, at in enumerate(grid))
+        """Yield place and columns on the samples of a joint, shape (n, p), for points of the grid, in any order."""
+        yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])
 
     def regressors_of(
         self, data: JointData, nominals: Sequence[Nominal], grid: Sequence[Nonlinear]
@@ -132,24 +110,25 @@ class Effect:
             found = self.regressors(data, nominal, [grid[place] for place in places])
             yield from ((places[k], columns) for k, columns in found)
 
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """Return the columns at one point."""
+        ((_, columns),) = self.regressors(data, nominal, (at,))
+        return columns
+
     def coefficient_of(self, at: Nonlinear) -> float:
         """Return the coefficient of the one column of an effect whose coefficient ``follows``."""
         raise NotImplementedError(f"{self.name}: its coefficients are free")
 
     def in_cpp(self, values: Sequence[float], table: str) -> str:
-        """Return the torque as an expression of C++, of a friction that follows from the velocity alone.
+        """Return the torque of a friction that follows from the velocity alone as an expression of C++.
 
-        Args:
-            values: All parameters, in order.
-            table: Name of the array that holds ``cpp_table``.
-
-        Returns:
-            An expression of the velocity ``dq``, its size ``pace`` and its sign ``way``, which is smooth at standstill.
+        Of the velocity ``dq``, its size ``pace`` and its sign ``way``, which is smooth at standstill, given all
+        parameters in order; ``table`` names the array of ``cpp_table``, read by ``between(table, place)``.
         """
         raise NotImplementedError(f"{self.name} has no formula in C++")
 
     def cpp_table(self, values: Sequence[float]) -> Float | None:
-        """Return the numbers that the expression reads by ``between(table, place)``, or None."""
+        """Return the numbers that the expression reads, or None."""
         return None
 
     # Derived.
@@ -164,25 +143,10 @@ class Effect:
         """All parameters: coefficients, then nonlinear ones."""
         return self.coefficients + self.nonlinear
 
-    @property
-    def needs_nominal(self) -> bool:
-        """Whether its columns change with the nominal model."""
-        return Trait.NEEDS_NOMINAL in self.traits
-
-    @property
-    def exact(self) -> bool:
-        """Whether its formula cannot be wrong."""
-        return Trait.EXACT in self.traits
-
-    @property
-    def friction(self) -> bool:
-        """Whether its torque is dissipated."""
-        return Trait.FRICTION in self.traits
-
-    @property
-    def speed_only(self) -> bool:
-        """Whether its torque follows from the velocity alone."""
-        return Trait.SPEED_ONLY in self.traits
+    needs_nominal = property(lambda self: Trait.NEEDS_NOMINAL in self.traits)
+    exact = property(lambda self: Trait.EXACT in self.traits)
+    friction = property(lambda self: Trait.FRICTION in self.traits)
+    speed_only = property(lambda self: Trait.SPEED_ONLY in self.traits)
 
     def torque(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""
@@ -196,14 +160,3 @@ class Effect:
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the bounds of a nonlinear parameter; infinite ones if it is not the effect's."""
         return next(((one.lower, one.upper) for one in self.nonlinear if one.name == name), (-inf, inf))
-
-
-class BatchedEffect(Effect):
-    """An effect whose columns for many values have work in common; a subclass defines ``columns_of_many``."""
-
-    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        ((_, columns),) = self.columns_of_many(motion, [values])
-        return columns
-
-    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
-        yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])

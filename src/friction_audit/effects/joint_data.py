@@ -21,15 +21,10 @@ CHANGE_PER_COULOMB = 0.5
 
 
 def mean_sign(t: Float, dq: Float, ddq: Float) -> Float:
-    """Return the mean sign of a velocity from half a sample before to half a sample after, shape (n,).
+    """Return the mean sign of a velocity of slope ddq from half a sample before to half a sample after, shape (n,).
 
     A sharp sign changes at a sample, a reversal anywhere between two: at 400 Hz a millisecond of twice the Coulomb
     friction, more than the noise of a good sensor.
-
-    Args:
-        t: Evenly spaced times, shape (n,). [s]
-        dq: Velocity, shape (n,). [rad/s]
-        ddq: Its slope there, shape (n,). [rad/s^2]
     """
     if len(t) < 2:  # noqa: PLR2004 - one sample has no cell
         return np.sign(dq)
@@ -40,9 +35,7 @@ def mean_sign(t: Float, dq: Float, ddq: Float) -> Float:
 def grid_noise(signal: Float, differences: int = 2) -> float:
     """Return the standard deviation of a signal's noise, from differences that no motion reaches.
 
-    Args:
-        signal: Shape (n,).
-        differences: 2 for a velocity or a torque; 4 for a position, whose second ones are a motion's acceleration.
+    Those are the second of a velocity or a torque, the fourth of a position, whose second are a motion's acceleration.
     """
     bend = np.abs(np.diff(signal, n=differences))
     return SIGMA_PER_BEND[differences] * SIGMA_PER_MEDIAN * float(np.median(bend)) if len(bend) else 0.0
@@ -53,54 +46,32 @@ class JointData:
     """One joint on an even grid of n samples; j joints in the log.
 
     Torque and motion went through one and the same zero-phase low-pass, so that relations between them still hold.
-
-    Attributes:
-        joint: Which joint, column of the interaction.
-        t: Time, shape (n,), evenly spaced. [s]
-        q: Position, shape (n,). [rad]
-        dq: Velocity. [rad/s]
-        ddq: Acceleration, the derivative of the filtered velocity. [rad/s^2]
-        torque: What drives the side on which friction acts: F_m plus a logged compensator. [N m]
-        temperature: Temperature where it was logged, else None. [degC]
-        load: What the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and
-            the links' inertia where it was taken away; predicted, None where it is not known, shape (n,). [N m]
-        rigid: What the rigid-body model of the arm says about the joint, None where no model is known.
-        others_dq: Velocities of all joints, shape (n, j). [rad/s]
-        others_ddq: Accelerations of all joints, shape (n, j). [rad/s^2]
-        others_torque: What the torque sensors of all joints read, gravity included, counted as the torque counts,
-            shape (n, j). [N m]
-        others_joint: Column of this joint among them; ``joint`` where None.
-        sample_s: Usual step of the log itself, 0 where a torque that is late by part of it is of no interest. [s]
-        cycle: Number of the energy cycle of each sample, -1 outside of any, shape (n,).
-        moving: Samples in which the direction of motion is certain, shape (n,).
-        valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
-        dead_speed_rad_s: Below this speed the direction is not certain. [rad/s]
-        derived_from: ``"q"`` or ``"dq"``: what velocity and acceleration were taken from.
-        crossover_hz: Below it a velocity from ``"dq"`` is mainly the derivative of the position. [Hz]
-        logged_dq: Velocity as it was logged, through the same filter; ``dq`` where None, shape (n,). [rad/s]
     """
 
-    joint: int
-    t: Float
-    q: Float
-    dq: Float
-    ddq: Float
-    torque: Float
-    temperature: Float | None
-    others_dq: Float
-    others_ddq: Float
+    joint: int  # which joint, column of the interaction
+    t: Float  # time, evenly spaced, shape (n,), as all that names none [s]
+    q: Float  # position [rad]
+    dq: Float  # velocity [rad/s]
+    ddq: Float  # derivative of the filtered velocity [rad/s^2]
+    torque: Float  # what drives the side on which friction acts: F_m plus a logged compensator [N m]
+    temperature: Float | None  # where it was logged, else None [degC]
+    others_dq: Float  # velocities of all joints, shape (n, j) [rad/s]
+    others_ddq: Float  # accelerations of all joints, shape (n, j) [rad/s^2]
+    # what the torque sensors of all joints read, gravity included, counted as the torque counts, shape (n, j) [N m]
     others_torque: Float
-    cycle: NDArray[np.int64]
-    moving: NDArray[np.bool_]
-    valid: NDArray[np.bool_]
-    dead_speed_rad_s: float
-    derived_from: str = "dq"
-    logged_dq: Float | None = None
+    cycle: NDArray[np.int64]  # number of the energy cycle of each sample, -1 outside of any
+    moving: NDArray[np.bool_]  # samples in which the direction of motion is certain
+    valid: NDArray[np.bool_]  # samples that are not next to a hole, a stale stretch or an end of the filter
+    dead_speed_rad_s: float  # below it the direction is not certain [rad/s]
+    derived_from: str = "dq"  # what velocity and acceleration were taken from, "q" or "dq"
+    logged_dq: Float | None = None  # velocity as it was logged, through the same filter; ``dq`` where None [rad/s]
+    # what the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and the links'
+    # inertia where it was taken away; predicted, None where it is not known [N m]
     load: Float | None = None
-    rigid: RigidBody | None = None
-    others_joint: int | None = None
-    sample_s: float = 0.0
-    crossover_hz: float = 0.0
+    rigid: RigidBody | None = None  # what the rigid-body model of the arm says; None where no model is known
+    others_joint: int | None = None  # column of this joint among the others; ``joint`` where None
+    sample_s: float = 0.0  # usual step of the log itself, 0 where a torque late by part of it is of no interest [s]
+    crossover_hz: float = 0.0  # below it a velocity from "dq" is mainly the derivative of the position [Hz]
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -163,21 +134,13 @@ def duration(data: JointData) -> float:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Nominal:
-    """The nominal model as fitted to a joint: what columns may be built on, never the measured torque itself.
-
-    Attributes:
-        inertia_kg_m2: Inertia. [kg m^2]
-        coulomb_nm: Coulomb friction. [N m]
-        viscous_nms_per_rad: Viscous friction. [N m s/rad]
-        torque: Torque that the model predicts, shape (n,). [N m]
-        declared: Names of the numbers above that were stated; all others were fitted.
-    """
+    """The nominal model as fitted to a joint: what columns may be built on, never the measured torque itself."""
 
     inertia_kg_m2: float
     coulomb_nm: float
     viscous_nms_per_rad: float
-    torque: Float
-    declared: frozenset[str] = frozenset()
+    torque: Float  # that the model predicts, shape (n,) [N m]
+    declared: frozenset[str] = frozenset()  # names of the numbers above that were stated; all others were fitted
 
 
 def displacement(data: JointData) -> Float:
@@ -205,9 +168,8 @@ def displacement(data: JointData) -> Float:
 
 def moves(data: JointData, _nominal: Nominal) -> str | None:
     """Some motion at all."""
-    if int(data.used.sum()) < FEWEST_SAMPLES:
-        return "hardly any motion: move back and forth for several cycles"
-    return None
+    few = int(data.used.sum()) < FEWEST_SAMPLES
+    return "hardly any motion: move back and forth for several cycles" if few else None
 
 
 def both_directions(data: JointData, nominal: Nominal) -> str | None:
@@ -236,9 +198,8 @@ def several_speeds(data: JointData, nominal: Nominal) -> str | None:
     peak = np.zeros(int(cycle.max()) + 1)
     np.maximum.at(peak, cycle, speed)
     peak = peak[np.unique(cycle)]
-    if peak.std() >= 0.1 * peak.mean():
-        return None
-    return "all motions are equally fast: repeat them at two or more clearly different speeds"
+    equal = "all motions are equally fast: repeat them at two or more clearly different speeds"
+    return equal if peak.std() < 0.1 * peak.mean() else None
 
 
 def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
@@ -246,11 +207,8 @@ def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
     if lacking := moves(data, nominal):
         return lacking
     low, high = reach(data)
-    return (
-        None
-        if high - low >= least_rad
-        else f"the joint spans {high - low:.2f} rad: move it over at least {least_rad:g} rad"
-    )
+    few = f"the joint spans {high - low:.2f} rad: move it over at least {least_rad:g} rad"
+    return few if high - low < least_rad else None
 
 
 def reversals(data: JointData, nominal: Nominal) -> str | None:
@@ -276,6 +234,6 @@ def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:
         return "the log has one joint: record its neighbours too"
     if lacking := moves(data, nominal):
         return lacking
-    if data.others_torque[data.used][:, neighbours].std(axis=0).max() >= CHANGE_PER_COULOMB * abs(nominal.coulomb_nm):
-        return None
-    return "the torque of the neighbours hardly changes: load them, also while this joint rests"
+    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
+    few = "the torque of the neighbours hardly changes: load them, also while this joint rests"
+    return few if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm) else None

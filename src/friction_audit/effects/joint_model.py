@@ -2,12 +2,12 @@
 
 import json
 import sys
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import Any, cast, get_type_hints
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from friction_audit.joint_log import Float
 REST = ("coulomb", "viscous")  # terms of ``Motion.rest`` besides the inertia
 
 SCHEMA = "friction-audit/model/1"
+JOINT = {"name": str, "inertia_kg_m2": float, "held": list, "provenance": dict, "terms": dict}  # keys of its table
+KINDS = {str: "text", int: "whole number", float: "number", list: "list of names of terms", dict: "table"}
 MOST_FAULTS, LONGEST_VALUE = 50, 80  # faults that a message names, and characters of a key or value in it
 
 
@@ -28,16 +30,12 @@ MOST_FAULTS, LONGEST_VALUE = 50, 80  # faults that a message names, and characte
 class FittedTerm:
     """A term with its numbers.
 
-    Attributes:
-        name: Name of the term.
-        values: Values of the term's ``parameters``, in order.
-
     Raises:
         AnalysisError: If there is no such term, or values are missing, superfluous or beyond their bounds.
     """
 
     name: str
-    values: tuple[float, ...]
+    values: tuple[float, ...]  # of the term's ``parameters``, in order
 
     def __post_init__(self) -> None:
         parameters = self.effect.parameters
@@ -61,40 +59,28 @@ class FittedTerm:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Provenance:
-    """Where a model comes from.
+    """Where a model comes from."""
 
-    Attributes:
-        method: How it was found, e.g. ``energy``; empty if given by hand.
-        log: Path of the log, as given.
-        sha256: Digest of the log.
-        cycles: Number of cycles it rests on.
-    """
-
-    method: str = ""
-    log: str = ""
-    sha256: str = ""
-    cycles: int = 0
+    method: str = ""  # how it was found, e.g. ``energy``; empty if given by hand
+    log: str = ""  # path of the log, as given
+    sha256: str = ""  # digest of the log
+    cycles: int = 0  # number of cycles it rests on
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointModel:
     """Model of one joint: F_m + u = B ddq + the sum of its terms.
 
-    Attributes:
-        inertia_kg_m2: Inertia B behind the torque sensor; of a torque from which a rigid-body model has taken the
-            inertia out already, what is left to be paid: about zero, and below it where the model took too much.
-        terms: The other terms, each at most once.
-        provenance: Where it comes from.
-        held: Names of the terms whose numbers are known from elsewhere, so that a diagnosis does not fit them again.
-
     Raises:
         AnalysisError: If the inertia is no number, a term stands twice, or one is held that is not there.
     """
 
+    # Inertia B behind the torque sensor; of a torque from which a rigid-body model has taken the inertia out already,
+    # what is left to be paid: about zero, and below it where the model took too much.
     inertia_kg_m2: float
-    terms: tuple[FittedTerm, ...] = ()
+    terms: tuple[FittedTerm, ...] = ()  # the other terms, each at most once
     provenance: Provenance = field(default_factory=Provenance)
-    held: tuple[str, ...] = ()
+    held: tuple[str, ...] = ()  # terms whose numbers are known from elsewhere: a diagnosis does not fit them again
 
     def __post_init__(self) -> None:
         if not isfinite(self.inertia_kg_m2):
@@ -126,7 +112,6 @@ class JointModel:
         return self.inertia_kg_m2 * motion.ddq + _sum((term for term in self.terms if term.name in REST), motion)
 
     def _known(self, motion: Motion) -> Motion:
-        """Tell the motion what the simple terms take, unless somebody has."""
         return replace(motion, rest=self.rest(motion)) if motion.rest is None else motion
 
 
@@ -134,16 +119,12 @@ class JointModel:
 class ArmModel:
     """Models of the joints of an arm.
 
-    Attributes:
-        names: Names of the joints.
-        joints: One model per joint; None where the log did not allow one.
-
     Raises:
         AnalysisError: If there is no joint, or not one name per joint.
     """
 
-    names: tuple[str, ...]
-    joints: tuple[JointModel | None, ...]
+    names: tuple[str, ...]  # of the joints
+    joints: tuple[JointModel | None, ...]  # one per joint; None where the log did not allow one
 
     def __post_init__(self) -> None:
         if not self.joints or len(self.names) != len(self.joints):
@@ -192,9 +173,9 @@ def load_model(path: Path) -> ArmModel:
     tables = document.get("joint")
     if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{path}: no [[joint]] table; expected one per joint; write the model again")
-    strange = _strangers(document, ("schema", "version", "joint"), "the file")
-    of_joints = (fault for i, table in enumerate(tables) for fault in _faults(table, f"joint {i + 1}"))
-    faults = list(islice(chain(strange, of_joints), MOST_FAULTS))
+    of_file = _faults(document, dict.fromkeys(("schema", "version", "joint"), object), (), "the file")
+    of_joints = (fault for i, table in enumerate(tables) for fault in _joint_faults(table, f"joint {i + 1}"))
+    faults = list(islice(chain(of_file, of_joints), MOST_FAULTS))
     if faults:
         raise InputError(f"{path}: {'; '.join(faults)}; correct the file or write the model again")
     joints = tuple(_joint(path, i + 1, table) for i, table in enumerate(tables))
@@ -204,12 +185,9 @@ def load_model(path: Path) -> ArmModel:
 def _lines(model: ArmModel) -> Iterator[str]:
     from friction_audit import __version__  # the package itself knows the simulator, which knows this module
 
-    yield f"schema = {_text(SCHEMA)}"
-    yield f"version = {_text(__version__)}"
+    yield from (f"schema = {_text(SCHEMA)}", f"version = {_text(__version__)}")
     for name, joint in zip(model.names, model.joints, strict=True):
-        yield from ("", "[[joint]]", f"name = {_text(name)}")
-        if joint is not None:
-            yield from _joint_lines(joint)
+        yield from ("", "[[joint]]", f"name = {_text(name)}", *(_joint_lines(joint) if joint is not None else ()))
 
 
 def _joint_lines(joint: JointModel) -> Iterator[str]:
@@ -243,68 +221,43 @@ def _read(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: is no TOML: {error}; expected a model.toml") from error
 
 
-def _faults(table: Mapping[str, Any], where: str) -> Iterator[str]:
-    """Yield what is wrong with the table of one joint: keys missing, strange, or of the wrong type."""
-    yield from _strangers(table, ("name", "inertia_kg_m2", "held", "provenance", "terms"), where)
-    if not isinstance(table.get("name"), str):
-        yield f"{where}: name is missing or no text"
-    known = "inertia_kg_m2" in table
-    terms, origin, held = table.get("terms", {}), table.get("provenance", {}), table.get("held", [])
-    if known and not _is_number(table["inertia_kg_m2"]):
-        yield f"{where}: inertia_kg_m2 is no number"
-    if not isinstance(held, list) or not all(isinstance(name, str) for name in held):
-        yield f"{where}: held is no list of names of terms"
-    if not known and (terms or origin or held):
-        yield f"{where}: inertia_kg_m2 is missing"
-    if isinstance(terms, dict):
-        for name, values in terms.items():
-            yield from _term_faults(name, values, where)
-    else:
-        yield f"{where}: terms is no table"
-    yield from _origin_faults(origin, f"{where}: provenance")
+def _joint_faults(table: Mapping[str, Any], where: str) -> Iterator[str]:
+    """Yield what is wrong with the table of a joint; its inertia may lack where nothing else is known."""
+    found, origin = table.get("terms", {}), table.get("provenance", {})
+    needed = ["name", *(["inertia_kg_m2"] if found or origin or table.get("held") else [])]
+    yield from _faults(table, JOINT, needed, where)
+    kinds = get_type_hints(Provenance)
+    yield from _faults(origin if isinstance(origin, dict) else {}, kinds, (), f"{where}: provenance")
+    known = {term.name: term for term in terms() if term.name != "inertia"}
+    for name, values in (found if isinstance(found, dict) else {}).items():
+        if name not in known:
+            yield f"{where}: {name!r} is no term{near_names(name, list(known))}, expected {', '.join(known)}"
+            continue
+        parameters = known[name].parameters
+        needed = [one.name for one in parameters if not one.optional]
+        yield from _faults(values, {one.name: float for one in parameters}, needed, f"{where}: {name}")
 
 
-def _term_faults(name: str, values: object, where: str) -> Iterator[str]:
-    """Yield what is wrong with the table of one term."""
-    names = [term.name for term in terms() if term.name != "inertia"]
-    term = next((term for term in terms() if term.name == name and name in names), None)
-    if term is None:
-        yield f"{where}: {name!r} is no term{near_names(name, names)}, expected {', '.join(names)}"
-        return
-    if not isinstance(values, dict):
-        yield f"{where}: {name} is no table"
-        return
-    wanted = tuple(parameter.name for parameter in term.parameters)
-    yield from _strangers(values, wanted, f"{where}: {name}")
-    missing = [p.name for p in term.parameters if p.name not in values and not p.optional]
-    if missing:
-        yield f"{where}: {name}: {', '.join(missing)} missing"
-    yield from (
-        f"{where}: {name}: {key} is no number" for key in wanted if key in values and not _is_number(values[key])
-    )
-
-
-def _origin_faults(origin: object, where: str) -> Iterator[str]:
-    """Yield what is wrong with the table of a provenance."""
-    if not isinstance(origin, dict):
+def _faults(table: object, kinds: Mapping[str, type], needed: Sequence[str], where: str) -> Iterator[str]:
+    """Yield what is wrong with a table: keys that are strange, missing, or of the wrong type."""
+    if not isinstance(table, dict):
         yield f"{where} is no table"
         return
-    kinds = {one.name: one.type for one in fields(Provenance)}
-    yield from _strangers(origin, tuple(kinds), where)
-    for key, kind in kinds.items():
-        if key in origin and type(origin[key]) is not kind:
-            yield f"{where}: {key} is no {'text' if kind is str else 'whole number'}"
+    strange = (shortened(key, LONGEST_VALUE) for key in table if key not in kinds)
+    yield from (f"{where}: {key!r} is no key{near_names(key, list(kinds))}" for key in strange)
+    if missing := [key for key in needed if key not in table]:
+        yield f"{where}: {', '.join(missing)} missing"
+    wrong = (key for key, kind in kinds.items() if key in table and not _is_of(table[key], kind))
+    yield from (f"{where}: {key} is no {KINDS[kinds[key]]}" for key in wrong)
 
 
-def _strangers(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> Iterator[str]:
-    strange = (shortened(key, LONGEST_VALUE) for key in table if key not in known)
-    yield from (f"{where}: {key!r} is no key{near_names(key, list(known))}" for key in strange)
-
-
-def _is_number(value: object) -> bool:
-    """Return True for a number that is no truth value and that a float can hold."""
-    whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
-    return whole or isinstance(value, float)
+def _is_of(value: object, kind: type) -> bool:
+    """Return True for a value of a kind; a number is none that no float can hold."""
+    if kind is float:
+        return isinstance(value, float) or (_is_of(value, int) and abs(cast("int", value)) <= sys.float_info.max)
+    if kind is list:
+        return isinstance(value, list) and all(isinstance(one, str) for one in value)
+    return isinstance(value, kind) and not (kind is int and isinstance(value, bool))
 
 
 def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | None:

@@ -43,8 +43,7 @@ class LoadDependentFriction(Effect):
         return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        lacking = both_directions(data, nominal)
-        if lacking:
+        if lacking := both_directions(data, nominal):
             return lacking
         if data.load is None:
             return "the load is not known: log gravity or name the arm, and carry different loads over the same motion"
@@ -72,17 +71,9 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
     ),
     nonlinear=(
         Parameter("load_exponent", "1", "exponent of the load", lower=0.5, upper=3.0),
-        Parameter(
-            "load_directed", "1", "1 if friction depends on the direction of power", lower=0.0, upper=1.0, whole=True
-        ),
-        Parameter(
-            "load_static",
-            "1",
-            "1 if the load is the weight alone, without inertial torque",
-            lower=0.0,
-            upper=1.0,
-            whole=True,
-            optional=True,
+        Parameter.choice("load_directed", "1 if friction depends on the direction of power", 0.0, 1.0),
+        Parameter.choice(
+            "load_static", "1 if the load is the weight alone, without inertial torque", 0.0, 1.0, optional=True
         ),
     ),
     traits=Trait.NEEDS_NOMINAL,
@@ -136,14 +127,13 @@ class GravityError(Effect):
                 columns[:, OF_LINK] = rigid.weight[:, rigid.links.index(source)]
         return columns
 
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """The columns of one source; of several links the linearly independent ones, the others zero."""
-        source = round(at[SOURCE])
-        found = self.columns(data.motion(nominal.torque), (source,))
-        if source != SEVERAL:
-            return found[:, :OF_ONE]
-        found[:, PLACES[~independent(data)]] = 0.0
-        return found
+    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        """Yield the columns of one source; of several links the linearly independent ones, the others zero."""
+        for place, found in super().regressors(data, nominal, grid):
+            several = round(grid[place][SOURCE]) == SEVERAL
+            if several:
+                found[:, PLACES[~independent(data)]] = 0.0
+            yield place, found if several else found[:, :OF_ONE]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """The joint's angle, and what the model of the arm lets pull at it."""
@@ -184,15 +174,9 @@ def independent(data: JointData) -> NDArray[np.bool_]:
 def _of_another(link: str) -> Iterator[Parameter]:
     """Yield the numbers of another link, which files of earlier versions do not have."""
     for axis in "xyz":
-        yield Parameter(
-            name=f"{link}_link_moment_{axis}_kg_m",
-            unit="kg m",
-            meaning=f"error of the first mass moment of the {link} link, {axis} in its joint's frame",
-            optional=True,
-        )
-    yield Parameter(
-        name=f"{link}_link_mass_kg", unit="kg", meaning=f"error of the mass of the {link} link", optional=True
-    )
+        meaning = f"error of the first mass moment of the {link} link, {axis} in its joint's frame"
+        yield Parameter(f"{link}_link_moment_{axis}_kg_m", "kg m", meaning, optional=True)
+    yield Parameter(f"{link}_link_mass_kg", "kg", f"error of the mass of the {link} link", optional=True)
 
 
 GRAVITY_ERROR = GravityError(
@@ -211,15 +195,7 @@ GRAVITY_ERROR = GravityError(
         *_of_another("next"),
         *_of_another("last"),
     ),
-    nonlinear=(
-        Parameter(
-            "gravity_error_source",
-            "1",
-            "0 own angle, -1 base, -2 several links, else number of the link",
-            lower=SEVERAL,
-            whole=True,
-        ),
-    ),
+    nonlinear=(Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),),
     traits=Trait.EVEN,
     needs=partial(span, least_rad=0.3),
     record="move through at least 1.5 rad, with rests at several places",

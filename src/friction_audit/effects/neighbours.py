@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion, Others
+from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, neighbours_loaded, neighbours_move
 from friction_audit.effects.parameter import Parameter
@@ -46,9 +46,7 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
         Parameter("crosstalk_before", "1", "share of the previous joint's torque"),
         Parameter("crosstalk_after", "1", "share of the next joint's torque"),
     ),
-    nonlinear=(
-        Parameter("crosstalk_side", "1", "-1 previous joint, 1 next joint, 0 both", lower=-1, upper=1, whole=True),
-    ),
+    nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
     needs=neighbours_loaded,
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
@@ -81,7 +79,9 @@ class InertialCoupling(Effect):
         if source <= ALL:
             if motion.others is None:
                 return columns
-            meant = list(_meant(source, motion.others))
+            joint, joints = motion.others.joint, min(motion.others.ddq.shape[1], JOINTS)
+            wanted = {BEFORE: (joint - 1,), AFTER: (joint + 1,), BOTH: (joint - 1, joint + 1)}
+            meant = [k for k in wanted.get(source, range(joints)) if 0 <= k < joints and k != joint]
             columns[:, meant] = motion.others.ddq[:, meant]
             if source == ALL:
                 columns[:, [JOINTS + joint for joint in meant]] = motion.others.dq[:, meant] ** 2
@@ -108,15 +108,8 @@ class InertialCoupling(Effect):
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
-        value = dict(zip((one.name for one in self.coefficients), coefficients.tolist(), strict=True))
-        possible = abs(value["inertial_torque_share"]) <= LARGEST_SHARE and abs(value["tip_mass_kg"]) <= LARGEST_MASS_KG
-        return bool(possible)
-
-
-def _meant(source: int, others: Others) -> range | tuple[int, ...]:
-    joint, joints = others.joint, min(others.ddq.shape[1], JOINTS)
-    wanted = {BEFORE: (joint - 1,), AFTER: (joint + 1,), BOTH: (joint - 1, joint + 1)}
-    return tuple(k for k in wanted.get(source, range(joints)) if 0 <= k < joints and k != joint)
+        share, mass_kg = np.abs(coefficients[2 * JOINTS : 2 * JOINTS + 2])
+        return bool(share <= LARGEST_SHARE and mass_kg <= LARGEST_MASS_KG)
 
 
 INERTIAL_COUPLING = InertialCoupling(
@@ -125,11 +118,8 @@ INERTIAL_COUPLING = InertialCoupling(
     axis="neighbour",
     coefficients=(
         *(
-            Parameter(f"coupling_to_joint{k}_kg_m2", "kg m^2", f"torque per acceleration of joint {k}")
-            for k in range(1, JOINTS + 1)
-        ),
-        *(
-            Parameter(f"coupling_to_speed{k}_kg_m2", "kg m^2", f"torque per squared speed of joint {k}")
+            Parameter(f"coupling_to_{to}{k}_kg_m2", "kg m^2", f"torque per {what} of joint {k}")
+            for to, what in (("joint", "acceleration"), ("speed", "squared speed"))
             for k in range(1, JOINTS + 1)
         ),
         Parameter("inertial_torque_share", "1", "share of the model's inertial torque"),
@@ -139,13 +129,10 @@ INERTIAL_COUPLING = InertialCoupling(
         ),
     ),
     nonlinear=(
-        Parameter(
+        Parameter.choice(
             "coupling_source",
-            "1",
             "0 previous joint, 1 next joint, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
-            lower=BEFORE,
-            upper=TIP,
-            whole=True,
+            *(BEFORE, TIP),
         ),
     ),
     needs=neighbours_move,

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from itertools import product
 
 import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import BatchedEffect, Effect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float, read_only
@@ -18,7 +19,7 @@ ORDER, CENTRE, WIDTH = "position_friction_order", "position_friction_centre_rad"
 EVERYWHERE = 1e6  # width of a bell that does not matter
 
 
-class PositionDependentFriction(BatchedEffect):
+class PositionDependentFriction(Effect):
     """Coulomb friction that depends on the position: a wave over the whole range, or over a stretch of it.
 
     B. Armstrong-Helouvry, Control of Machines with Friction, 1991, section 4.4: friction of geared joints repeats with
@@ -84,7 +85,7 @@ FINEST, COARSEST = 1.0, 1.4
 MOST_ORDERS = 120
 
 
-class TorqueRipple(BatchedEffect):
+class TorqueRipple(Effect):
     """Torque ripple: a torque that repeats with the position in both directions: cogging, or a gear's teeth.
 
     T. D. Tuttle, W. P. Seering, A nonlinear model of a harmonic drive gear transmission, IEEE Transactions on Robotics
@@ -116,7 +117,9 @@ class TorqueRipple(BatchedEffect):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Orders of the range, as far as they reach."""
-        (first, last), spread = order_range(data), spread_of(data)
+        first, last = order_range(data)
+        # Of the position while the joint moves: orders that differ by one over it are others.
+        spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
         step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
         orders = np.arange(first, last, step)[:MOST_ORDERS]
         return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
@@ -138,11 +141,6 @@ def order_range(data: JointData) -> tuple[float, float]:
     (slow,) = speeds(data, 25.0)
     first = 4.0 * np.pi / max(high - low, 1e-3)
     return first, max(2.0 * np.pi * CORNER_HZ / float(slow), first)
-
-
-def spread_of(data: JointData) -> float:
-    """Standard deviation of the position while the joint moves; orders that differ by one over it are others. [rad]"""
-    return max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
 
 
 TORQUE_RIPPLE = TorqueRipple(
@@ -186,11 +184,12 @@ class CableSpring(Effect):
         # Written out, for a power in general takes ten times as long.
         return np.stack([stretch, stretch * stretch * stretch, np.ones(len(off))]).T
 
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """Those of the term; of the straight spring position and preload only."""
-        if at:
-            return super().regressor(data, nominal, at)
-        return np.column_stack([data.q, np.zeros(len(data.q)), np.ones(len(data.q))])
+    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        """Yield those of the term; of the straight spring position and preload only."""
+        motion, n = data.motion(nominal.torque), len(data.q)
+        straight = (data.q, np.zeros(n), np.ones(n))
+        for place, at in enumerate(grid):
+            yield place, self.columns(motion, self.values(at)) if at else np.column_stack(straight)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """No free stretch, then all between edges but the one that leaves nothing, and the straight spring."""
@@ -198,8 +197,9 @@ class CableSpring(Effect):
         # Whole numbers, for neighbours on a grid must not differ by rounding only.
         pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
         places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
+        length = high - low
         bent = (
-            {"cable_centre_rad": low + 0.5 * twice / PARTS * (high - low), "cable_free_rad": free * (high - low)}
+            {"cable_centre_rad": low + 0.5 * twice / PARTS * length, "cable_free_rad": free * length}
             for twice, free in places
         )
         return (*bent, STRAIGHT)
@@ -234,8 +234,7 @@ CABLE_SPRING = CableSpring(
 
 
 DEPTH_RAD = 0.1  # depth at which a stop's torque is quoted, so that its unit does not depend on the exponent
-# How deep the joint goes into a stop, as shares of the range; 0 where it does not reach it.
-DEPTHS = (0.0, 0.02, 0.05, 0.08, 0.12, 0.2)
+DEPTHS = (0.02, 0.05, 0.08, 0.12, 0.2)  # how deep the joint goes into a stop, as shares of the range
 EXPONENTS = (1.0, 2.0)
 
 
@@ -249,10 +248,7 @@ class JointLimitStop(Effect):
     indistinguishable = ("cable_spring",)
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power.
-
-        Four columns.
-        """
+        """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power."""
         upper, lower, exponent = values
         columns = np.zeros((4, len(motion.q)))
         _press(read_only(motion.q), read_only(motion.dq), float(upper), float(lower), float(exponent), columns)
@@ -262,12 +258,14 @@ class JointLimitStop(Effect):
         """One stop, or two equally deep, with the exponents."""
         low, high = float(data.q.min()), float(data.q.max())
         length = high - low
-        alone = [(depth, 0.0) for depth in DEPTHS[1:]] + [(0.0, depth) for depth in DEPTHS[1:]]
-        both = [(depth, depth) for depth in DEPTHS[1:]]
+        ends = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
         return tuple(
-            {"stop_upper_rad": high - up * length, "stop_lower_rad": low + down * length, "stop_exponent": exponent}
-            for up, down in (*alone, *both)
-            for exponent in EXPONENTS
+            {
+                "stop_upper_rad": high - up * depth * length,
+                "stop_lower_rad": low + down * depth * length,
+                "stop_exponent": exponent,
+            }
+            for (up, down), depth, exponent in product(ends, DEPTHS, EXPONENTS)
         )
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:

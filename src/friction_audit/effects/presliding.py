@@ -20,7 +20,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.effect import BatchedEffect, Nonlinear
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -34,7 +34,7 @@ SPAN_SHARES = np.append(np.geomspace(1e-5, 1e-4, 3)[:-1], np.geomspace(1e-4, 0.3
 KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 
 
-class Presliding(BatchedEffect):
+class Presliding(Effect):
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield what bristles in the place of Coulomb friction add: z + T dz/dt - sgn(dq).
 
@@ -43,7 +43,10 @@ class Presliding(BatchedEffect):
         places: dict[tuple[float, float], list[int]] = {}
         for place, (reach, exponent, _) in enumerate(many):
             places.setdefault((reach, exponent), []).append(place)
-        sign, times = motion.direction, _spacing(motion.t)
+        sign, steps = motion.direction, np.diff(motion.t)
+        # The step of even times, of which a derivative takes a tenth of the work, or the times themselves.
+        even = len(steps) > 0 and np.ptp(steps) <= EVEN * np.mean(steps)
+        times: Float | float = float(np.mean(steps)) if even else motion.t
         for (reach, exponent), alike in places.items():
             z = bristle(motion.q, reach, exponent)
             rate = np.gradient(z, times) if any(many[place][2] > 0.0 for place in alike) else np.zeros(len(z))
@@ -62,10 +65,7 @@ class Presliding(BatchedEffect):
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
     """Return the state z along a path, exact for a path straight between its samples, 0 at the start, shape (n,).
 
-    Args:
-        q: Positions, shape (n,). [rad]
-        reach_rad: Displacement after which a spring as stiff as at z = 0 would be at the level. [rad]
-        exponent: n; 0 gives way all at once, larger ones give way longer before.
+    At the reach a spring as stiff as at z = 0 would be at the level; exponent 0 gives way all at once.
     """
     path = np.ascontiguousarray(q, dtype=np.float64) / reach_rad
     if exponent < 1.0:
@@ -84,12 +84,6 @@ def spread(exponent: float) -> tuple[Float, Float]:
     slips = 2.0**bend * gone / (2.0 * bend)
     slope = np.append(-np.diff(missing) / np.diff(slips), 0.0)
     return slips[1:], -np.diff(slope)
-
-
-def _spacing(t: Float) -> Float | float:
-    """Return the step of even times, of which a derivative takes a tenth of the work, or the times themselves."""
-    steps = np.diff(t)
-    return float(np.mean(steps)) if len(steps) and np.ptp(steps) <= EVEN * np.mean(steps) else t
 
 
 @compiled(any_order=True)

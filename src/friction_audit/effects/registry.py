@@ -57,8 +57,8 @@ NAMES = tuple(MODULES)
 @cache
 def effects() -> tuple["Effect", ...]:
     """Return the effects that a diagnosis may name, in the order of ``NAMES``."""
-    found = ((import_module(f"friction_audit.effects.{module}"), name) for name, module in MODULES.items())
-    return tuple(getattr(module, name.upper()) for module, name in found)
+    found = {name: import_module(f"friction_audit.effects.{module}") for name, module in MODULES.items()}
+    return tuple(getattr(module, name.upper()) for name, module in found.items())
 
 
 @cache
@@ -69,25 +69,16 @@ def terms() -> tuple["Effect", ...]:
 
 
 def effect_of(name: str) -> "Effect":
-    """Return an effect of ``effects()`` by name.
-
-    Raises:
-        KeyError: If there is none.
-    """
+    """Return an effect of ``effects()`` by name; KeyError if there is none."""
     return {effect.name: effect for effect in effects()}[name]
 
 
 def term_of(name: str) -> "Effect":
-    """Return a term by name.
-
-    Raises:
-        AnalysisError: If there is none; the message names those that are near.
-    """
-    for term in terms():
-        if term.name == name:
-            return term
-    names = [term.name for term in terms()]
-    raise AnalysisError(f"{name!r} is no term{near_names(name, names)}; expected {', '.join(names)}")
+    """Return a term by name; AnalysisError, with those that are near, if there is none."""
+    known = {term.name: term for term in terms()}
+    if name not in known:
+        raise AnalysisError(f"{name!r} is no term{near_names(name, list(known))}; expected {', '.join(known)}")
+    return known[name]
 
 
 def near_names(name: str, names: list[str]) -> str:
@@ -104,14 +95,9 @@ def motion_between(one: str, other: str) -> str:
 
 
 def motion_to_decide(name: str, alternatives: Sequence[str]) -> str:
-    """Say what to record to separate an effect from its alternatives; empty without any.
+    """Return what to record to separate an effect from its alternatives, the most likely first; empty without any.
 
-    Args:
-        name: The effect.
-        alternatives: Names of effects that a log does not separate from it, the most likely first.
-
-    Returns:
-        One motion, or one for each alternative with its name in front.
+    It is one motion, or one for each alternative with its name in front.
     """
     motions = {other: motion_between(name, other) for other in alternatives}
     if len(set(motions.values())) <= 1:

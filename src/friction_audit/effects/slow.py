@@ -1,6 +1,6 @@
 """Effects that come with the time of the recording: slowly, at one moment, or for stretches of it."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,12 +56,9 @@ class TorqueDrift(Effect):
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         length, found = duration(data), len(np.unique(data.cycle[data.used]))
         needed = CYCLES_PER_HALF_TURN * WAVES
-        if length < SHORTEST_S or found < needed:
-            return (
-                f"{found} cycles in {length:.0f} s: a drift is separated from slow motion over at least {needed} "
-                f"cycles and {SHORTEST_S:g} s"
-            )
-        return both_directions(data, nominal)
+        few = f"{found} cycles in {length:.0f} s: a drift is separated from slow motion over at least {needed} cycles"
+        short = length < SHORTEST_S or found < needed
+        return f"{few} and {SHORTEST_S:g} s" if short else both_directions(data, nominal)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         return tuple({"drift_waves": float(waves)} for waves in range(1, WAVES + 1))
@@ -77,13 +74,10 @@ TORQUE_DRIFT = TorqueDrift(
     ),
     nonlinear=(
         # Files of earlier versions have all waves and do not say so.
-        Parameter(
+        Parameter.choice(
             "drift_waves",
-            "1",
             "0 all waves, 1 the slowest wave alone, else number of the slowest waves",
-            lower=0.0,
-            upper=WAVES,
-            whole=True,
+            *(0.0, WAVES),
             optional=True,
         ),
     ),
@@ -123,9 +117,8 @@ class WarmUp(Effect):
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         length = duration(data)
-        if length < SHORTEST_S:
-            return f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
-        return both_directions(data, nominal)
+        short = f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
+        return short if length < SHORTEST_S else both_directions(data, nominal)
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """A cold joint has more friction of one kind at least."""
@@ -175,9 +168,8 @@ class FrictionStep(Effect):
 
     def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
         found = len(np.unique(data.cycle[data.used]))
-        if found < FEWEST_CYCLES:
-            return f"{found} cycles: record at least {FEWEST_CYCLES}, 4 on either side of the change"
-        return both_directions(data, nominal)
+        few = f"{found} cycles: record at least {FEWEST_CYCLES}, 4 on either side of the change"
+        return few if found < FEWEST_CYCLES else both_directions(data, nominal)
 
 
 FRICTION_STEP = FrictionStep(
@@ -200,37 +192,27 @@ FRICTION_STEP = FrictionStep(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contact:
-    """One stretch of time in which something touches the arm. [s]"""
+    """One stretch of time in which something touches the arm."""
 
     start_s: float
     stop_s: float
 
 
 class ContactEvent(Effect):
-    """Something touches the arm now and then, for stretches of time that no motion predicts.
+    """Something touches the arm now and then, for stretches that a diagnosis finds and adds to the empty grid."""
 
-    Its grid is empty: a diagnosis finds the moments and adds them.
-    """
-
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """Hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
-        hats = [np.zeros((len(data.t), 1))] if not at else []
-        for contact in contacts_of(at):
-            knots = np.linspace(contact.start_s, contact.stop_s, KNOTS + 2)
-            hats += [
-                np.interp(data.t, knots, np.eye(KNOTS + 2)[i], left=0.0, right=0.0)[:, None]
-                for i in range(1, KNOTS + 1)
-            ]
-        return np.hstack(hats)
+    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        """Yield hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
+        for place, at in enumerate(grid):
+            hats = [np.zeros((len(data.t), 1))] if not at else []
+            for k in range(1, len(at) // 2 + 1):
+                knots = np.linspace(at[f"start_{k}_s"], at[f"stop_{k}_s"], KNOTS + 2)
+                hats += [np.interp(data.t, knots, hat, left=0.0, right=0.0)[:, None] for hat in np.eye(KNOTS + 2)[1:-1]]
+            yield place, np.hstack(hats)
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
         """Any torque, where there was a contact."""
         return bool(at)
-
-
-def contacts_of(at: Nonlinear) -> tuple[Contact, ...]:
-    """Return the contacts of a point of the grid."""
-    return tuple(Contact(start_s=at[f"start_{k}_s"], stop_s=at[f"stop_{k}_s"]) for k in range(1, len(at) // 2 + 1))
 
 
 CONTACT_EVENT = ContactEvent(

@@ -237,7 +237,7 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
     nonlinear=(
         Parameter("unlogged_width_rad_s", "rad/s", "velocity scale near zero", lower=1e-4, upper=10.0),
         Parameter("unlogged_skew", "1", "shift of its sigmoid", lower=-2.0, upper=2.0),
-        Parameter("unlogged_form", "1", "0 smooth, 1 dead band", lower=0.0, upper=1.0, whole=True),
+        Parameter.choice("unlogged_form", "0 smooth, 1 dead band", 0.0, 1.0),
     ),
     traits=Trait.SPEED_ONLY,
     record="log the commanded torque",

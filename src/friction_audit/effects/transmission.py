@@ -22,7 +22,7 @@ from friction_audit.dynamics.transmission import (
     part_of,
     simple_torque,
 )
-from friction_audit.effects.effect import BatchedEffect, Nonlinear, Trait
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, grid_noise, mean_sign, reversals
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
@@ -47,7 +47,7 @@ FAR_SHARE = Parameter(
 )
 
 
-class Link(BatchedEffect):
+class Link(Effect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
     transmits = True
@@ -69,12 +69,8 @@ class Link(BatchedEffect):
         usual = sqrt(torque @ torque / len(torque))
         yield from self._follow(motion, [far_side(motion)] * len(many), [usual] * len(many), many)
 
-    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
-        """Return what the link adds to the torque, along the motion as measured or below a frequency."""
-        ((_, column),) = self.regressors(data, nominal, (at,))
-        return column
-
     def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        """Yield what the link adds to the torque, along the motion as measured or below a frequency."""
         yield from self.regressors_of(data, [nominal] * len(grid), grid)
 
     def regressors_of(

@@ -1,7 +1,6 @@
 """A whole arm, its hand guided by a person or its joints moved by its own motors; MuJoCo does the dynamics."""
 
-from dataclasses import dataclass, field, fields, replace
-from math import inf
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -9,8 +8,7 @@ from friction_audit.compensation.hand_cycles import CYCLE_STATE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot import STANDARD_GRAVITY, load_arm
-from friction_audit.simulation import sensors as reading
-from friction_audit.simulation.bench import Progress, make_motion, make_traces
+from friction_audit.simulation.bench import Progress, moved_by
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
@@ -18,58 +16,54 @@ from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
 from friction_audit.simulation.settings import (
+    CONTROL_RATE_HZ,
+    LONGEST_S,
     PANDA_SENSORS,
     AnyCompensator,
+    Checked,
     JointParameters,
     Sensors,
     Streams,
     count_ticks,
-    make_streams,
     require_hand,
-    require_within,
+    within,
 )
-from friction_audit.simulation.simulation import Simulation, Truth
+from friction_audit.simulation.simulation import Moved
 
 CHUNK_TICKS = 1000  # between two reports of the progress
 BRAKE_NM = 1e6  # what a brake holds
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Hand:
+class Hand(Checked):
     """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
 
     The defaults are those of a person who guides with braced arms: stiff, and damped well enough that the hand comes to
     rest in its pauses instead of swinging back (a Panda in its ready pose weighs 4 to 8 kg at its flange).
     """
 
-    mass_kg: float = 1.0  # mass of the hand [kg]
-    stiffness_n_per_m: float = 1500.0  # spring between intended and actual place [N/m]
-    damping_ns_per_m: float = 250.0  # damper between them [N s/m]
-    turning_stiffness_nm_per_rad: float = 25.0  # spring between intended and actual orientation [N m/rad]
-    turning_damping_nms_per_rad: float = 5.0  # damper between them [N m s/rad]
+    mass_kg: float = within(1.0)  # mass of the hand [kg]
+    stiffness_n_per_m: float = within(1500.0)  # spring between intended and actual place [N/m]
+    damping_ns_per_m: float = within(250.0)  # damper between them [N s/m]
+    turning_stiffness_nm_per_rad: float = within(25.0)  # spring between intended and actual orientation [N m/rad]
+    turning_damping_nms_per_rad: float = within(5.0)  # damper between them [N m s/rad]
     path: HandPath = field(default_factory=HandPath)  # the intended path
 
-    def __post_init__(self) -> None:
-        numbers = [(item.name, getattr(self, item.name)) for item in fields(self) if item.name != "path"]
-        require_within("hand", 0, inf, **dict(numbers))
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Servo:
+class Servo(Checked):
     """The position controller of every joint of an arm that moves by itself."""
 
-    stiffness_nm_per_rad: float = 600.0  # of every joint [N m/rad]
-    damping_nms_per_rad: float = 50.0  # of every joint [N m s/rad]
+    stiffness_nm_per_rad: float = within(600.0)  # of every joint [N m/rad]
+    damping_nms_per_rad: float = within(50.0)  # of every joint [N m s/rad]
     motion: Commanded = field(default_factory=Commanded)  # what the joints are commanded to do
-
-    def __post_init__(self) -> None:
-        stiffness, damping = self.stiffness_nm_per_rad, self.damping_nms_per_rad
-        require_within("servo", 0.0, inf, stiffness_nm_per_rad=stiffness, damping_nms_per_rad=damping)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ArmSettings:
+class ArmSettings(Checked):
     """A Panda, who moves it, one recording; the tuples have one entry per joint."""
+
+    robot = "panda"
 
     joints: tuple[JointParameters, ...] = PANDA_JOINTS  # motors and friction
     hidden: tuple[Hidden, ...] = (Hidden(),) * 7  # what is hidden in each joint
@@ -85,15 +79,15 @@ class ArmSettings:
     hand_cycles: bool = True
     pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
     braked: tuple[int, ...] = ()  # numbers of joints that do not move
-    carried_kg: float = 0.0  # mass at the flange that gravity compensation does not know of [kg]
+    carried_kg: float = within(0.0, 0.0, 100.0)  # mass at the flange that gravity compensation does not know of [kg]
     compensates_gravity: bool = True  # whether the motors hold the arm against gravity
     logs_temperature: bool = False  # True: the log holds the temperature too
-    duration_s: float = 60.0  # length of the recording [s]
-    rate_hz: float = 1000.0  # rate at which states are kept, up to that of the controller [Hz]
+    duration_s: float = within(60.0, 0.0, LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
+        Checked.__post_init__(self)
         count_ticks(self.duration_s, self.rate_hz)
-        require_within("arm", 0.0, 100.0, carried_kg=self.carried_kg)
         counts = {len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)}
         if counts != {len(PANDA_JOINTS)} or not set(self.braked) <= set(range(1, len(PANDA_JOINTS) + 1)):
             raise UsageError(
@@ -110,50 +104,31 @@ class ArmSettings:
         return tuple(joint for joint in range(1, len(self.joints) + 1) if joint not in self.braked)
 
 
-def simulate_arm(
-    settings: ArmSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
-) -> Simulation:
-    """Simulate a whole arm; without a compensator in the loop, the motion does not depend on the sensors.
-
-    Arguments as of ``scenarios.simulate``.
-    """
-    streams = make_streams(seed, len(settings.joints))
-    mechanism, gravity = move(settings, streams, progress)
-    motion = make_motion(mechanism, path, driven=settings.driven)
-    channels = reading.arm_channels(settings, motion, mechanism.loop, gravity, driven=settings.driven)
-    if not settings.driven:
-        channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm
-    if settings.logs_temperature:
-        channels["temperature"] = reading.temperatures(settings, motion)
-    log = reading.write_down(settings, channels, load_arm().joint_names, path, streams, robot="panda")
-    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
-    return Simulation(log=log, truth=truth)
-
-
-def move(settings: ArmSettings, streams: Streams, progress: Progress | None = None) -> tuple[Mechanism, Float]:
-    """Move the arm from rest; return the mechanism with the truth written down, and what gravity compensation gave.
+def move_arm(settings: ArmSettings, streams: Streams, path: str, progress: Progress | None) -> Moved:
+    """Move the arm from rest.
 
     Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
     """
     ticks, pose = count_ticks(settings.duration_s, settings.rate_hz), np.array(settings.pose_rad)
-    mechanism = assemble(_with_brakes(settings), ticks, pose, streams, driven=settings.driven)
-    gravity = np.zeros((ticks + 1, len(settings.joints)))
-    drive = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
-    settle(mechanism.joints, mechanism.body, drive.load(pose))
-    for k in range(ticks + 1):
-        drive.tick(k, gravity[k])
-        if progress is not None and k % CHUNK_TICKS == 0:
-            progress(k / ticks)
-    return mechanism, gravity
-
-
-def _with_brakes(settings: ArmSettings) -> ArmSettings:
-    """Let the brakes hold their joints, in which nothing hidden can then be felt."""
     joints, hidden = list(settings.joints), list(settings.hidden)
-    for number in settings.braked:
+    for number in settings.braked:  # a brake holds its joint, in which nothing hidden can then be felt
         joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)
         hidden[number - 1] = Hidden()
-    return replace(settings, joints=tuple(joints), hidden=tuple(hidden))
+    held = replace(settings, joints=tuple(joints), hidden=tuple(hidden))
+    mechanism = assemble(held, ticks, pose, streams)
+    gravity = np.zeros((ticks + 1, len(pose)))
+    arm = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
+    # The inner sides, the motors' or the links', bear gravity compensation or their weight.
+    load = -arm.compute(pose, 0.0 * pose)[1] if settings.driven else arm.support(pose)
+    settle(mechanism.joints, mechanism.body, load)
+    for k in range(ticks + 1):
+        q, dq = arm.predict(k)
+        gravity[k] = arm.support(q)
+        arm.pull(k, q, *arm.compute(q, dq), gravity[k])
+        run(mechanism, np.zeros(0), np.zeros(0), arm.jacobian, arm.cycle, k, k + 1)
+        if progress is not None and k % CHUNK_TICKS == 0:
+            progress(k / ticks)
+    return moved_by(mechanism, path, gravity)
 
 
 HAND_INERTIA_KG_M2 = 0.002  # of the hand about any axis through the flange; a guess that hardly matters
@@ -169,17 +144,15 @@ class RigidBody:
         self.rotor = rotor_mass(settings.joints, settings.hidden)
         turning = np.eye(3) * (HAND_INERTIA_KG_M2 if held_kg > 0 else 0.0)
         known = load_arm()
-        self._known, self._model = (
-            known.model,
-            known.with_load(settings.carried_kg + held_kg, np.zeros(3), turning).model,
-        )
+        self._known = known.model
+        self._model = known.with_load(settings.carried_kg + held_kg, np.zeros(3), turning).model
         self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
         self._flange = self._model.body(known.flange).id
         by_hand = settings.compensator is not None and settings.hand_cycles
-        self._cycle, self._nothing = np.zeros(CYCLE_STATE if by_hand else 0), np.zeros(0)
+        self.cycle = np.zeros(CYCLE_STATE if by_hand else 0)
         self._ticks, self._dt = len(mechanism.out) - 1, mechanism.clock.dt
         self._joints = n = len(settings.joints)
-        self._mass, self._bias, self._held, self._jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
+        self._mass, self._bias, self._held, self.jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
         # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.
         body = mechanism.body
         self._link = body.inner[:n] if settings.driven else slice(n)
@@ -202,10 +175,6 @@ class RigidBody:
         mj.mj_rne(model, data, 0, self._held)
         return self._held
 
-    def load(self, q: Float) -> Float:
-        """Return what the inner sides bear at rest, the motors gravity compensation or the links their weight."""
-        return -self.compute(q, np.zeros(self._joints))[1] if self.settings.driven else self.support(q)
-
     def compute(self, q: Float, dq: Float) -> tuple[Float, Float]:
         """Return mass matrix and Coriolis plus gravity torque of the true arm."""
         mj, model, data = self._mj, self._model, self._data
@@ -217,10 +186,6 @@ class RigidBody:
         mj.mj_comVel(model, data)
         mj.mj_rne(model, data, 0, self._bias)
         return self._mass, self._bias
-
-    def run(self, k: int) -> None:
-        """Move on from half a tick before tick k to half a tick after it, driven by what is in the body."""
-        run(self.mechanism, self._nothing, self._nothing, self._jacobian, self._cycle, k, k + 1)
 
 
 class GuidedArm(RigidBody):
@@ -242,20 +207,17 @@ class GuidedArm(RigidBody):
         self._orientation = Rotation.from_rotvec(intended.rotation).as_matrix() @ upright
         self._quaternion, self._turn = np.zeros(4), np.zeros(3)
 
-    def tick(self, k: int, gravity: Float) -> None:
-        """Move on from half a tick before tick k to half a tick after it; write the gravity compensation down."""
-        q, dq = self.predict(k)
-        mass, bias = self.compute(q, dq)
-        mj, data, jacobian, springs, dampers = self._mj, self._data, self._jacobian, self._springs, self._dampers
+    def pull(self, k: int, q: Float, mass: Float, bias: Float, gravity: Float) -> None:
+        """Let the hand pull from half a tick before tick k to half a tick after it."""
+        mj, data, jacobian, springs, dampers = self._mj, self._data, self.jacobian, self._springs, self._dampers
         mj.mj_jacBody(self._model, data, jacobian[:3], jacobian[3:], self._flange)
         mj.mju_mat2Quat(self._quaternion, (self._orientation[k] @ data.xmat[self._flange].reshape(3, 3).T).ravel())
         mj.mju_quat2Vel(self._turn, self._quaternion, 1.0)
         off, target = np.concatenate([self._place[k] - data.xpos[self._flange], self._turn]), self._target[k]
         pull = springs * off + dampers * target + self._lift
-        gravity[:] = self.support(q)
-        body = self.mechanism.body
-        guide(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity)
-        self.run(k)
+        guide(
+            self.mechanism.body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity
+        )
 
 
 class ServoedArm(RigidBody):
@@ -268,15 +230,11 @@ class ServoedArm(RigidBody):
         body.stiffness[:] = np.eye(len(body.y)) * self._servo.stiffness_nm_per_rad
         body.drive_damping[:] = np.eye(len(body.y)) * self._servo.damping_nms_per_rad
 
-    def tick(self, k: int, gravity: Float) -> None:
-        """Move on from half a tick before tick k to half a tick after it."""
-        q, dq = self.predict(k)
-        mass, bias = self.compute(q, dq)
-        gravity[:] = self.support(q)
+    def pull(self, k: int, _: Float, mass: Float, bias: Float, gravity: Float) -> None:
+        """Let the motors pull, likewise."""
         body, servo, n = self.mechanism.body, self._servo, self._joints
         place, speed = self._command.position[k] + self.settings.pose_rad, self._command.velocity[k]
         body.push[:n] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
         load_masses(body, self.rotor, mass)
-        self.run(k)

@@ -4,18 +4,18 @@ Names, types and limits are those of the dataclasses themselves. Where a field i
 be assigned too, by name: ``SlowSweep`` is ``slow_sweep``, None is ``none``.
 """
 
-import math
-import re
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import MISSING, fields, is_dataclass, replace
-from difflib import SequenceMatcher
+from difflib import get_close_matches
 from functools import partial
-from math import inf
+from math import inf, isfinite, nan
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
+from friction_audit.simulation.settings import kind_name
 
 Settings = TypeVar("Settings")
 Value = float | int | bool | str | tuple["Value", ...] | None
@@ -23,7 +23,6 @@ Value = float | int | bool | str | tuple["Value", ...] | None
 APART = ("hidden",)  # parts of the settings that have an option of their own
 NOTHING = "none"
 UNIONS = (Union, UnionType)
-LIKE, TIE = 0.7, 0.01  # names more alike than the first may have been meant; the place in the tree breaks ties
 
 
 class PerJoint(NamedTuple):
@@ -56,14 +55,14 @@ def paths(settings: object) -> dict[str, Setting]:
 
 
 def as_nested(node: Any) -> Any:  # noqa: ANN401 - settings or a part of them
-    """Return settings as nested dictionaries; where there was a choice, ``kind`` says what it was."""
+    """Return settings as nested dictionaries, the hidden effects left out; ``kind`` says what was chosen."""
     if isinstance(node, tuple):
         return tuple(map(as_nested, node))
     if not is_dataclass(node):
         return node
     hints = get_type_hints(type(node))
     nested: dict[str, Any] = {}
-    for name in (item.name for item in fields(node)):
+    for name in (item.name for item in fields(node) if item.name not in APART):
         value = getattr(node, name)
         below = as_nested(value)
         chosen = value is not None and _kinds_of(hints[name])
@@ -73,29 +72,22 @@ def as_nested(node: Any) -> Any:  # noqa: ANN401 - settings or a part of them
 
 def write_value(value: Setting) -> str:
     """Return a value as ``assign`` reads it; different ones of the joints side by side, their joints after ``@``."""
-    if isinstance(value, Kind):
-        return value.name
-    if isinstance(value, PerJoint):
-        joints: dict[str, list[int]] = {}
-        for number, one in enumerate(value.values, start=1):
-            joints.setdefault(_write_plain(one), []).append(number)
-        if len(joints) == 1:
-            return next(iter(joints))
-        return "  ".join(f"{text}@{write_joint_numbers(numbers)}" for text, numbers in joints.items())
-    return _write_plain(value)
-
-
-def _write_plain(value: Value) -> str:
     match value:
-        case None:
-            return NOTHING
-        case bool():
-            return str(value).lower()
+        case Kind():
+            return value.name
+        case PerJoint():
+            joints: dict[str, list[int]] = {}
+            for number, one in enumerate(value.values, start=1):
+                joints.setdefault(write_value(one), []).append(number)
+            alike = len(joints) == 1
+            return "  ".join(text if alike else f"{text}@{write_joint_numbers(at)}" for text, at in joints.items())
+        case None | bool():
+            return NOTHING if value is None else str(value).lower()
         case float():
             short = f"{value:g}"
             return short if float(short) == value else repr(value)
         case tuple():
-            return ",".join(map(_write_plain, value)) or NOTHING
+            return ",".join(map(write_value, value)) or NOTHING
     return str(value)
 
 
@@ -151,17 +143,10 @@ def _find(name: str, known: tuple[str, ...]) -> str:
         return found[0]
     if found:
         raise UsageError(f"--set {name}: stands for {len(found)} settings; expected one of {', '.join(found)}")
-    likeness = {path: _likeness(name, path) for path in known}
-    near = sorted((path for path in known if likeness[path] >= LIKE), key=lambda path: -likeness[path])[:3]
-    hint = f"did you mean {' or '.join(near)}?" if near else "--list with the scenario names all of them"
+    ends = {path.rpartition(".")[2]: path for path in known}
+    near = get_close_matches(name, [*known, *ends], n=1, cutoff=0.7)
+    hint = f"did you mean {ends.get(near[0], near[0])}?" if near else "--list with the scenario names all of them"
     raise UsageError(f"--set {name}: no such setting; {hint}")
-
-
-def _likeness(name: str, path: str) -> float:
-    """Return how alike the ends of two paths are, 0 to 1, with or without a unit; a common beginning breaks ties."""
-    (place, _, end), (its_place, _, its_end) = name.rpartition("."), path.rpartition(".")
-    ends = max(SequenceMatcher(None, end, other).ratio() for other in (its_end, its_end[: len(end)]))
-    return ends + TIE * SequenceMatcher(None, place, its_place).ratio() if ends >= LIKE else 0.0
 
 
 def _put(node: Any, path: tuple[str, ...], change: Callable[[Any], Any], joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401
@@ -181,33 +166,27 @@ def _put(node: Any, path: tuple[str, ...], change: Callable[[Any], Any], joints:
 def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
     hints = get_type_hints(type(node))
     for item in fields(node):
-        if item.name not in APART:
-            value = getattr(node, item.name)
-            below = _below(value, hints[item.name], endless=inf in (value, item.default))
-            yield from (leaf._replace(path=(item.name, *leaf.path)) for leaf in below)
-
-
-def _below(value: Any, hint: Any, *, endless: bool) -> Iterator[_Leaf]:  # noqa: ANN401 - any value, any annotation
-    """Yield the settings that a field of a dataclass holds, the field itself with an empty path."""
-    kinds = _kinds_of(hint)
-    if kinds:
-        others = tuple(name for name, kind in kinds.items() if _can_be_made(kind) and not isinstance(value, kind))
-        yield _Leaf((), Kind(_name_of(type(value)), others), partial(_turn_into, kinds))
-    if is_dataclass(value):
-        yield from _leaves(value)
-    elif isinstance(value, tuple) and value and all(map(is_dataclass, value)):
-        # One per joint: the settings that all joints have, with the joints' values.
-        own = [{leaf.path: leaf for leaf in _leaves(node)} for node in value]
-        for path, leaf in own[0].items():
-            if all(path in one for one in own):
+        value, hint, here = getattr(node, item.name), hints[item.name], (item.name,)
+        kinds = _kinds_of(hint)
+        if item.name in APART:
+            continue
+        if kinds:
+            others = tuple(name for name, kind in kinds.items() if _can_be_made(kind) and not isinstance(value, kind))
+            yield _Leaf(here, Kind(_name_of(type(value)), others), partial(_turn_into, kinds))
+        if is_dataclass(value):
+            yield from (leaf._replace(path=here + leaf.path) for leaf in _leaves(value))
+        elif isinstance(value, tuple) and value and all(map(is_dataclass, value)):
+            # One per joint: the settings that all joints have, with the joints' values.
+            own = [{leaf.path: leaf for leaf in _leaves(one)} for one in value]
+            for path in (path for path in own[0] if all(path in one for one in own)):
                 values: Any = tuple(one[path].value for one in own)
-                yield leaf._replace(value=PerJoint(values))
-    elif not kinds and _is_plain(hint):
-        yield _Leaf((), value, lambda text, _: _read(text, hint, endless=endless))
+                yield _Leaf(here + path, PerJoint(values), own[0][path].read)
+        elif not kinds and _is_plain(hint):
+            yield _Leaf(here, value, partial(_read, hint, inf in (value, item.default)))
 
 
 def _name_of(kind: type) -> str:
-    return NOTHING if kind is NoneType else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
+    return NOTHING if kind is NoneType else kind_name(kind)
 
 
 def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
@@ -243,30 +222,25 @@ def _is_plain(hint: Any) -> bool:  # noqa: ANN401 - any annotation
     return origin is Literal or hint in (float, int, bool, str)
 
 
-def _read(text: str, hint: Any, *, endless: bool = False) -> Value:  # noqa: ANN401 - any annotation that is plain
+def _read(hint: Any, endless: bool, text: str, _old: object = None) -> Value:  # noqa: ANN401 - any plain annotation
     """Read a value of an annotated type; an endless number may be inf. ValueError says what was expected."""
     origin, members = get_origin(hint), get_args(hint)
     if origin is tuple:
         parts = [] if text == NOTHING and Ellipsis in members else text.split(",")
         if Ellipsis not in members and len(parts) != len(members):
             raise ValueError(f"{len(members)} values separated by commas, found {len(parts)}")
-        return tuple(_read(part.strip(), members[0]) for part in parts)
+        return tuple(_read(members[0], endless, part.strip()) for part in parts)
     if origin in UNIONS:
-        return None if text == NOTHING else _read(text, next(one for one in members if one is not NoneType))
+        return None if text == NOTHING else _read(next(one for one in members if one is not NoneType), endless, text)
     if origin is Literal or hint is bool:
         if text not in (members or ("true", "false")):
             raise ValueError(f"one of {', '.join(members)}" if members else "true or false")
         return text if members else text == "true"
-    return text if hint is str else _read_number(text, hint, endless=endless)
-
-
-def _read_number(text: str, kind: type[float] | type[int], *, endless: bool) -> float:
-    if endless and text == "inf":
-        return inf
-    try:
-        value = kind(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ValueError("a number" if kind is float else "a whole number")
+    if hint is str:
+        return text
+    value = nan
+    with suppress(ValueError):
+        value = hint(text)
+    if not isfinite(value) and not (endless and text == "inf"):
+        raise ValueError("a number" if hint is float else "a whole number")
     return value

@@ -9,50 +9,49 @@ from friction_audit.compensation.compensators import Compensator
 from friction_audit.compensation.records import TRACE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.mechanics import records as rows
-from friction_audit.simulation.mechanics.records import Mechanism
+from friction_audit.simulation.mechanics.records import KEPT, Mechanism
+from friction_audit.simulation.mechanics.tick import run, settle
 from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import MotionSettings, StopAndGo
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
+    LONGEST_S,
     PANDA_SENSORS,
+    Checked,
     JointParameters,
     Sensors,
     Streams,
     count_ticks,
-    make_streams,
+    positive,
     require_hand,
-    require_positive,
+    within,
 )
-from friction_audit.simulation.simulation import Simulation, TrueMotion, Truth, require_sane
+from friction_audit.simulation.simulation import Moved, TrueMotion, require_sane
 
 Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
 CHUNK_TICKS = 20_000  # between two reports of the progress
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Operator:
+class Operator(Checked):
     """A mass that holds the outer side of the joint rigidly, drawn by a spring and a damper along an intended motion.
 
     Where a hand moves the joint, the mass is that of hand and link; where the robot moves by itself, it is the motor's
     and the spring and the damper are its position controller.
     """
 
-    inertia_kg_m2: float = 0.3  # inertia on the outer side of the torque sensor [kg m^2]
-    stiffness_nm_per_rad: float = 60.0  # spring between intended and actual motion [N m/rad]
-    damping_nms_per_rad: float = 9.0  # damper between intended and actual motion [N m s/rad]
+    inertia_kg_m2: float = positive(0.3)  # inertia on the outer side of the torque sensor [kg m^2]
+    stiffness_nm_per_rad: float = positive(60.0)  # spring between intended and actual motion [N m/rad]
+    damping_nms_per_rad: float = positive(9.0)  # damper between intended and actual motion [N m s/rad]
     motion: MotionSettings = field(default_factory=StopAndGo)  # the intended motion
-
-    def __post_init__(self) -> None:
-        names = ("inertia_kg_m2", "stiffness_nm_per_rad", "damping_nms_per_rad")
-        require_positive("operator", **{name: getattr(self, name) for name in names})
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class BenchSettings:
+class BenchSettings(Checked):
     """One joint, who moves it, one recording."""
+
+    robot = "unknown"
 
     joints: tuple[JointParameters] = (JointParameters(),)  # the joint
     hidden: tuple[Hidden] = (Hidden(),)  # what is hidden in it
@@ -67,10 +66,11 @@ class BenchSettings:
     # True: the log holds the torque at the sensor and gravity; False: the interaction torque itself
     logs_sensor: bool = False
     logs_temperature: bool = False  # True: the log holds the temperature too
-    duration_s: float = 120.0  # length of the recording [s]
-    rate_hz: float = 1000.0  # rate at which states are kept, up to that of the controller [Hz]
+    duration_s: float = within(120.0, 0.0, LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
+        Checked.__post_init__(self)
         count_ticks(self.duration_s, self.rate_hz)
         if (self.gravity_nm != 0.0 or self.driven) and not self.logs_sensor:
             raise UsageError(
@@ -86,39 +86,21 @@ class BenchSettings:
         return (1,)
 
 
-def simulate_bench(
-    settings: BenchSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
-) -> Simulation:
-    """Simulate one joint; without a compensator in the loop, the motion does not depend on the sensors.
-
-    Arguments as of ``scenarios.simulate``.
-    """
-    streams = make_streams(seed, 1)
+def move_bench(settings: BenchSettings, streams: Streams, path: str, progress: Progress | None) -> Moved:
+    """Move one joint."""
     mechanism = move(settings, streams, progress)
-    motion = make_motion(mechanism, path, driven=settings.driven)
-    if settings.logs_sensor:
-        weight = settings.gravity_nm * np.sin(motion.q + settings.gravity_phase_rad)
-        channels = reading.arm_channels(settings, motion, mechanism.loop, weight, driven=settings.driven)
-    else:
-        channels = reading.bench_channels(settings, motion, mechanism.loop)
-    if settings.logs_temperature:
-        channels["temperature"] = reading.temperatures(settings, motion)
-    log = reading.write_down(settings, channels, ("joint1",), path, streams, robot="unknown")
-    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
-    return Simulation(log=log, truth=truth)
+    moved = moved_by(mechanism, path)
+    weight = settings.gravity_nm * np.sin(moved.motion.q + settings.gravity_phase_rad)
+    return moved._replace(gravity=weight if settings.logs_sensor else None)
 
 
-def move(
-    settings: BenchSettings, streams: Streams, progress: Progress | None = None, *, start_rad: float = 0.0
-) -> Mechanism:
+def move(settings: BenchSettings, streams: Streams, progress: Progress | None, *, start_rad: float = 0.0) -> Mechanism:
     """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
-    from friction_audit.simulation.mechanics.tick import run, settle
-
     ticks, hand = count_ticks(settings.duration_s, settings.rate_hz), settings.operator
     intended = hand.motion.intend(ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
     place = start_rad + intended.position
     push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
-    mechanism = assemble(settings, ticks, np.array([start_rad]), streams, driven=settings.driven)
+    mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
     body, rotor = mechanism.body, rotor_mass(settings.joints, settings.hidden)
     body.inner_mass[0, 0] = rotor[0, 0]
     body.mass[0, 0] += hand.inertia_kg_m2
@@ -136,19 +118,14 @@ def move(
     return mechanism
 
 
-def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> TrueMotion:
-    """Return the truth by its names."""
-    row = dict(zip(rows.KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True))
-    outer = row.pop("outer_q"), row.pop("outer_dq")
-    q, dq = (row["inner_q"], row["inner_dq"]) if driven else outer
+def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> Moved:
+    """Return what was written down, by its names."""
+    row = dict(zip(KEPT, np.swapaxes(mechanism.out, 0, 1), strict=True))
+    q, dq = row.pop("outer_q"), row.pop("outer_dq")
+    if mechanism.states[0]["driven"]:
+        q, dq = row["inner_q"], row["inner_dq"]
     t = np.arange(len(mechanism.out), dtype=np.float64) * mechanism.clock.dt
     motion = TrueMotion(t=t, q=q, dq=dq, interaction_nm=row["port_nm"] + row["support_nm"], **row)
-    return require_sane(motion, path)
-
-
-def make_traces(mechanism: Mechanism) -> dict[str, Float]:
-    """Return the memory of the compensators, by name, shape (n + 1, j) each."""
-    if not mechanism.traced.shape[2]:
-        return {}
-    traced = mechanism.traced.view(TRACE)[:, :, 0]
-    return {name: traced[name] for name in TRACE.names or ()}
+    names = (TRACE.names or ()) if mechanism.traced.shape[2] else ()
+    traces = {name: mechanism.traced.view(TRACE)[:, :, 0][name] for name in names}
+    return Moved(require_sane(motion, path), mechanism.loop, traces, gravity)

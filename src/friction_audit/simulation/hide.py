@@ -9,12 +9,10 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from math import inf
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
-from friction_audit.simulation.assign import as_nested
 from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.effect import FORM, Given, NoEqualError, Setting
 from friction_audit.simulation.scenarios import SCENARIOS
@@ -25,15 +23,19 @@ if TYPE_CHECKING:
 
 Settings = TypeVar("Settings", bound=Any)
 
+BY_NAME = {effect.name: effect for effect in EFFECTS}
+EQUALS = BY_NAME | {name: effect for effect in EFFECTS for name in effect.stands_for}  # of the terms of a model
+NOMINAL = ("coulomb", "viscous")  # terms that are settings of the joint itself
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class HiddenInJoint:
     """An effect that works in a joint."""
 
     joint: int  # number of the joint, 1..n
-    name: str  # name of the effect
-    form: str | None  # its functional form, or None where there is only one
-    parameters: dict[str, float]  # its numbers by name, the unit as suffix
+    name: str
+    form: str | None  # None where there is only one
+    parameters: dict[str, float]
 
 
 def hide(settings: Settings, entries: Iterable[str]) -> Settings:
@@ -46,7 +48,11 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
         where = f"--effect {entry}"
         described, joints = split_joints(entry, where)
         name, colon, parameters = described.partition(":")
-        effect = _find(name.strip(), where)
+        if name.strip() not in BY_NAME:
+            near = difflib.get_close_matches(name, BY_NAME, n=2)
+            hint = f"did you mean {' or '.join(near)}?" if near else "--list-effects names all of them"
+            raise UsageError(f"{where}: no effect {name or 'without a name'}; {hint}")
+        effect = BY_NAME[name.strip()]
         if effect.needs_neighbours and len(hidden) == 1:
             several = ", ".join(scenario.name for scenario in SCENARIOS if len(scenario.settings.hidden) > 1)
             raise UsageError(f"{where}: takes an arm of several joints; choose another scenario: {several}")
@@ -64,27 +70,12 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
 
 def hidden_effects(settings: Any) -> tuple[HiddenInJoint, ...]:  # noqa: ANN401 - settings of any scenario
     """Return the effects that do anything, joint by joint."""
-    found = []
-    for joint, groups in enumerate(settings.hidden, start=1):
-        for group in filter(attrgetter("hidden"), groups.each()):
-            values = group.values()
-            form = values.pop(FORM, None)
-            found.append(HiddenInJoint(joint=joint, name=group.name, form=form, parameters=values))
-    return tuple(found)
-
-
-def settings_in_sight(settings: Any) -> dict[str, Any]:  # noqa: ANN401 - settings of any scenario
-    """Return all settings but the hidden effects, nested as they are."""
-    return {name: value for name, value in as_nested(settings).items() if name != "hidden"}
-
-
-def _find(name: str, where: str) -> type[HiddenEffect]:
-    found = next((effect for effect in EFFECTS if effect.name == name), None)
-    if found is None:
-        near = difflib.get_close_matches(name, [effect.name for effect in EFFECTS], n=2)
-        hint = f"did you mean {' or '.join(near)}?" if near else "--list-effects names all of them"
-        raise UsageError(f"{where}: no effect {name or 'without a name'}; {hint}")
-    return found
+    return tuple(
+        HiddenInJoint(joint=joint, name=group.name, form=values.pop(FORM, None), parameters=values)
+        for joint, groups in enumerate(settings.hidden, start=1)
+        for group in groups.each()
+        for values in ([group.values()] if group.hidden else [])
+    )
 
 
 def _parameters(text: str, where: str) -> dict[str, str]:
@@ -99,12 +90,6 @@ def _parameters(text: str, where: str) -> dict[str, str]:
     return given
 
 
-NOMINAL = ("coulomb", "viscous")  # terms that are settings of the joint itself
-EQUALS: dict[str, type[HiddenEffect]] = {
-    name: effect for effect in EFFECTS for name in (effect.name, *effect.stands_for)
-}
-
-
 def with_model(settings: Settings, model: "ArmModel") -> Settings:
     """Return the settings with the joints of a model, where the simulator has an equal of each term."""
     if len(model.joints) != len(settings.joints):
@@ -117,26 +102,24 @@ def with_model(settings: Settings, model: "ArmModel") -> Settings:
     for k, joint in enumerate(model.joints):
         if joint is not None:
             where = f"the model's joint {k + 1}"
-            joints[k] = _simple(joint, where)
+            if joint.inertia_kg_m2 <= 0.0:
+                raise UsageError(
+                    f"{where}: inertia_kg_m2 = {joint.inertia_kg_m2:g}: expected more than zero; it is of a torque "
+                    "from which a rigid-body model took the inertia out: give that of the joint"
+                )
+            (coulomb,), (viscous,) = (joint.values(name) or (0.0,) for name in NOMINAL)
+            joints[k] = JointParameters(
+                inertia_kg_m2=joint.inertia_kg_m2, coulomb_nm=coulomb, viscous_nms_per_rad=viscous
+            )
             setting = Setting(
                 joint=joints[k],
                 start_rad=starts[k],
-                driven=bool(getattr(settings, "driven", False)),
+                driven=settings.driven,
                 duration_s=settings.duration_s,
                 outer_kg_m2=inf if hasattr(settings, "pose_rad") else settings.operator.inertia_kg_m2,
             )
             hidden[k] = replace(hidden[k], **_groups(joint, setting, where))
     return replace(settings, joints=tuple(joints), hidden=tuple(hidden))
-
-
-def _simple(joint: "JointModel", where: str) -> JointParameters:
-    if joint.inertia_kg_m2 <= 0.0:
-        raise UsageError(
-            f"{where}: inertia_kg_m2 = {joint.inertia_kg_m2:g}: expected more than zero; it is of a torque from which "
-            "a rigid-body model took the inertia out: give that of the joint"
-        )
-    (coulomb,), (viscous,) = (joint.values(name) or (0.0,) for name in NOMINAL)
-    return JointParameters(inertia_kg_m2=joint.inertia_kg_m2, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
 def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, HiddenEffect]:
@@ -164,7 +147,7 @@ def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, Hidd
 def equal_of(term: "FittedTerm", setting: Setting) -> HiddenEffect:
     """Return the hidden effect that equals a term; raise NoEqualError where the simulator has none."""
     effect = EQUALS[term.name]
-    return _made(effect, effect.from_parameters(_values_of(term), setting))
+    return effect.make(effect.from_parameters(_values_of(term), setting))
 
 
 def near_of(term: "FittedTerm") -> HiddenEffect:
@@ -176,12 +159,8 @@ def near_of(term: "FittedTerm") -> HiddenEffect:
         for own in effect.parameters()
         if (value := likes[own.name]) is not None and (value or own.name != effect.strength_name())
     }
-    return _made(effect, near)
+    return effect.make(near)
 
 
 def _values_of(term: "FittedTerm") -> dict[str, float]:
     return {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}
-
-
-def _made(effect: type[HiddenEffect], given: Given) -> HiddenEffect:
-    return effect.make({key: v if isinstance(v, str) else repr(float(v)) for key, v in given.items()})

@@ -1,6 +1,7 @@
 """The mechanism of a simulation: joints, coordinates, compensators and what they see, at rest at the start."""
 
 from dataclasses import dataclass, fields
+from math import inf
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -13,16 +14,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.sensors import torque_drift_nm
 from friction_audit.simulation.effects.slow_and_events import draw_events
 from friction_audit.simulation.effects.structure import coupled_mass
-from friction_audit.simulation.mechanics.records import (
-    ROWS,
-    STATE,
-    Clock,
-    Loop,
-    Mechanism,
-    make_body,
-    pack,
-    pad_events,
-)
+from friction_audit.simulation.mechanics.records import ROWS, STATE, Clock, Loop, Mechanism, make_body, pack
 from friction_audit.simulation.sensors import draw_noise
 from friction_audit.simulation.settings import CONTROL_RATE_HZ, JointParameters, Streams, TorqueLoop, of_each_joint
 
@@ -54,12 +46,12 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 
-def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *, driven: bool) -> Mechanism:
+def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams) -> Mechanism:
     """Build the mechanism at rest; its masses and its drive are the caller's to set.
 
     Where ``driven``, the motors are on the outer side, friction and links on the inner one.
     """
-    n, hidden = len(settings.joints), settings.hidden
+    n, hidden, driven = len(settings.joints), settings.hidden, settings.driven
     for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):
         rigid = inside.joint_elasticity.compliance_rad_per_nm == 0.0
         if joint.torque_loop != TorqueLoop() and (rigid or driven):
@@ -67,10 +59,10 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
                 f"torque loop: joint {number} {'moves by itself' if driven else 'is rigid'}: expected a hand that "
                 "moves an elastic joint; add --effect joint_elasticity"
             )
-    drawn = [
-        draw_events(inside.contact_event, settings.duration_s, rng)
-        for inside, rng in zip(hidden, streams.events, strict=True)
-    ]
+    drawn = [draw_events(hidden[j].contact_event, settings.duration_s, streams.events[j]) for j in range(n)]
+    events = np.tile([inf, 0.0, 0.0], (n, max(map(len, drawn)), 1))  # what is missing never begins
+    for j, table in enumerate(drawn):
+        events[j, : len(table)] = table
     own = [{item.name: getattr(joint, item.name) for item in fields(joint)} for joint in settings.joints]
     rows = [_Joint(**numbers, hidden=inside) for numbers, inside in zip(own, hidden, strict=True)]
     two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
@@ -80,7 +72,7 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *
     return Mechanism(
         joints=pack(rows),
         states=states,
-        events=pad_events(drawn),
+        events=events,
         body=make_body(np.array(two_sided), np.array(free), start),
         loop=make_loop(settings, ticks, streams),
         clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),

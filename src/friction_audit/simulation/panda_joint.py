@@ -8,13 +8,22 @@ import numpy as np
 from friction_audit.compensation.compensators import Compensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.robot.arm import Arm, load_arm
-from friction_audit.simulation import sensors as reading
-from friction_audit.simulation.bench import BenchSettings, Operator, Progress, make_motion, make_traces, move
+from friction_audit.robot.arm import load_arm
+from friction_audit.simulation.bench import BenchSettings, Operator, Progress, move, moved_by
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanism import make_loop
-from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors, count_ticks, make_streams
-from friction_audit.simulation.simulation import Simulation, TrueMotion, Truth
+from friction_audit.simulation.settings import (
+    CONTROL_RATE_HZ,
+    LONGEST_S,
+    PANDA_SENSORS,
+    Checked,
+    JointParameters,
+    Sensors,
+    Streams,
+    count_ticks,
+    within,
+)
+from friction_audit.simulation.simulation import Moved, TrueMotion
 
 READY_RAD = (0.0, -0.785398, 0.0, -2.356194, 0.0, 1.570796, 0.785398)  # the vendor's ready pose
 
@@ -34,8 +43,11 @@ JOINTS = 7
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class HandGuidedPanda:
+class HandGuidedPanda(Checked):
     """One joint of a Panda moved by hand; of the others only the sensors matter."""
+
+    robot = "panda"
+    driven = logs_temperature = False
 
     joint: int = 1  # number of the joint that is moved, 1..7
     joints: tuple[JointParameters, ...] = PANDA_JOINTS  # the seven joints
@@ -45,10 +57,11 @@ class HandGuidedPanda:
     # an active friction compensator of the joint, whose torque is logged, or None
     compensator: Compensator | None = None
     pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
-    duration_s: float = 120.0  # length of the recording [s]
-    rate_hz: float = 1000.0  # rate at which states are kept, up to that of the controller [Hz]
+    duration_s: float = within(120.0, 0.0, LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
 
     def __post_init__(self) -> None:
+        Checked.__post_init__(self)
         counts = {name: len(getattr(self, name)) for name in ("joints", "hidden", "sensors", "pose_rad")}
         if not 1 <= self.joint <= JOINTS or set(counts.values()) != {JOINTS}:
             found = ", ".join(f"{count} {name}" for name, count in counts.items())
@@ -73,16 +86,14 @@ class HandGuidedPanda:
         return (self.joint,)
 
 
-def simulate_hand_guided_panda(
-    settings: HandGuidedPanda, seed: int, *, path: str = "simulation", progress: Progress | None = None
-) -> Simulation:
-    """Simulate a Panda whose one joint is moved by hand while gravity is compensated.
+def move_hand_guided_panda(settings: HandGuidedPanda, streams: Streams, path: str, progress: Progress | None) -> Moved:
+    """Move one joint of a Panda by hand while gravity is compensated.
 
     The sensor reads tau_J = gravity(q) - F_m; beyond gravity, only a compensator's torque is desired (tau_J_d). The
-    other joints stand still without a load. Motion and noise of the joint are those of ``simulate_bench`` with the same
-    seed. Arguments as of ``scenarios.simulate``.
+    other joints stand still without a load; their sensors bear gravity alone. Motion and noise of the joint are those
+    of a bench with the same seed.
     """
-    streams, arm, moved = make_streams(seed, JOINTS), load_arm(), settings.joint - 1
+    arm, moved = load_arm(), settings.joint - 1
     # All that the joint carries turns as one rigid body: its gravity torque is a sine of its angle.
     poses = np.tile(settings.pose_rad, (2, 1))
     poses[:, moved] = (0.0, pi / 2)
@@ -100,33 +111,23 @@ def simulate_hand_guided_panda(
         rate_hz=settings.rate_hz,
     )
     own = replace(streams, events=(streams.events[moved],), drifts=(streams.drifts[moved],))
-    mechanism = move(bench, own, progress, start_rad=settings.pose_rad[moved])
-    motion = _among_the_others(settings, make_motion(mechanism, path, driven=False), arm)
+    alone = moved_by(move(bench, own, progress, start_rad=settings.pose_rad[moved]), path)
+
+    def widened(column: Float, others: Float | None = None) -> Float:
+        wide = np.zeros((len(column), JOINTS)) if others is None else np.tile(others, (len(column), 1))
+        wide[:, moved] = column[:, 0]
+        return wide
+
+    pose = np.array(settings.pose_rad)
+    columns = {item.name: getattr(alone.motion, item.name) for item in fields(TrueMotion) if item.name != "t"}
+    wide = {name: widened(column, pose if name in ("q", "inner_q") else None) for name, column in columns.items()}
+    gravity = arm.gravity(wide["q"])
+    rest = np.arange(JOINTS) != moved
+    wide["support_nm"][:, rest] = gravity[:, rest]
+    wide["port_nm"][:, rest] = -gravity[:, rest]
     # The noise of the moved joint has been drawn.
-    loop = make_loop(settings, len(mechanism.out) - 1, streams)
+    loop = make_loop(settings, len(gravity) - 1, streams)
     for name in ("torque_noise", "velocity_noise", "position_noise"):
-        getattr(loop, name)[:, moved] = getattr(mechanism.loop, name)[:, 0]
-    channels = reading.arm_channels(settings, motion, loop, arm.gravity(motion.q), driven=False)
-    channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm
-    names = tuple(f"panda_joint{number}" for number in range(1, JOINTS + 1))
-    log = reading.write_down(settings, channels, names, path, streams, robot="panda")
-    traces = {name: _widened(trace, moved) for name, trace in make_traces(mechanism).items()}
-    return Simulation(log=log, truth=Truth(settings=settings, seed=seed, motion=motion, compensators=traces))
-
-
-def _among_the_others(settings: HandGuidedPanda, moved: TrueMotion, arm: Arm) -> TrueMotion:
-    """Return the motion of all joints; the sensors of those at rest bear gravity alone."""
-    columns = {item.name: getattr(moved, item.name) for item in fields(moved) if item.name != "t"}
-    wide = {name: _widened(column, settings.joint - 1) for name, column in columns.items()}
-    rest = np.arange(JOINTS) != settings.joint - 1
-    for name in ("q", "inner_q"):
-        wide[name][:, rest] = np.asarray(settings.pose_rad)[rest]
-    wide["support_nm"][:, rest] = arm.gravity(wide["q"])[:, rest]
-    wide["port_nm"][:, rest] = -wide["support_nm"][:, rest]
-    return TrueMotion(t=moved.t, **wide)
-
-
-def _widened(column: Float, place: int) -> Float:
-    wide = np.zeros((len(column), JOINTS))
-    wide[:, place] = column[:, 0]
-    return wide
+        getattr(loop, name)[:, moved] = getattr(alone.loop, name)[:, 0]
+    traces = {name: widened(trace) for name, trace in alone.compensators.items()}
+    return Moved(TrueMotion(t=alone.motion.t, **wide), loop, traces, gravity)

@@ -5,15 +5,23 @@ from dataclasses import dataclass, replace
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.compensation.compensators.energy import PUBLISHED
-from friction_audit.simulation.arm import ArmSettings, simulate_arm
-from friction_audit.simulation.bench import BenchSettings, Operator, Progress, simulate_bench
+from friction_audit.simulation.arm import ArmSettings, move_arm
+from friction_audit.simulation.bench import BenchSettings, Operator, Progress, move_bench
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.motion import Commanded, Sinusoid, SlowSweep, StopAndGo
-from friction_audit.simulation.panda_joint import HandGuidedPanda, simulate_hand_guided_panda
-from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors, TorqueLoop
-from friction_audit.simulation.simulation import Simulation
+from friction_audit.simulation.panda_joint import HandGuidedPanda, move_hand_guided_panda
+from friction_audit.simulation.sensors import read_log
+from friction_audit.simulation.settings import (
+    IDEAL_SENSORS,
+    PANDA_SENSORS,
+    JointParameters,
+    Sensors,
+    TorqueLoop,
+    make_streams,
+)
+from friction_audit.simulation.simulation import Simulation, Truth
 
 AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
 
@@ -238,16 +246,21 @@ def simulate(
 ) -> Simulation:
     """Simulate a recording. The same settings and seed give the same log to the bit.
 
+    Without a compensator in the loop, the motion does not depend on the sensors.
+
     Args:
         settings: The joints, who moves them, the sensors, what is hidden.
         seed: Seed of everything that is drawn.
         path: Path that the log names as its source.
         progress: Is given the share that is done, 0 to 1.
     """
+    streams = make_streams(seed, len(settings.joints))
     match settings:
         case BenchSettings():
-            return simulate_bench(settings, seed, path=path, progress=progress)
+            moved = move_bench(settings, streams, path, progress)
         case HandGuidedPanda():
-            return simulate_hand_guided_panda(settings, seed, path=path, progress=progress)
+            moved = move_hand_guided_panda(settings, streams, path, progress)
         case ArmSettings():
-            return simulate_arm(settings, seed, path=path, progress=progress)
+            moved = move_arm(settings, streams, path, progress)
+    truth = Truth(settings=settings, seed=seed, motion=moved.motion, compensators=moved.compensators)
+    return Simulation(log=read_log(settings, moved, streams, path), truth=truth)

@@ -1,22 +1,22 @@
 """What the sensors and the recorder make of the truth: noise, resolution, the channels of a log, losses and jitter."""
 
 import hashlib
-from collections.abc import Callable
-from typing import TYPE_CHECKING, TypeVar
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compensation.compensators import guard_of
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
 from friction_audit.simulation.effects.slow_and_events import temperature_c
-from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, any_guards
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, of_each_joint
+from friction_audit.simulation.simulation import Moved
 
 if TYPE_CHECKING:
-    from friction_audit.simulation.mechanics.records import Loop
     from friction_audit.simulation.mechanism import Settings
 
 Number = TypeVar("Number", float, Float)
@@ -51,14 +51,14 @@ def _colour(noise: Float, rate_hz: float, correlation_s: float) -> Float:
         return noise
     keep = np.exp(-1.0 / (rate_hz * correlation_s))
     gain = np.sqrt((1.0 + keep) / (1.0 - keep))
-    return np.asarray(gain * _smooth(noise, keep, noise[0] / gain))
+    return np.asarray(gain * _smooth(noise, keep, gain))
 
 
-def _smooth(signal: Float, keep: float, start: float) -> Float:
-    """Apply the first-order recursion y[k] = keep y[k-1] + (1 - keep) x[k], beginning at ``start``."""
+def _smooth(signal: Float, keep: float, gain: float = 1.0) -> Float:
+    """Apply the recursion y[k] = keep y[k-1] + (1 - keep) x[k] to columns, beginning at the first value over a gain."""
     from scipy.signal import lfilter
 
-    smoothed, _ = lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * start])
+    smoothed, _ = lfilter([1.0 - keep], [1.0, -keep], signal, axis=0, zi=keep * (signal[:1] / gain))
     return np.asarray(smoothed)
 
 
@@ -71,91 +71,98 @@ def rounded(value: Number, step: float) -> Number:
 quantise: Callable[[Float, float], Float] = rounded.py_func  # type: ignore[attr-defined]  # the same of an array
 
 
-def bench_channels(settings: "Settings", motion: TrueMotion, loop: "Loop") -> dict[str, Float]:
-    """Return the channels of a rig that logs the interaction torque itself."""
-    q, dq, port = _sense(settings, motion, loop, _gravity_errors(settings, motion.q))
-    return {"q": q, "dq": dq, "tau_interaction": port} | _compensator_channels(settings, motion)
+def _quantised(step: float, values: Float) -> Float:
+    return quantise(values, step)
 
 
-def arm_channels(
-    settings: "Settings", motion: TrueMotion, loop: "Loop", gravity: Float, *, driven: bool
-) -> dict[str, Float]:
-    """Return the channels of an arm that logs the torque at its sensors, gravity in it, shape (n + 1, j). [N m]
+def read_log(settings: "Settings", moved: Moved, streams: Streams, path: str) -> JointLog:
+    """Return the log of a motion: the states that were kept, with the stamps of the recorder."""
+    channels = _channels(settings, moved)
+    samples = int((len(channels["q"]) - 1) * settings.rate_hz / CONTROL_RATE_HZ + 1e-9)
+    ticks = np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / settings.rate_hz)).astype(np.int64)
+    t, kept = record(ticks / CONTROL_RATE_HZ, settings.rate_hz, settings.sensors[0], streams.recorder)
+    # Sensors know one zero: adding 0 turns the negative one, which text would show, into it.
+    columns = {name: np.asfortranarray(channel[ticks[kept]] + 0.0) for name, channel in channels.items()}
+    digest = hashlib.sha256(t.tobytes())
+    for column in columns.values():
+        digest.update(column.tobytes(order="F"))
+    source = Source(path=path, sha256=digest.hexdigest(), format="simulation", robot=settings.robot, clock="robot_time")
+    names = tuple(f"panda_joint{k}" for k in range(1, 8)) if settings.robot == "panda" else ("joint1",)
+    return JointLog(t=t, **columns, joint_names=names, source=source)
+
+
+def _channels(settings: "Settings", moved: Moved) -> dict[str, Float]:
+    """Return what is logged at every tick, shape (n + 1, j): of an arm the torque at its sensors, gravity in it.
 
     If the robot moves by itself, friction is on the link's side of the sensor.
     """
-    q, dq, port = _sense(settings, motion, loop, np.zeros_like(motion.q))
-    tau_J = port if driven else -port
-    logged = gravity + _gravity_errors(settings, motion.q)
-    # First order, causal, settled at the first value, as a vendor's controller filters.
-    keep = np.exp(-2.0 * np.pi * EXTERNAL_CUTOFF_HZ / CONTROL_RATE_HZ)
-    external = _per_joint(settings, lambda j: _smooth((tau_J - logged)[:, j], keep, (tau_J - logged)[0, j]))
-    channels = {
-        "q": q,
-        "dq": dq,
-        "tau_J": tau_J,
-        "tau_ext_hat_filtered": quantise(external, EXTERNAL_STEP_NM),
-        "gravity": quantise(logged, GRAVITY_STEP_NM),
-    }
-    return channels | _compensator_channels(settings, motion)
+    motion, hidden, gravity = moved.motion, settings.hidden, moved.gravity
+    error = _by_joint(gravity_error_nm, [inside.gravity_error for inside in hidden], motion.q)
+    q, dq, port = _sense(settings, moved, error if gravity is None else np.zeros_like(error))
+    channels = {"q": q, "dq": dq}
+    if gravity is None:
+        channels["tau_interaction"] = port
+    else:
+        tau_J, logged = port if settings.driven else -port, gravity + error
+        # First order, causal, settled at the first value, as a vendor's controller filters.
+        keep = np.exp(-2.0 * np.pi * EXTERNAL_CUTOFF_HZ / CONTROL_RATE_HZ)
+        channels["tau_J"] = tau_J
+        channels["tau_ext_hat_filtered"] = quantise(_smooth(tau_J - logged, keep), EXTERNAL_STEP_NM)
+        channels["gravity"] = quantise(logged, GRAVITY_STEP_NM)
+    if settings.compensator is not None:
+        channels["tau_compensation"] = motion.compensation_nm
+        if any(guard_of(one).passivity for one in of_each_joint(settings.compensator, len(hidden))):
+            channels["tau_passivity"] = motion.passivity_nm
+    if settings.robot == "panda" and not settings.driven:
+        channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm
+    if settings.logs_temperature:
+        truth = _by_joint(temperature_c, [inside.warm_up for inside in hidden], motion.warmth)
+        channels["temperature"] = quantise(truth, TEMPERATURE_STEP_C)
+    return channels
 
 
-def _sense(settings: "Settings", motion: TrueMotion, loop: "Loop", error: Float) -> tuple[Float, Float, Float]:
+def _sense(settings: "Settings", moved: Moved, error: Float) -> tuple[Float, Float, Float]:
     """Return position, velocity and the interaction torque less its support, as read at every tick, shape (n + 1, j).
 
     The compensator in the loop saw the same numbers, where no effect of the reading itself is hidden. ``error`` is
     what else is in the torque before it is rounded.
     """
-    hidden, sensors = settings.hidden, settings.sensors
-    port = _late(settings, motion.port_nm, TORQUE_LATE)
-    port = crosstalk_mixed([inside.torque_crosstalk for inside in hidden], port)
-    ripple = _per_joint(settings, lambda j: ripple_reading_nm(hidden[j].torque_ripple, motion.q[:, j]))
+    hidden, sensors, motion, loop = settings.hidden, settings.sensors, moved.motion, moved.loop
+    delays = [inside.time_delay for inside in hidden]
+
+    def late(signal: Float, form: int) -> Float:
+        return _by_joint(delayed, [one.delay_s if one.form == form else 0.0 for one in delays], signal)
+
+    port = crosstalk_mixed([inside.torque_crosstalk for inside in hidden], late(motion.port_nm, TORQUE_LATE))
+    ripple = _by_joint(ripple_reading_nm, [inside.torque_ripple for inside in hidden], motion.q)
     torque = port + ripple + loop.torque_noise + error
-    place = _late(settings, motion.q, VELOCITY_LATE) + loop.position_noise
-    velocity = _late(settings, motion.dq, VELOCITY_LATE) + loop.velocity_noise
+    place = late(motion.q, VELOCITY_LATE) + loop.position_noise
+    velocity = late(motion.dq, VELOCITY_LATE) + loop.velocity_noise
     return (
-        _per_joint(settings, lambda j: quantise(place[:, j], sensors[j].position_step_rad)),
-        _per_joint(settings, lambda j: quantise(velocity[:, j], sensors[j].velocity_step_rad_s)),
-        _per_joint(settings, lambda j: quantise(torque[:, j], sensors[j].torque_step_nm)),
+        _by_joint(_quantised, [one.position_step_rad for one in sensors], place),
+        _by_joint(_quantised, [one.velocity_step_rad_s for one in sensors], velocity),
+        _by_joint(_quantised, [one.torque_step_nm for one in sensors], torque),
     )
 
 
-def _per_joint(settings: "Settings", column: Callable[[int], Float]) -> Float:
-    return np.column_stack([column(j) for j in range(len(settings.joints))])
-
-
-def _late(settings: "Settings", signal: Float, form: int) -> Float:
-    def column(j: int) -> Float:
-        hidden = settings.hidden[j].time_delay
-        return delayed(signal[:, j], hidden.delay_s if hidden.form == form else 0.0, 1.0 / CONTROL_RATE_HZ)
-
-    return _per_joint(settings, column)
-
-
-def _gravity_errors(settings: "Settings", q: Float) -> Float:
-    return _per_joint(settings, lambda j: gravity_error_nm(settings.hidden[j].gravity_error, q[:, j]))
-
-
-def _compensator_channels(settings: "Settings", motion: TrueMotion) -> dict[str, Float]:
-    if settings.compensator is None:
-        return {}
-    guarded = {"tau_passivity": motion.passivity_nm} if any_guards(settings.compensator) else {}
-    return {"tau_compensation": motion.compensation_nm} | guarded
-
-
-def temperatures(settings: "Settings", motion: TrueMotion) -> Float:
-    """Return the temperature of every joint as a thermometer logs it, shape (n + 1, j). [degC]"""
-    truth = _per_joint(settings, lambda j: temperature_c(settings.hidden[j].warm_up, motion.warmth[:, j]))
-    return quantise(truth, TEMPERATURE_STEP_C)
+def _by_joint(function: Callable[[Any, Float], Float], of: Sequence[object], signals: Float) -> Float:
+    """Apply a function to what each joint has of something and to its column."""
+    return np.column_stack([function(one, column) for one, column in zip(of, signals.T, strict=True)])
 
 
 def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, NDArray[np.int64]]:
     """Draw lost samples, stale samples and the jitter of the stamps for the states at the given times.
 
-    Returns:
-        Stamps from 0, strictly increasing [s], and which of the states each sample holds, shape (m,) each.
+    Returns stamps from 0, strictly increasing [s], and which of the states each sample holds, shape (m,) each.
     """
-    kept = np.flatnonzero(~_lost(len(times), sensors, rng))
+    # One long burst is lost, the others one by one; the ends are kept.
+    lost = np.zeros(len(times), dtype=np.bool_)
+    count = min(round(sensors.lost * len(times)), len(times) - 2)
+    burst = min(sensors.longest_loss, count)
+    lost[1 + rng.choice(len(times) - 2, count - burst, replace=False)] = True
+    first = rng.integers(1, len(times) - burst)
+    lost[first : first + burst] = True
+    kept = np.flatnonzero(~lost)
     stale = rng.random(len(kept)) < sensors.stale
     stale[0] = False
     source = np.maximum.accumulate(np.where(stale, 0, np.arange(len(kept))))
@@ -165,30 +172,3 @@ def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Genera
         stamps = stamps + np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)
     nanoseconds = np.rint(stamps * NANOSECONDS).astype(np.int64)
     return (nanoseconds - nanoseconds[0]) / NANOSECONDS, kept[source]
-
-
-def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Mark the samples that were never recorded: one long burst, the others one by one; the ends are kept."""
-    lost = np.zeros(samples, dtype=np.bool_)
-    count = min(round(sensors.lost * samples), samples - 2)
-    burst = min(sensors.longest_loss, count)
-    lost[1 + rng.choice(samples - 2, count - burst, replace=False)] = True
-    first = rng.integers(1, samples - burst)
-    lost[first : first + burst] = True
-    return lost
-
-
-def write_down(
-    settings: "Settings", channels: dict[str, Float], names: tuple[str, ...], path: str, streams: Streams, *, robot: str
-) -> JointLog:
-    """Return the log: the states that were kept, with the stamps of the recorder. Its source does not say how."""
-    samples = int((len(channels["q"]) - 1) * settings.rate_hz / CONTROL_RATE_HZ + 1e-9)
-    ticks = np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / settings.rate_hz)).astype(np.int64)
-    t, kept = record(ticks / CONTROL_RATE_HZ, settings.rate_hz, settings.sensors[0], streams.recorder)
-    # Sensors know one zero: adding 0 turns the negative one, which text would show, into it.
-    columns = {name: np.asfortranarray(channel[ticks[kept]] + 0.0) for name, channel in channels.items()}
-    digest = hashlib.sha256(t.tobytes())
-    for column in columns.values():
-        digest.update(column.tobytes(order="F"))
-    source = Source(path=path, sha256=digest.hexdigest(), format="simulation", robot=robot, clock="robot_time")
-    return JointLog(t=t, **columns, joint_names=names, source=source)

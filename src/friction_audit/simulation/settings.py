@@ -1,13 +1,14 @@
 """Checks that settings share, the joint, its sensors, and the clock of a recording."""
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
-from math import inf
+from math import inf, ulp
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, guard_of
+from friction_audit.compensation.compensators import Compensator
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
@@ -17,33 +18,46 @@ CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets i
 FEWEST_TICKS = 2
 LONGEST_S = 7200.0  # every tick is kept in memory: two hours of one joint take about a gigabyte
 
-HIGHEST_SHARE = 0.5
+ABOVE_ZERO = ulp(0.0)  # the least number that is
 LONGEST_DEAD_TIME_S = 0.005  # five ticks; a state of a joint remembers so much of its torque control
 LARGEST = 1e3  # no error of a sensor comes near it, in any unit
 FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.SCALE``)
 
 
-def require_positive(where: str, **numbers: float) -> None:
-    """Refuse numbers that are not finite and above zero."""
-    for name, number in numbers.items():
-        if not 0 < number < inf:
-            raise UsageError(f"{where}: {name} {number:g}: expected a number above zero")
+def kind_name(kind: type) -> str:
+    """Return the name of a class as the command line has it, e.g. ``slow_sweep``."""
+    return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
 
 
-def require_within(where: str, low: float, high: float, **numbers: float) -> None:
-    """Refuse numbers outside of [low, high]."""
-    for name, number in numbers.items():
-        if not low <= number <= high or number == inf:
-            least = "zero or more" if low == 0 else f"{low:g} or more"
-            expected = least if high == inf else f"a number from {low:g} to {high:g}"
-            raise UsageError(f"{where}: {name} {number:g}: expected {expected}")
+def within(usual: Any, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
+    """Return a field that holds a number in [low, high], or several in rising order, none of them infinite."""
+    return field(default=usual, metadata={"within": (low, high)})
 
 
-def require_order(where: str, **pairs: tuple[float, float]) -> None:
-    """Refuse pairs that do not put the smaller of two finite numbers first."""
-    for name, (low, high) in pairs.items():
-        if not -inf < low <= high < inf:
-            raise UsageError(f"{where}: {name} {low:g}, {high:g}: expected the smaller number first")
+def positive(usual: float | tuple[float, float]) -> Any:  # noqa: ANN401 - likewise
+    """Return a field that holds a number above zero."""
+    return within(usual, ABOVE_ZERO)
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """Settings that refuse numbers out of the bounds of their fields."""
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            if "within" not in item.metadata:
+                continue
+            value, (low, high) = getattr(self, item.name), item.metadata["within"]
+            numbers = value if isinstance(value, tuple) else (value,)
+            expected = "the smaller number first" if list(numbers) != sorted(numbers) else ""
+            if not all(low <= number <= high and abs(number) < inf for number in numbers):
+                least = {ABOVE_ZERO: "a number above zero", 0.0: "zero or more", -inf: "finite numbers"}
+                from_low = least.get(low, f"{low:g} or more")
+                expected = from_low if high == inf else f"a number from {low:g} to {high:g}"
+            if expected:
+                where = kind_name(type(self)).removesuffix("_settings").removesuffix("_parameters")
+                found = ", ".join(f"{number:g}" for number in numbers)
+                raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
 
 
 def require_hand(where: str, hand: str, hidden: "Iterable[Hidden]", compensator: object) -> None:
@@ -58,14 +72,7 @@ def require_hand(where: str, hand: str, hidden: "Iterable[Hidden]", compensator:
 
 
 def count_ticks(duration_s: float, rate_hz: float) -> int:
-    """Return the number of the controller's ticks in a recording, after checking its length and its rate."""
-    require_positive("simulation", duration_s=duration_s, rate_hz=rate_hz)
-    if rate_hz > CONTROL_RATE_HZ:
-        raise UsageError(
-            f"simulation: rate_hz {rate_hz:g}: expected at most {CONTROL_RATE_HZ:g}, the rate of the controller"
-        )
-    if duration_s > LONGEST_S:
-        raise UsageError(f"simulation: duration_s {duration_s:g}: expected at most {LONGEST_S:g}; make several logs")
+    """Return the number of the controller's ticks in a recording, after checking that it is long enough."""
     if duration_s * rate_hz < FEWEST_TICKS:
         raise UsageError(
             f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least {FEWEST_TICKS} sampling intervals"
@@ -95,7 +102,7 @@ def make_streams(seed: int, joints: int) -> Streams:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TorqueLoop:
+class TorqueLoop(Checked):
     """Joint torque control: tau_m = tau_d + gain (tau_d - tau_J) - damping_s d(tau_J)/dt, what is fed back delayed.
 
     The link then sees a motor of B / (1 + gain) with friction tau_f / (1 + gain) (A. Albu-Schaeffer, C. Ott, G.
@@ -103,30 +110,22 @@ class TorqueLoop:
     of noise; tau_d gravity compensation and u.
     """
 
-    gain: float = 0.0  # of the torque error; 0 for no torque control
+    gain: float = within(0.0, 0.0, LARGEST)  # of the torque error; 0 for no torque control
     # of the derivative of the torque. Against a link held fast the loop rings without end, to first order in the dead
     # time, where it is below gain times dead time [s]
-    damping_s: float = 0.0
-    dead_time_s: float = 0.0  # from the torque to the motor, in steps of 0.1 ms [s]
-
-    def __post_init__(self) -> None:
-        require_within("torque loop", 0, LARGEST, gain=self.gain, damping_s=self.damping_s)
-        require_within("torque loop", 0, LONGEST_DEAD_TIME_S, dead_time_s=self.dead_time_s)
+    damping_s: float = within(0.0, 0.0, LARGEST)
+    dead_time_s: float = within(0.0, 0.0, LONGEST_DEAD_TIME_S)  # from the torque to the motor, in steps of 0.1 ms [s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class JointParameters:
+class JointParameters(Checked):
     """The joint on the motor's side of the torque sensor: B ddq = F_m + u - tau_f."""
 
-    inertia_kg_m2: float = 0.3  # reflected inertia B [kg m^2]
-    coulomb_nm: float = 0.30  # coulomb friction, static and sliding [N m]
-    viscous_nms_per_rad: float = 0.07  # viscous friction [N m s/rad]
+    inertia_kg_m2: float = positive(0.3)  # reflected inertia B [kg m^2]
+    coulomb_nm: float = within(0.3)  # coulomb friction, static and sliding [N m]
+    viscous_nms_per_rad: float = within(0.07)  # viscous friction [N m s/rad]
     # joint torque control; takes an elastic joint that a hand moves
     torque_loop: TorqueLoop = field(default_factory=TorqueLoop)
-
-    def __post_init__(self) -> None:
-        require_positive("joint", inertia_kg_m2=self.inertia_kg_m2)
-        require_within("joint", 0, inf, coulomb_nm=self.coulomb_nm, viscous_nms_per_rad=self.viscous_nms_per_rad)
 
     @property
     def at_link(self) -> "JointParameters":
@@ -140,36 +139,35 @@ class JointParameters:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Sensors:
+class Sensors(Checked):
     """What the sensors and the recorder do to the truth; every default is an ideal one."""
 
-    torque_noise_nm: float = 0.0  # standard deviation of the torque noise [N m]
-    torque_correlation_s: float = 0.0  # time after which its autocorrelation has fallen to 1/e [s]
-    slow_noise_share: float = 0.0  # share of its variance that wanders more slowly
-    slow_correlation_s: float = 0.05  # time after which the autocorrelation of the slower part has fallen to 1/e [s]
-    torque_step_nm: float = 0.0  # resolution of the torque, 0 for none [N m]
-    velocity_noise_rad_s: float = 0.0  # standard deviation of the velocity noise, white [rad/s]
-    velocity_step_rad_s: float = 0.0  # resolution of the velocity [rad/s]
-    position_noise_rad: float = 0.0  # standard deviation of the position noise, white [rad]
-    position_step_rad: float = 0.0  # resolution of the position [rad]
-    clock_jitter_s: float = 0.0  # standard deviation of the spacing of the stamps, losses aside [s]
-    stale: float = 0.0  # share of the samples that repeat the one before
-    lost: float = 0.0  # share of the samples that were never recorded
-    longest_loss: int = 8  # once in a recording so many samples in a row are lost, else one at a time
+    torque_noise_nm: float = within(0.0, 0.0, LARGEST)  # standard deviation of the torque noise [N m]
+    torque_correlation_s: float = within(
+        0.0, 0.0, LARGEST
+    )  # time after which its autocorrelation has fallen to 1/e [s]
+    slow_noise_share: float = within(0.0, 0.0, 1.0)  # share of its variance that wanders more slowly
+    # time after which the autocorrelation of the slower part has fallen to 1/e [s]
+    slow_correlation_s: float = within(0.05, 0.0, LARGEST)
+    torque_step_nm: float = within(0.0, 0.0, LARGEST)  # resolution of the torque, 0 for none [N m]
+    velocity_noise_rad_s: float = within(0.0, 0.0, LARGEST)  # standard deviation of the velocity noise, white [rad/s]
+    velocity_step_rad_s: float = within(0.0, 0.0, LARGEST)  # resolution of the velocity [rad/s]
+    position_noise_rad: float = within(0.0, 0.0, LARGEST)  # standard deviation of the position noise, white [rad]
+    position_step_rad: float = within(0.0, 0.0, LARGEST)  # resolution of the position [rad]
+    clock_jitter_s: float = within(
+        0.0, 0.0, LARGEST
+    )  # standard deviation of the spacing of the stamps, losses aside [s]
+    stale: float = within(0.0, 0.0, 0.5)  # share of the samples that repeat the one before
+    lost: float = within(0.0, 0.0, 0.5)  # share of the samples that were never recorded
+    # once in a recording so many samples in a row are lost, else one at a time
+    longest_loss: int = within(8, 1, LARGEST)
 
     def __post_init__(self) -> None:
-        numbers = {item.name: getattr(self, item.name) for item in fields(self)}
-        require_within("sensors", 0, LARGEST, **numbers)
-        for name, number in numbers.items():
-            if "_step_" in name and 0 < number < FINEST_STEP:
-                raise UsageError(f"sensors: {name} {number:g}: expected 0, for none, or at least {FINEST_STEP:g}")
-        if self.slow_noise_share > 1:
-            raise UsageError(f"sensors: slow_noise_share {self.slow_noise_share:g}: expected a share from 0 to 1")
-        if max(self.stale, self.lost) > HIGHEST_SHARE or self.longest_loss < 1:
-            raise UsageError(
-                f"sensors: stale {self.stale:g}, lost {self.lost:g}, longest_loss {self.longest_loss}: expected "
-                f"shares up to {HIGHEST_SHARE:g} and a longest loss of at least 1"
-            )
+        Checked.__post_init__(self)
+        for name in ("torque_step_nm", "velocity_step_rad_s", "position_step_rad"):
+            if 0 < getattr(self, name) < FINEST_STEP:
+                found = f"{name} {getattr(self, name):g}"
+                raise UsageError(f"sensors: {found}: expected 0, for none, or at least {FINEST_STEP:g}")
 
 
 IDEAL_SENSORS = Sensors()
@@ -215,9 +213,3 @@ def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Comp
     if len(compensator.compensators) != joints:
         raise UsageError(f"joint by joint: {len(compensator.compensators)} compensators: expected {joints}")
     return compensator.compensators
-
-
-def any_guards(compensator: AnyCompensator | None) -> bool:
-    """Return True if a passivity controller acts in some joint."""
-    several = compensator.compensators if isinstance(compensator, JointByJoint) else (compensator,)
-    return any(guard_of(one).passivity for one in several)

@@ -2,12 +2,15 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float, JointLog
+
+if TYPE_CHECKING:
+    from friction_audit.simulation.mechanics.records import Loop
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -29,6 +32,15 @@ class TrueMotion:
     unlogged_nm: Float  # torque of a compensator that the log does not name [N m]
     dissipated_j: Float  # energy that friction has taken so far; bristles give a little of it back [J]
     warmth: Float  # 0 cold, 1 warm
+
+
+class Moved(NamedTuple):
+    """What moved, as far as sensors and recorder read it."""
+
+    motion: TrueMotion
+    loop: "Loop"  # compensators and the noise that they saw
+    compensators: Mapping[str, Float]  # as in ``Truth``
+    gravity: Float | None  # what gravity compensation gave, shape (n + 1, j) [N m]; None where F_m itself is logged
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

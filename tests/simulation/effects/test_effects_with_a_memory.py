@@ -9,13 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.slow_and_events import (
-    KNOCK,
-    STEP,
-    ContactEvent,
-    contact_event_nm,
-    draw_events,
-)
+from friction_audit.simulation.effects.slow_and_events import KNOCK, STEP, ContactEvent, contact_event_nm, draw_events
 from friction_audit.simulation.effects.velocity import (
     BRISTLES,
     DELAYED,

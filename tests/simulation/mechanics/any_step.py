@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.bench import BenchSettings, Operator, make_motion
+from friction_audit.simulation.bench import BenchSettings, Operator, moved_by
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Clock, Mechanism
 from friction_audit.simulation.mechanics.tick import run
@@ -42,13 +42,13 @@ def release(
     """Let go of a joint whose outer and inner side are at q with dq, under a push of the hand known at every tick."""
     tick_s = 2.0 * step_s if tick_s is None else tick_s
     ticks = round(duration_s / tick_s)
-    mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1), driven=settings.driven)
+    mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1))
     _hold(mechanism, settings)
     _place(mechanism, q, dq)
     clock = Clock(dt=tick_s, substeps=round(0.5 * tick_s / step_s), duration=duration_s)
     push = np.zeros(ticks + 1) if push is None else push
     run(mechanism._replace(clock=clock), push, np.zeros(2), np.zeros((6, 1)), np.zeros(0), 0, ticks + 1)
-    return replace(make_motion(mechanism, "any step", driven=False), t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
+    return replace(moved_by(mechanism, "any step").motion, t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
 
 
 def _hold(mechanism: Mechanism, settings: BenchSettings) -> None:

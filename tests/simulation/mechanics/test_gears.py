@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Hidden, simulate
-from friction_audit.simulation.bench import Operator, simulate_bench
+from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, Backlash, JointElasticity
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.settings import JointParameters, TorqueLoop
@@ -170,7 +170,7 @@ def test_friction_and_inertia_at_the_link_are_those_of_the_motor_over_one_plus_t
         operator=Operator(motion=Sinusoid()),
         duration_s=12.0,
     )
-    motion = simulate_bench(settings, 1).truth.motion
+    motion = simulate(settings, 1).truth.motion
     dq, ddq, torque = (values[:, 0] for values in (motion.inner_dq, motion.inner_ddq, motion.interaction_nm))
     sliding = np.abs(dq) > 0.1
     columns = np.stack([ddq, np.sign(dq), dq], axis=1)[sliding]
@@ -209,7 +209,7 @@ def test_energy_is_what_the_torque_control_put_in_and_friction_took() -> None:
 def test_it_takes_an_elastic_joint_that_a_hand_moves(changed: dict[str, object]) -> None:
     settings = BenchSettings(joints=(joint(),), hidden=(GEAR,), duration_s=1.0)
     with pytest.raises(UsageError, match="expected a hand that moves an elastic joint"):
-        simulate_bench(replace(settings, **changed), 0)  # type: ignore[arg-type]
+        simulate(replace(settings, **changed), 0)  # type: ignore[arg-type]
 
 
 SOFT = JointElasticity(compliance_rad_per_nm=2e-3)

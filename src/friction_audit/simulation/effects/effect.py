@@ -1,18 +1,15 @@
 """What a hidden effect is: something that real joints and sensors do, as the simulator's own formula."""
 
-import difflib
-import re
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from math import inf, nan, pi, sqrt
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import Any, ClassVar, Self
 
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.registry import effect_of
+from friction_audit.effects.registry import effect_of, near_names
 from friction_audit.errors import UsageError
-
-if TYPE_CHECKING:
-    from friction_audit.simulation.settings import JointParameters
+from friction_audit.simulation.settings import JointParameters, kind_name
 
 FORM = "form"
 LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
@@ -27,7 +24,7 @@ ALIKE = 0.05  # numbers that differ by a smaller share are taken for equal, for 
 class Setting:
     """What the meaning of a term of a joint model depends on."""
 
-    joint: "JointParameters"  # inertia and friction of the joint
+    joint: JointParameters  # inertia and friction of the joint
     start_rad: float  # where the joint is at the start; the simulator counts some positions from there [rad]
     driven: bool  # true if the joint moves by itself
     duration_s: float  # length of the recording [s]
@@ -56,7 +53,7 @@ def number(
 
     Unit and bounds are those of the parameter ``like`` of the effect of the same name, where there is one.
     """
-    about = {"usual": usual, "unit": unit, "meaning": meaning, "like": like, "lower": lower, "upper": upper}
+    about = {"default": usual, "unit": unit, "meaning": meaning, "like": like, "lower": lower, "upper": upper}
     return field(default=given.get("default", usual), metadata=about)
 
 
@@ -83,7 +80,7 @@ class HiddenEffect:
     name: ClassVar[str] = ""
 
     def __init_subclass__(cls) -> None:
-        cls.name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", cls.__name__).lower()
+        cls.name = kind_name(cls)
 
     @classmethod
     def family(cls) -> str:
@@ -93,17 +90,16 @@ class HiddenEffect:
     @classmethod
     def parameters(cls) -> tuple[Parameter, ...]:
         """Return all parameters, in the order of the documentation, the strength first."""
-        return tuple(cls._parameter(item.name, item.metadata) for item in fields(cls) if item.name != FORM)
-
-    @classmethod
-    def _parameter(cls, name: str, about: Mapping[str, Any]) -> Parameter:
-        unit, lower, upper = about["unit"], about["lower"], about["upper"]
-        if about["like"]:
-            like = next(one for one in effect_of(cls.name).parameters if one.name == about["like"])
-            # The strength may be zero: then there is no effect.
-            lower = min(like.lower, 0.0) if name == cls.strength_name() else like.lower
-            unit, upper = like.unit, like.upper if like.upper == inf else min(like.upper, LARGEST)
-        return Parameter(name, unit, about["meaning"], lower=lower, upper=upper, default=about["usual"])
+        alike, found = {one.name: one for one in effect_of(cls.name).parameters}, []
+        for item in (item for item in fields(cls) if item.name != FORM):
+            about = dict(item.metadata)
+            if like := alike.get(about.pop("like")):
+                # The strength may be zero: then there is no effect.
+                about["lower"] = min(like.lower, 0.0) if item.name == cls.strength_name() else like.lower
+                about["upper"] = like.upper if like.upper == inf else min(like.upper, LARGEST)
+                about["unit"] = like.unit
+            found.append(Parameter(item.name, **about))
+        return tuple(found)
 
     @classmethod
     def strength_name(cls) -> str:
@@ -111,36 +107,29 @@ class HiddenEffect:
         return fields(cls)[0].name
 
     @classmethod
-    def make(cls, given: Mapping[str, str]) -> Self:
-        """Return the effect with the given parameters as text by name, ``form`` among them, the others as usual."""
+    def make(cls, given: Mapping[str, str | float]) -> Self:
+        """Return the effect with the given parameters by name, ``form`` among them, the others as usual."""
         known = {parameter.name: parameter for parameter in cls.parameters()}
         names = [*known, *([FORM] if cls.forms else [])]
-        for name in given:
-            if name not in names:
-                near = difflib.get_close_matches(name, names, 1)
-                hint = f"; did you mean {near[0]}?" if near else ""
-                raise UsageError(f"--effect {cls.name}: no parameter {name}; expected {', '.join(names)}{hint}")
         numbers: dict[str, Any] = {name: parameter.default for name, parameter in known.items()}
-        numbers |= {name: cls._number(known[name], text) for name, text in given.items() if name != FORM}
-        if FORM in given:
-            if given[FORM] not in cls.forms:
-                raise UsageError(f"--effect {cls.name}: form={given[FORM]}: expected one of {', '.join(cls.forms)}")
-            numbers[FORM] = cls.forms.index(given[FORM])
+        for name, value in given.items():
+            where = f"--effect {cls.name}: {name}={value}"
+            if name not in names:
+                near = near_names(name, names)
+                raise UsageError(f"--effect {cls.name}: no parameter {name}{near}; expected {', '.join(names)}")
+            if name == FORM:
+                if value not in cls.forms:
+                    raise UsageError(f"{where}: expected one of {', '.join(cls.forms)}")
+                numbers[FORM] = cls.forms.index(str(value))
+                continue
+            low, high = max(known[name].lower, -LARGEST), min(known[name].upper, LARGEST)
+            numbers[name] = nan
+            with suppress(ValueError):
+                numbers[name] = float(value)
+            if not low <= numbers[name] <= high:
+                about = described(known[name])
+                raise UsageError(f"{where}: expected a number from {low:g} to {high:g}: {about}")
         return cls(**numbers)
-
-    @classmethod
-    def _number(cls, parameter: Parameter, text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = nan
-        low, high = max(parameter.lower, -LARGEST), min(parameter.upper, LARGEST)
-        if not low <= value <= high:
-            raise UsageError(
-                f"--effect {cls.name}: {parameter.name}={text}: expected a number from {low:g} to {high:g}: "
-                f"{described(parameter)}"
-            )
-        return value
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:

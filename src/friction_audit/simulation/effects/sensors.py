@@ -9,6 +9,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, alike, must, number, strength
+from friction_audit.simulation.settings import CONTROL_RATE_HZ
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,7 +76,7 @@ class TimeDelay(HiddenEffect):
         return {"delay_s": abs(delay), "form": "torque_late" if delay >= 0.0 else "velocity_late"}
 
 
-def delayed(signal: Float, delay_s: float, dt: float) -> Float:
+def delayed(delay_s: float, signal: Float, dt: float = 1.0 / CONTROL_RATE_HZ) -> Float:
     """Return a signal that comes late, the first value held until it arrives; the very same array without a delay.
 
     Between two samples the line is read linearly: finely sampled, it neither overshoots at a jump nor smooths much.

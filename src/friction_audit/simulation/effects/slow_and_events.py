@@ -140,19 +140,6 @@ def draw_events(group: ContactEvent, duration_s: float, rng: np.random.Generator
 
 
 @compiled(inline=True)
-def count_begun(events: Float, t: float) -> int:
-    """Return how many events began before or at t, by bisection."""
-    low, high = 0, len(events)
-    while low < high:
-        middle = (low + high) // 2
-        if events[middle, 0] <= t:
-            low = middle + 1
-        else:
-            high = middle
-    return low
-
-
-@compiled(inline=True)
 def contact_event_nm(group: Record, events: Float, t: float, velocity: float) -> float:
     """Return the torque that the events exert in the positive direction of the joint. [N m]
 
@@ -160,7 +147,7 @@ def contact_event_nm(group: Record, events: Float, t: float, velocity: float) ->
     against the motion, viscous when slow and Coulomb when fast.
     """
     torque = 0.0
-    k = count_begun(events, t) - 1
+    k = np.searchsorted(events[:, 0], t, side="right") - 1  # the last that has begun
     while k >= 0 and events[k, 0] > t - LONGEST_S:
         share = (t - events[k, 0]) / events[k, 1]
         if share < 1.0:

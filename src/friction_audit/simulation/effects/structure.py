@@ -66,15 +66,6 @@ def elastic_torque_nm(group: Record, stretch: float) -> float:
     return float(stretch / compliance)
 
 
-@compiled(inline=True)
-def damping_nms_per_rad(ratio: float, compliance: float, inertia: float) -> float:
-    """Return the damping between motor and link, or of touching flanks, that gives a damping ratio. [N m s/rad]
-
-    Inertia: the reduced one of both sides. [kg m^2]
-    """
-    return 2.0 * ratio * math.sqrt(inertia / compliance)
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Backlash(HiddenEffect):
     summary = "a gap between motor and link opens at every reversal"

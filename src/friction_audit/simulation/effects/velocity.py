@@ -106,18 +106,14 @@ def nonlinear_viscous_nm(group: Record, speed: float) -> float:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class AsymmetricCoulomb(HiddenEffect):
+    """What the level gains in a direction; passive up to the joint's own level, as the next up to its coefficient."""
+
     summary = "Coulomb friction differs between the directions"
     same_law = ""
 
     half_difference_nm: float = strength(
         0.08, "half of Coulomb friction forward less backward", like="coulomb_half_difference_nm"
     )
-
-
-@compiled(inline=True)
-def asymmetric_coulomb_nm(group: Record, sign: float) -> float:
-    """Return what the Coulomb level gains in a direction, +1 or -1; passive up to the joint's own level. [N m]"""
-    return float(group.half_difference_nm * sign)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -128,12 +124,6 @@ class AsymmetricViscous(HiddenEffect):
     half_difference_nms_per_rad: float = strength(
         0.03, "half of the viscous coefficient forward less backward", like="viscous_half_difference_nms_per_rad"
     )
-
-
-@compiled(inline=True)
-def asymmetric_viscous_nm(group: Record, sign: float, speed: float) -> float:
-    """Return what friction gains at a speed in a direction; passive up to the joint's own coefficient. [N m]"""
-    return float(group.half_difference_nms_per_rad * sign * speed)
 
 
 LUGRE, DAHL, MAXWELL_SLIP = range(3)

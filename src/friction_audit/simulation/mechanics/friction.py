@@ -1,5 +1,7 @@
 """Torques in a joint at one instant, friction and all others, put on the coordinates."""
 
+import math
+
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import load_and_place, slow_and_events, structure, velocity
@@ -53,8 +55,8 @@ def sliding_level(
         level += load_and_place.load_friction_nm(hidden.load_dependent_friction, state.port_nm, power)
     if hidden.nonlinear_viscous.torque_nm != 0.0:
         level += velocity.nonlinear_viscous_nm(hidden.nonlinear_viscous, seen)
-    level += velocity.asymmetric_coulomb_nm(hidden.asymmetric_coulomb, sign)
-    level += velocity.asymmetric_viscous_nm(hidden.asymmetric_viscous, sign, seen)
+    level += hidden.asymmetric_coulomb.half_difference_nm * sign
+    level += hidden.asymmetric_viscous.half_difference_nms_per_rad * sign * seen
     if lagging:
         return max(0.0, float(level + viscous_now(joint, state, t, duration) * seen))
     if level < 0.0:
@@ -64,11 +66,9 @@ def sliding_level(
 
 
 @compiled(inline=True)
-def holding_level(joint: Record, state: Record, q: float, sign: float, t: float, duration: float) -> float:
-    """Return the torque that friction can hold against at rest before the joint breaks away. [N m]"""
-    level = sliding_level(joint, state, q, 0.0, sign, t, duration)
-    extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s)
-    return level + extra * coulomb_factor(joint, state, q, t, duration)
+def bristle_level(joint: Record, state: Record, q: float, dq: float, t: float, duration: float) -> float:
+    """Return the friction of a joint on bristles that slides steadily. [N m]"""
+    return max(LEAST_LEVEL_NM, sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration))
 
 
 @compiled(inline=True)
@@ -143,16 +143,15 @@ def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: flo
     q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]
     mode = body.mode[c]
     if mode == FREE:
-        level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration)
-        level = max(level, LEAST_LEVEL_NM)
+        level = bristle_level(joint, state, q, dq, t, duration)
         body.level[c] = velocity.presliding_force_nm(
             joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq
         )
     elif mode == 0.0:
+        extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s) * coulomb_factor(joint, state, q, t, duration)
         for way in range(2):
-            sign = 2.0 * way - 1.0
-            body.hold[c, way] = holding_level(joint, state, q, sign, t, duration)
-            body.slip[c, way] = sliding_level(joint, state, q, 0.0, sign, t, duration)
+            body.slip[c, way] = sliding_level(joint, state, q, 0.0, 2.0 * way - 1.0, t, duration)
+            body.hold[c, way] = body.slip[c, way] + extra
     else:
         body.level[c] = sliding_level(joint, state, q, max(0.0, dq * mode), mode, t, duration)
 
@@ -172,7 +171,7 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
     if compliance == 0.0:
         compliance, ratio = flanks.contact_compliance_rad_per_nm, flanks.contact_damping_ratio
         torque = engaged / compliance
-    damping = structure.damping_nms_per_rad(ratio, compliance, ringing)
+    damping = 2.0 * ratio * math.sqrt(ringing / compliance)
     closing = body.v[c] + ahead * body.a[c] - body.v[j] - ahead * body.a[j]
     if flanks.gap_rad != 0.0 and (torque + damping * closing) * engaged < 0.0:
         return  # Flanks that part push no more, and they never pull.

@@ -112,16 +112,6 @@ def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
     return np.array([astuple(item) for item in settings], record_type(type(settings[0])))
 
 
-def pad_events(tables: Sequence[Float]) -> Float:
-    """Put the tables of contact events, shape (m_j, 3), into one array (j, m, 3); what is missing never begins."""
-    rows = max(len(table) for table in tables)
-    padded = np.full((len(tables), rows, 3), np.inf)
-    padded[:, :, 1:] = 0.0
-    for place, table in enumerate(tables):
-        padded[place, : len(table)] = table
-    return padded
-
-
 # What ``tick.keep`` keeps of every tick and joint: place and speed of the outer side, the others as in ``TrueMotion``.
 KEPT = (
     *("outer_q", "outer_dq", "inner_q", "inner_dq", "inner_ddq", "port_nm", "support_nm", "friction_nm"),

@@ -6,12 +6,11 @@ from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import velocity
 from friction_audit.simulation.mechanics.friction import (
-    LEAST_LEVEL_NM,
+    bristle_level,
     load_drive,
     load_friction,
     load_joint,
     regulate_torque,
-    sliding_level,
 )
 from friction_audit.simulation.mechanics.records import FREE
 
@@ -159,8 +158,7 @@ def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: f
     """Let the bristles of a joint follow its motion for a time h."""
     q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
     if joint.hidden.presliding.displacement_rad != 0.0:
-        level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration)
-        level = max(level, LEAST_LEVEL_NM)
+        level = bristle_level(joint, state, q, dq, t, duration)
         velocity.presliding_advance(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq, h)
 
 

@@ -18,30 +18,24 @@ from friction_audit.simulation.sensors import rounded
 HALVINGS = 60  # of an interval, until nothing is left of it
 
 
-@compiled(inline=True)
-def _twist(joint: Record, load_nm: float) -> float:
-    """Return the twist at which a transmission carries a load (bisection). [rad]"""
-    elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
-    soft = elastic.compliance_rad_per_nm != 0.0
-    # A hardening gear is at most twice as soft as its compliance says.
-    low, high = 0.0, 2.0 * abs(load_nm) * (elastic.compliance_rad_per_nm + flanks.contact_compliance_rad_per_nm)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        torque = structure.elastic_torque_nm(elastic, middle) if soft else middle / flanks.contact_compliance_rad_per_nm
-        if torque < abs(load_nm):
-            low = middle
-        else:
-            high = middle
-    return float(math.copysign(0.5 * (low + high + flanks.gap_rad), load_nm))
-
-
 @compiled()
 def settle(joints: Record, body: Record, load_nm: Float) -> None:
     """Let the inner sides stand where the transmissions carry a load; without one, in the middle of their gap."""
     for j in range(len(joints)):
-        c = body.inner[j]
-        if c != j and load_nm[j] != 0.0:
-            body.y[c] = body.y[j] + _twist(joints[j], load_nm[j])
+        elastic, flanks = joints[j].hidden.joint_elasticity, joints[j].hidden.backlash
+        if body.inner[j] == j or load_nm[j] == 0.0:
+            continue
+        # The twist, by bisection; a hardening gear is at most twice as soft as its compliance says.
+        load, soft, flank = abs(load_nm[j]), elastic.compliance_rad_per_nm, flanks.contact_compliance_rad_per_nm
+        low, high = 0.0, 2.0 * load * (soft + flank)
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            torque = structure.elastic_torque_nm(elastic, middle) if soft != 0.0 else middle / flank
+            if torque < load:
+                low = middle
+            else:
+                high = middle
+        body.y[body.inner[j]] = body.y[j] + math.copysign(0.5 * (low + high + flanks.gap_rad), load_nm[j])
 
 
 @compiled()

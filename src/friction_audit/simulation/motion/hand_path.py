@@ -1,46 +1,35 @@
 """The path of a hand that guides an arm: minimum-jerk strokes between via points, the orientation turning along."""
 
 from dataclasses import dataclass
-from math import inf, pi
 
 import numpy as np
 
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.strokes import PEAK, REST_S, SHORTEST_S, course, latest, slope, tick_times
-from friction_audit.simulation.settings import require_order, require_positive, require_within
+from friction_audit.simulation.motion.strokes import PEAK, REST_S, SHORTEST_S, course, latest, slope
+from friction_audit.simulation.settings import Checked, positive, within
 
-WHERE = "hand path"
 SHORTEST_M = 1e-3  # a hand that reaches less far stands still
 SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to rounding
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class HandPath:
+class HandPath(Checked):
     """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
 
     A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
     of a Panda that starts in its ready pose, the first one the least, and keep its limits.
     """
 
-    reach_m: float = 0.12  # radius of the ball of positions around the start [m]
-    sideways: float = 2.5  # the ball is so many times as wide along y, to the sides
-    rotation_rad: float = 0.6  # radius of the ball of rotation vectors around the start orientation [rad]
+    reach_m: float = within(0.12, SHORTEST_M)  # radius of the ball of positions around the start [m]
+    sideways: float = positive(2.5)  # the ball is so many times as wide along y, to the sides
+    # radius of the ball of rotation vectors around the start orientation, below half a turn [rad]
+    rotation_rad: float = within(0.6, 0.0, 3.14)
     # shortest and longest duration of a stroke, where neither the speed nor the reach cuts it [s]
-    stroke_s: tuple[float, float] = (0.9, 1.8)
+    stroke_s: tuple[float, float] = within((0.9, 1.8), SHORTEST_S)
     # slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it [m/s]
-    speed_m_s: tuple[float, float] = (0.15, 0.6)
-    turning_rad_s: float = 1.2  # no stroke turns faster [rad/s]
-    pause_s: tuple[float, float] = (0.2, 0.7)  # shortest and longest pause between two strokes [s]
-
-    def __post_init__(self) -> None:
-        require_positive(WHERE, sideways=self.sideways, turning_rad_s=self.turning_rad_s, slowest_m_s=self.speed_m_s[0])
-        require_within(WHERE, SHORTEST_M, inf, reach_m=self.reach_m)
-        require_within(WHERE, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
-        require_within(WHERE, 0, inf, rotation_rad=self.rotation_rad, shortest_pause_s=self.pause_s[0])
-        require_order(WHERE, stroke_s=self.stroke_s, speed_m_s=self.speed_m_s, pause_s=self.pause_s)
-        if self.rotation_rad >= pi:
-            raise UsageError(f"{WHERE}: rotation_rad {self.rotation_rad:g}: expected less than half a turn")
+    speed_m_s: tuple[float, float] = positive((0.15, 0.6))
+    turning_rad_s: float = positive(1.2)  # no stroke turns faster [rad/s]
+    pause_s: tuple[float, float] = within((0.2, 0.7))  # shortest and longest pause between two strokes [s]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -55,13 +44,14 @@ class HandMotion:
 
 def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
     """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
-    pose, rate = _follow(_draw_strokes(settings, ticks * dt, rng), tick_times(ticks, dt))
-    return HandMotion(
-        position=np.ascontiguousarray(pose[:, :3]),
-        rotation=np.ascontiguousarray(pose[:, 3:]),
-        velocity=np.ascontiguousarray(rate[:, :3]),
-        angular=angular_velocity(pose[:, 3:], rate[:, 3:]),
-    )
+    strokes, t = _draw_strokes(settings, ticks * dt, rng), dt * np.arange(ticks + 1)
+    current = strokes[latest(strokes[:, 0], t)]
+    start, lasts, origin, change = np.split(current, [1, 2, 8], axis=1)
+    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
+    position, rotation = np.hsplit(origin + course(x) * change, 2)
+    velocity, turning = np.hsplit(slope(x) / lasts * change, 2)
+    angular = angular_velocity(rotation, turning)
+    return HandMotion(position=position, rotation=rotation, velocity=velocity, angular=angular)
 
 
 def angular_velocity(rotation: Float, derivative: Float) -> Float:
@@ -76,14 +66,6 @@ def angular_velocity(rotation: Float, derivative: Float) -> Float:
     across = np.cross(rotation, derivative)
     result: Float = derivative + first[:, np.newaxis] * across + second[:, np.newaxis] * np.cross(rotation, across)
     return result
-
-
-def _follow(strokes: Float, t: Float) -> tuple[Float, Float]:
-    """Return pose and its derivative at the times t, shape (n, 6) each. [m, rad; m/s, rad/s]"""
-    current = strokes[latest(strokes[:, 0], t)]
-    start, lasts, origin, change = current[:, :1], current[:, 1:2], current[:, 2:8], current[:, 8:]
-    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
-    return origin + course(x) * change, slope(x) / lasts * change
 
 
 def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generator) -> Float:
@@ -101,22 +83,21 @@ def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generato
 
 
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
-    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point, as far as it gets."""
-    change = _draw_via(settings, pose[:3], rng) - pose
+    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke as far as it gets towards a via point.
+
+    The via point is at least half the reach away.
+    """
+    while True:
+        place = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
+        if np.linalg.norm(place - pose[:3]) >= settings.reach_m / 2:
+            break
+    change = np.concatenate((place, settings.rotation_rad * _draw_in_ball(rng))) - pose
     distance = float(np.linalg.norm(change[:3]))
     speed = float(np.exp(rng.uniform(*np.log(settings.speed_m_s))))
     length = min(distance, speed * rng.uniform(*settings.stroke_s) / PEAK)
     change *= length / distance
     turn = float(np.linalg.norm(change[3:]))
     return max(PEAK * length / speed, PEAK * turn / settings.turning_rad_s, settings.stroke_s[0]), change
-
-
-def _draw_via(settings: HandPath, place: Float, rng: np.random.Generator) -> Float:
-    """Draw a via point, shape (6,) [m, rad], at least half the reach away from the place."""
-    while True:
-        position = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
-        if np.linalg.norm(position - place) >= settings.reach_m / 2:
-            return np.concatenate((position, settings.rotation_rad * _draw_in_ball(rng)))
 
 
 def _draw_in_ball(rng: np.random.Generator) -> Float:

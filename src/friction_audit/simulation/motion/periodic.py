@@ -4,46 +4,49 @@ A robot excites itself by a multisine, as identification practice has it (Swever
 """
 
 from dataclasses import dataclass
-from math import inf, pi
+from itertools import count, islice
+from math import inf, isqrt, pi
 
 import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.strokes import SHORTEST_S, Intention, area, course, rising, slope, tick_times
-from friction_audit.simulation.settings import require_order, require_positive, require_within
-
-SINUSOID = "sinusoid"
+from friction_audit.simulation.motion.strokes import SHORTEST_S, Intention, area, course, rising, slope
+from friction_audit.simulation.settings import Checked, positive, within
 
 WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
 ROUNDING = 1e-9  # a half-period that ends with the recording still fits
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Sinusoid:
+class Sinusoid(Checked):
     """Position A (1 - cos(2 pi t / T)): from rest at 0 to 2 A and back, as in the paper's simulations."""
 
-    amplitude_rad: float = 0.5  # half the travel, A [rad]
-    period_s: float = 4.0  # period of a there and back, T [s]
+    amplitude_rad: float = positive(0.5)  # half the travel, A [rad]
+    period_s: float = within(4.0, SHORTEST_S)  # period of a there and back, T [s]
     # largest relative change of the amplitude; each end of the travel after the first draws its own, evenly
     # distributed, and the amplitude passes smoothly from one to the next
-    spread: float = 0.0
+    spread: float = within(0.0, 0.0, WIDEST)
     # time in which the sinusoid picks up its pace; 0 for at once. It comes late by half of that [s]
-    ease_s: float = 0.0
-
-    def __post_init__(self) -> None:
-        require_positive(SINUSOID, amplitude_rad=self.amplitude_rad, period_s=self.period_s)
-        require_within(SINUSOID, SHORTEST_S, inf, period_s=self.period_s)
-        require_within(SINUSOID, 0, WIDEST, spread=self.spread)
-        require_within(SINUSOID, 0, inf, ease_s=self.ease_s)
+    ease_s: float = within(0.0)
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the whole half-periods that fit, then rest; at rest throughout if not one fits."""
-        halves, pace = _pace(tick_times(ticks, dt), self)
+        t, half_period = dt * np.arange(ticks + 1), self.period_s / 2
+        # How many half-periods have passed, and how many pass in a second.
+        halves, pace = t / half_period, np.full_like(t, 1 / half_period)
+        if self.ease_s > 0:
+            eased = t / self.ease_s
+            halves, pace = self.ease_s * area(eased) / half_period, rising(eased) / half_period
         fitting = int(halves[-1] + ROUNDING)
         pace[halves >= fitting] = 0.0
         halves = np.minimum(halves, fitting)
-        amplitude, change = _amplitude(self, halves, fitting, rng)
+        # The amplitude passes from one end of the travel to the next.
+        ends = self.amplitude_rad * (1.0 + self.spread * rng.uniform(-1.0, 1.0, fitting + 2))
+        ends[0] = self.amplitude_rad
+        end = np.minimum(np.floor(halves), fitting).astype(np.intp)
+        passed, change = halves - end, np.diff(ends)[end]
+        amplitude, change = ends[end] + change * course(passed), change * slope(passed)
         half = np.minimum(np.floor(halves), max(fitting - 1, 0))
         x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
         rate = pi * amplitude * np.sin(pi * x) - change * np.cos(pi * x)
@@ -51,51 +54,29 @@ class Sinusoid:
         return Intention(position=position, velocity=side * rate * pace)
 
 
-def _pace(t: Float, settings: Sinusoid) -> tuple[Float, Float]:
-    """Return how many half-periods have passed and how many pass in a second [1/s], both of the shape of t."""
-    half_period = settings.period_s / 2
-    if settings.ease_s == 0:
-        return t / half_period, np.full_like(t, 1 / half_period)
-    eased = t / settings.ease_s
-    return settings.ease_s * area(eased) / half_period, rising(eased) / half_period
-
-
-def _amplitude(settings: Sinusoid, halves: Float, fitting: int, rng: np.random.Generator) -> tuple[Float, Float]:
-    """Return the amplitude and its derivative by the number of half-periods, both of the shape of halves. [rad]"""
-    ends = settings.amplitude_rad * (1.0 + settings.spread * rng.uniform(-1.0, 1.0, fitting + 2))
-    ends[0] = settings.amplitude_rad
-    half = np.minimum(np.floor(halves), fitting).astype(np.intp)
-    x, change = halves - half, np.diff(ends)[half]
-    return ends[half] + change * course(x), change * slope(x)
-
-
-COMMANDED = "commanded"
 STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take as many as they have joints
 MOST_SINES = 100  # more are noise, and take as many primes
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Commanded:
+class Commanded(Checked):
     """A sum of sines of equal speed and random phase, scaled until it meets the range or the peak speed.
 
     The frequencies go with the square roots of the primes: no sum of some is ever a multiple of others, neither in one
     joint nor across joints.
     """
 
-    lowest_hz: float = 0.1  # lowest frequency, that of the first joint [Hz]
-    sines: int = 5  # number of sines; five reach up to 7.3 times the lowest frequency
-    range_rad: tuple[float, float] = (-0.8, 0.8)  # lowest and highest position, relative to the start [rad]
-    peak_speed_rad_s: float = 1.2  # highest speed [rad/s]
-    ease_s: float = 2.0  # time of the smooth start, and of the smooth end [s]
+    lowest_hz: float = positive(0.1)  # lowest frequency, that of the first joint [Hz]
+    sines: int = within(5, 1, MOST_SINES)  # number of sines; five reach up to 7.3 times the lowest frequency
+    range_rad: tuple[float, float] = within((-0.8, 0.8), -inf)  # lowest and highest position, from the start [rad]
+    peak_speed_rad_s: float = positive(1.2)  # highest speed [rad/s]
+    ease_s: float = positive(2.0)  # time of the smooth start, and of the smooth end [s]
 
     def __post_init__(self) -> None:
-        require_positive(COMMANDED, lowest_hz=self.lowest_hz, ease_s=self.ease_s)
-        require_within(COMMANDED, 1, MOST_SINES, sines=self.sines)
-        require_positive(COMMANDED, peak_speed_rad_s=self.peak_speed_rad_s)
-        require_order(COMMANDED, range_rad=self.range_rad)
+        Checked.__post_init__(self)
         low, high = self.range_rad
         if not low < 0 < high:
-            raise UsageError(f"{COMMANDED}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
+            raise UsageError(f"commanded: range_rad {low:g}, {high:g}: expected a range around the start at 0")
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the multisine of one joint; it starts and ends at rest at 0."""
@@ -105,7 +86,7 @@ class Commanded:
 
 def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
     """Return a multisine for each of the joints, shape (ticks + 1, joints), all frequencies different."""
-    t = tick_times(ticks, dt)
+    t = dt * np.arange(ticks + 1)
     pulsation = 2 * np.pi * frequencies_hz(settings, joints)
     phase = rng.uniform(0.0, 2 * np.pi, pulsation.shape)
     # A factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s].
@@ -130,15 +111,6 @@ def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: 
 def frequencies_hz(settings: Commanded, joints: int) -> Float:
     """Return the frequencies, shape (joints, sines). [Hz]"""
     stride = max(STRIDE, joints)
-    roots = np.sqrt(_primes(stride * settings.sines) / 2)
+    primes = (n for n in count(2) if all(n % k for k in range(2, isqrt(n) + 1)))
+    roots = np.sqrt(np.array(list(islice(primes, stride * settings.sines))) / 2)
     return settings.lowest_hz * roots.reshape(settings.sines, stride).T[:joints]
-
-
-def _primes(count: int) -> Float:
-    """Return the first primes, shape (count,), by Eratosthenes' sieve below Rosser's bound n (ln n + ln ln n)."""
-    limit = int(count * (np.log(count) + np.log(np.log(count)))) + 1
-    prime = np.ones(limit + 1, dtype=bool)
-    prime[:2] = False
-    for number in range(2, int(limit**0.5) + 1):
-        prime[number * number :: number] &= not prime[number]
-    return np.flatnonzero(prime)[:count].astype(np.float64)

@@ -6,7 +6,7 @@ The course is that of Flash and Hogan (1985).
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import cycle
-from math import inf
+from math import inf, isfinite
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.settings import require_order, require_positive, require_within
+from friction_audit.simulation.settings import Checked, positive, within
 
 PEAK = 1.875  # steepest slope of the course, half-way: the peak speed of a stroke of length 1 in time 1
 REST_S = 0.5  # rest before the first stroke of a motion and after the last
@@ -30,11 +30,6 @@ class Intention:
 
     position: Float  # relative to the start [rad]
     velocity: Float  # its exact derivative [rad/s]
-
-
-def tick_times(ticks: int, dt: float) -> Float:
-    """Return the times of the controller's ticks, shape (ticks + 1,). [s]"""
-    return np.arange(ticks + 1, dtype=np.float64) * dt
 
 
 def course(x: Float) -> Float:
@@ -75,40 +70,32 @@ def at_constant_speed(t: Float, start_s: Float, way: Float, speed: Float, ease_s
     return Intention(position=position, velocity=signed * (rising(rise) - rising(fall)))
 
 
-STOP_AND_GO = "stop-and-go"
-
 STRATA = 10  # the speeds of so many strokes in a row are spread evenly over their distribution
 TINY = 1e-9  # keeps a rank off 0, whose normal deviate is infinite
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class StopAndGo:
+class StopAndGo(Checked):
     """Strokes of a person who stops between them."""
 
     # shortest and longest duration of a stroke; its length follows from the peak speed [s]
-    stroke_s: tuple[float, float] = (0.9, 1.8)
-    speed_rad_s: float = 0.9  # mean of the strokes' peak speeds [rad/s]
-    speed_spread: float = 0.4  # coefficient of variation of the strokes' peak speeds
-    speed_limits_rad_s: tuple[float, float] = (0.3, 1.8)  # no stroke has a slower or a faster peak [rad/s]
-    pause_s: tuple[float, float] = (0.2, 0.7)  # shortest and longest pause between two strokes [s]
-    range_rad: tuple[float, float] = (-1.2, 1.2)  # lowest and highest position, relative to the start [rad]
-    reversing: float = 0.8  # share of the strokes that turn back, where the range leaves the choice
+    stroke_s: tuple[float, float] = within((0.9, 1.8), SHORTEST_S)
+    speed_rad_s: float = positive(0.9)  # mean of the strokes' peak speeds [rad/s]
+    speed_spread: float = within(0.4)  # coefficient of variation of the strokes' peak speeds
+    speed_limits_rad_s: tuple[float, float] = positive((0.3, 1.8))  # no stroke has a slower or a faster peak [rad/s]
+    pause_s: tuple[float, float] = within((0.2, 0.7))  # shortest and longest pause between two strokes [s]
+    range_rad: tuple[float, float] = within((-1.2, 1.2), -inf)  # lowest and highest position, from the start [rad]
+    reversing: float = within(0.8, 0.0, 1.0)  # share of the strokes that turn back, where the range leaves the choice
 
     def __post_init__(self) -> None:
-        pairs = ("stroke_s", "speed_limits_rad_s", "pause_s", "range_rad")
-        require_positive(STOP_AND_GO, speed_rad_s=self.speed_rad_s)
-        require_positive(STOP_AND_GO, slowest_rad_s=self.speed_limits_rad_s[0])
-        require_within(STOP_AND_GO, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
-        require_within(STOP_AND_GO, 0, inf, speed_spread=self.speed_spread, shortest_pause_s=self.pause_s[0])
-        require_within(STOP_AND_GO, 0, 1, reversing=self.reversing)
-        require_order(STOP_AND_GO, **{name: getattr(self, name) for name in pairs})
+        Checked.__post_init__(self)
         low, high = self.range_rad
         if not low <= 0 <= high or low == high:
-            raise UsageError(f"{STOP_AND_GO}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
+            raise UsageError(f"stop_and_go: range_rad {low:g}, {high:g}: expected a range around the start at 0")
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return strokes at the ticks of the controller; at rest throughout if not one fits."""
-        strokes, t = plan_strokes(self, ticks * dt, rng), tick_times(ticks, dt)
+        strokes, t = plan_strokes(self, ticks * dt, rng), dt * np.arange(ticks + 1)
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         x = np.clip((t - start) / lasts, 0.0, 1.0)
         return Intention(position=origin + length * course(x), velocity=length / lasts * slope(x))
@@ -155,49 +142,41 @@ def _draw_length(settings: StopAndGo, speed: float, place: float, direction: flo
     return (high - place) if high - place > place - low else (low - place)
 
 
-SLOW_SWEEP = "slow-sweep"
-
 Target = tuple[float, float]  # a place to go to [rad] and the speed to go with [rad/s]
 MOST = 1000  # speeds or small reversals of a pass: more would outlast every recording
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class SlowSweep:
+class SlowSweep(Checked):
     """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
 
     The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
     pass with the usual settings takes less than a minute.
     """
 
-    speeds_rad_s: tuple[float, float] = (0.01, 1.0)  # slowest and fastest speed [rad/s]
-    steps: int = 7  # number of speeds in a pass, evenly spaced on a logarithmic scale
-    range_rad: tuple[float, float] = (-0.6, 0.6)  # lowest and highest position, relative to the start [rad]
-    longest_s: float = 3.0  # a stroke turns back after this time although the range goes on [s]
-    dwell_s: float = 0.3  # rest after every stroke [s]
-    ease_s: float = 0.2  # time in which a stroke reaches its speed, and in which it loses it [s]
-    reversals: int = 0  # number of small reversals at the start of every pass
+    speeds_rad_s: tuple[float, float] = positive((0.01, 1.0))  # slowest and fastest speed [rad/s]
+    steps: int = within(7, 1, MOST)  # number of speeds in a pass, evenly spaced on a logarithmic scale
+    range_rad: tuple[float, float] = within((-0.6, 0.6), -inf)  # lowest and highest position, from the start [rad]
+    longest_s: float = positive(3.0)  # a stroke turns back after this time although the range goes on [s]
+    dwell_s: float = within(0.3)  # rest after every stroke [s]
+    ease_s: float = positive(0.2)  # time in which a stroke reaches its speed, and in which it loses it [s]
+    reversals: int = within(0, 0, MOST)  # number of small reversals at the start of every pass
     # smallest and largest way of a small reversal, drawn evenly on a logarithmic scale [rad]
-    reversal_rad: tuple[float, float] = (1e-3, 3e-2)
-    reversal_s: float = 0.5  # way divided by speed of a small reversal [s]
+    reversal_rad: tuple[float, float] = positive((1e-3, 3e-2))
+    reversal_s: float = positive(0.5)  # way divided by speed of a small reversal [s]
 
     def __post_init__(self) -> None:
-        require_positive(SLOW_SWEEP, slowest_rad_s=self.speeds_rad_s[0], smallest_reversal_rad=self.reversal_rad[0])
-        require_positive(SLOW_SWEEP, longest_s=self.longest_s, reversal_s=self.reversal_s, ease_s=self.ease_s)
-        require_within(SLOW_SWEEP, 1, MOST, steps=self.steps)
-        require_within(SLOW_SWEEP, 0, MOST, reversals=self.reversals)
-        require_within(SLOW_SWEEP, 0, inf, dwell_s=self.dwell_s)
-        pairs = {"speeds_rad_s": self.speeds_rad_s, "range_rad": self.range_rad, "reversal_rad": self.reversal_rad}
-        require_order(SLOW_SWEEP, **pairs)
+        Checked.__post_init__(self)
         shortest = min(self.longest_s, self.reversal_s) if self.reversals else self.longest_s
         if self.ease_s > shortest:
             raise UsageError(
-                f"{SLOW_SWEEP}: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
+                f"slow_sweep: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
                 "longest_s or, with reversals, reversal_s"
             )
         wide = max(self.speeds_rad_s[1] * self.ease_s, self.reversal_rad[1] / 2 if self.reversals else 0.0)
         if -self.range_rad[0] < wide or self.range_rad[1] < wide:
             raise UsageError(
-                f"{SLOW_SWEEP}: range_rad {self.range_rad[0]:g}, {self.range_rad[1]:g}: expected a range around the "
+                f"slow_sweep: range_rad {self.range_rad[0]:g}, {self.range_rad[1]:g}: expected a range around the "
                 f"start at 0, from {-wide:g} or less to {wide:g} or more"
             )
 
@@ -213,7 +192,7 @@ class SlowSweep:
             rows.append(np.stack([now + np.cumsum(lasts) - lasts, ways, speeds]))
             now += float(lasts.sum())
         start, way, speed = np.hstack(rows)
-        return at_constant_speed(tick_times(ticks, dt), start, way, speed, np.full(len(start), self.ease_s))
+        return at_constant_speed(dt * np.arange(ticks + 1), start, way, speed, np.full(len(start), self.ease_s))
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
@@ -236,7 +215,6 @@ def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
     return [(float(place), float(way / settings.reversal_s)) for place, way in zip(places, ways, strict=True)]
 
 
-PRESCRIBED = "prescribed"
 TOO_SHORT = 1e-9  # rounding of a way that is all rise and fall
 
 
@@ -255,25 +233,27 @@ class Stroke(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Prescribed:
+class Prescribed(Checked):
     """Strokes one after the other."""
 
     # in order: way [rad], highest speed [rad/s], ease [s], rest afterwards [s]
     strokes: tuple[Stroke, ...] = (Stroke(0.5, 0.5, 0.3, 0.5), Stroke(-0.5, 0.5, 0.3, 0.5)) * 4
-    start_s: float = 0.5  # rest before the first one [s]
+    start_s: float = within(0.5)  # rest before the first one [s]
 
     def __post_init__(self) -> None:
-        require_within(PRESCRIBED, 0.0, inf, start_s=self.start_s)
+        Checked.__post_init__(self)
         for one in self.strokes:
-            require_positive(PRESCRIBED, speed_rad_s=one.speed_rad_s, ease_s=one.ease_s)
             least = one.speed_rad_s * one.ease_s * (1.0 - TOO_SHORT)
-            require_within(PRESCRIBED, 0.0, inf, rest_s=one.rest_s)
-            require_within(PRESCRIBED, least, inf, way_rad=abs(one.way_rad))
+            if not (min(one[1:3]) > 0.0 <= one.rest_s and least <= abs(one.way_rad) and all(map(isfinite, one))):
+                raise UsageError(
+                    f"prescribed: {', '.join(f'{number:g}' for number in one)}: expected a way of at least speed times "
+                    "ease, speed and ease above zero, and a rest of zero or more"
+                )
 
     def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
         """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
         way, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
-        return at_constant_speed(tick_times(ticks, dt), starts_of(self)[:-1], way, speed, ease)
+        return at_constant_speed(dt * np.arange(ticks + 1), starts_of(self)[:-1], way, speed, ease)
 
 
 def starts_of(settings: Prescribed) -> Float:
