@@ -13,8 +13,9 @@ from friction_audit.reporting.figures.drift import DRIFT
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page
 from friction_audit.reporting.html import log_page as page_of_log
+from friction_audit.reporting.html import page as parts_of_pages
 from friction_audit.reporting.html.batch_page import write_page
-from friction_audit.reporting.html.log_page import LOG_FIGURES, REPORT_FORMATS, draw_figures, log_page
+from friction_audit.reporting.html.log_page import LOG_FIGURES, REPORT_FORMATS, log_page
 from friction_audit.reporting.html.page import (
     Command,
     Page,
@@ -136,12 +137,6 @@ def test_parts_without_an_answer_leave_the_others() -> None:
 
 
 def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_of_log, "MOST_BYTES", 1)
-    monkeypatch.setattr(page_of_log, "ON_A_SHEET", 2)
-    drawn = draw_figures(report())
-    assert drawn.by_section == {}
-    assert "Coefficients over time, joints 3 to 4" in drawn.left_out["friction"]
-    assert "Coefficients over time, joints 3 to 4" in of_log(report())
     monkeypatch.setattr(batch_page, "MOST_BYTES", 100_000)
     steady = batch_by_hand.arm(4, 1, robot="steady")
     drifting = batch_by_hand.arm(4, batch_by_hand.RISE_JOINT, robot="moving")
@@ -149,6 +144,11 @@ def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) ->
     html = write_page(batch_by_hand.batch(steady, drifting, bare), blank_figures(2, letters=20_000))
     assert html.count('<figure class="drawing"') == len(figures_of("drift"))
     assert "those of steady are in files next to it" in html
+    monkeypatch.setattr(page_of_log, "MOST_BYTES", 1)
+    monkeypatch.setattr(parts_of_pages, "ON_A_SHEET", 2)
+    page = of_log(report())
+    assert '<figure class="drawing"' not in page
+    assert "Coefficients over time, joints 3 to 4" in page
 
 
 def test_a_page_of_a_thousand_sessions_or_of_many_arms_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
