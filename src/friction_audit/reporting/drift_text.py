@@ -95,23 +95,17 @@ def junit_text(command: str, report: DriftReport, limits: Sequence[Limit], unit:
     for limit in limits:
         suite = ET.SubElement(root, "testsuite", name=limit.text)
         for one in (one for one in judged if one.limit is limit):
-            _add_case(suite, command, one, unit)
+            words = () if one.found is None else (f"joint {one.joint}", f"{NAMES[one.found.coefficient]} friction, ")
+            place = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
+            name = f"{': '.join(words)}limit {limit.text}"
+            case = ET.SubElement(suite, "testcase", classname=".".join(place), name=name)
+            if one.verdict in OUTCOMES:
+                sentence = printable(in_unit(_limit_sentence(one), unit))
+                ET.SubElement(case, OUTCOMES[one.verdict][0], message=sentence, type=one.verdict).text = sentence
+            elif one.found is not None:
+                ET.SubElement(case, "system-out").text = f"change {in_unit(total_text(one.found), unit)}"
     for whole in (root, *root):
         for element, counted in (("testcase", "tests"), *OUTCOMES.values()):
             whole.set(counted, str(len(whole.findall(f".//{element}"))))
     ET.indent(root)
     return ET.tostring(root, "unicode", xml_declaration=True) + "\n"
-
-
-def _add_case(suite: ET.Element, command: str, one: Judged, unit: str) -> None:
-    name = f"limit {one.limit.text}"
-    if one.found is not None:
-        name = f"joint {one.joint}: {NAMES[one.found.coefficient]} friction, {name}"
-    names = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
-    case = ET.SubElement(suite, "testcase", classname=".".join(names), name=name)
-    if one.verdict in OUTCOMES:
-        sentence = printable(in_unit(_limit_sentence(one), unit))
-        outcome = ET.SubElement(case, OUTCOMES[one.verdict][0], message=sentence, type=one.verdict)
-        outcome.text = sentence
-    elif one.found is not None:
-        ET.SubElement(case, "system-out").text = f"change {in_unit(total_text(one.found), unit)}"

@@ -29,10 +29,6 @@ SUFFIXES = {
     "N m": "nm", "N m s/rad": "nms_per_rad", "N m/rad": "nm_per_rad", "N m/s": "nm_s", "kg m²": "kg_m2", "J": "j",
     "s": "s", "rad": "rad", "rad/s": "rad_s", "Hz": "hz", "°C": "c", "W": "w", "1/K": "per_k",
 }  # fmt: skip
-# Where a log holds motor currents, {} is a or ma.
-OF_CURRENT = {
-    "N m": "{}", "N m s/rad": "{}s_per_rad", "N m/rad": "{}_per_rad", "N m/s": "{}_s", "J": "{}_rad",
-}  # fmt: skip
 # Ends of the names of a coefficient's columns in files, and its fields.
 ENDS = (("", "value"), ("_low", "low"), ("_high", "high"))
 TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: "object"}
@@ -73,8 +69,8 @@ class Column:
     def key_in(self, torque_unit: str) -> str:
         """Return the name with the unit that follows from that of the torque, as in files."""
         suffix = SUFFIXES.get(self.unit, "")
-        if torque_unit != NEWTON_METRES and self.unit in OF_CURRENT:
-            suffix = OF_CURRENT[self.unit].format(torque_unit.lower())
+        if torque_unit != NEWTON_METRES:  # a motor current: a or ma
+            suffix = ("nm_rad" if suffix == "j" else suffix).replace("nm", torque_unit.lower())
         return f"{self.name}_{suffix}" if suffix else self.name
 
     def head(self, torque_unit: str) -> str:
@@ -112,10 +108,8 @@ class Column:
             return NOTHING
         if not isinstance(self.form, str):
             return (self.form[value] if isinstance(self.form, Mapping) else self.form(value)) or NOTHING
-        if isinstance(value, Coefficient):
-            return format_coefficient(value)
-        if isinstance(value, bool):
-            return "yes" if value else "no"
+        if isinstance(value, Coefficient | bool):
+            return format_coefficient(value) if isinstance(value, Coefficient) else "yes" if value else "no"
         return value if isinstance(value, str) else format(value, "d" if self.kind is int else self.form)
 
     def sort_key(self, row: Row) -> float | None:

@@ -99,8 +99,7 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     separator = " " if parts.is_narrow(axes) else "\n"
     axes.set_ylabel(f"{_title(found.coefficient)}{separator}[{drift_words.UNITS[found.coefficient]}]")
     _shade_reference(axes, arm)
-    _draw_values(axes, found)
-    _draw_left_out(axes, arm, joint, found)
+    _draw_values(axes, arm, joint, found)
     if found.change_points:
         _draw_levels(axes, found)
     elif math.isfinite(found.trend_per_session.value):
@@ -114,8 +113,8 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     return _verdict(found), found.drift
 
 
-def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
-    """Draw the sessions that were compared, each with its interval, and ring the isolated ones."""
+def _draw_values(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
+    """Draw sessions, each with its interval, ring the isolated ones, and draw hollow those that were not compared."""
     place = np.array([k + 1.0 for k in found.sessions])
     value, low, high = _columns(found.values)
     # One path for all intervals: a file of a thousand sessions stays small.
@@ -128,19 +127,15 @@ def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
     if ringed.any():
         look: Look = {"ls": "none", "marker": "D", "ms": 5.0, "mfc": "none", "mec": FITTED, "mew": 0.8}
         axes.plot(place[ringed], value[ringed], label=ISOLATED, **look)
-
-
-def _draw_left_out(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
-    """Draw the sessions that were not compared, hollow, as they are without any correction."""
-    values = [
+    left_out = [  # as they are, without any correction
         (k + 1, one.coefficients.get(found.coefficient, UNDETERMINED).value)
         for k in set(range(len(arm.sessions))).difference(found.sessions)
         for one in arm.sessions[k].joints
         if one.joint == joint.joint
     ]
-    if any(math.isfinite(value) for _, value in values):
-        look: Look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
-        axes.plot(*zip(*values, strict=True), label=ALONE, **look)
+    if any(math.isfinite(value) for _, value in left_out):
+        look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
+        axes.plot(*zip(*left_out, strict=True), label=ALONE, **look)
 
 
 def _draw_levels(axes: Axes, found: CoefficientDrift) -> None:

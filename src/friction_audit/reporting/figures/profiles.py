@@ -240,7 +240,7 @@ ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
 
 
 def _draw_steps(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -> None:
-    """Draw a bar per step, the largest on top, and a line at the noise floor."""
+    """Draw a bar per step, the largest on top, and a line at the noise floor; say how much is explained."""
     (axes,) = panels
     if not joint.ladder or joint.gap is None:
         write_verdict(axes, joint)
@@ -253,25 +253,18 @@ def _draw_steps(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -> 
     axes.axvline(values[last], color=theme.MUTED, lw=0.7, ls=":")
     for place, value in zip(places, values, strict=True):
         axes.annotate(f"{value:.3g}", (value, place), (2, 0), textcoords="offset points", va="center", fontsize=6.5)
-    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {explained_words(joint)}", across=4)
+    gap, contacts = joint.gap, ", contacts left out" if len(joint.added) < len(joint.effects) else ""
+    explained = "nothing added"
+    if joint.added:
+        error = f" ± {100 * gap.shrink_se:.1f}" if np.isfinite(gap.shrink_se) else ""
+        known = np.isfinite(gap.shrink)
+        explained = f"{100 * gap.shrink:.1f}{error} % explained" if known else "at the noise floor from the start"
+    title = f"{parts.joint_title(joint.joint, joint.name)}: {explained}\non {gap.cycles} held-out cycles{contacts}"
+    parts.label_panel(axes, title, across=4)
     axes.set_ylim(len(values) - 0.5, -0.5)  # the first on top
     axes.set_yticks(places, ["nominal model", *steps, "noise floor"])
     axes.tick_params(axis="y", length=0)
     axes.set_xlim(0.0, ROOM * max(values))
-
-
-def explained_words(joint: JointDiagnosis) -> str:
-    """Return the share explained of what is above the noise floor, on how many cycles, and without what."""
-    gap = joint.gap
-    assert gap is not None
-    contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
-    cycles = f"on {gap.cycles} held-out cycles{contacts}"
-    if not joint.added:
-        return f"nothing added\n{cycles}"
-    if np.isnan(gap.shrink):
-        return f"at the noise floor from the start\n{cycles}"
-    error = f" ± {100 * gap.shrink_se:.1f}" if np.isfinite(gap.shrink_se) else ""
-    return f"{100 * gap.shrink:.1f}{error} % explained\n{cycles}"
 
 
 LADDER = replace(
