@@ -5,24 +5,16 @@ from typing import Any
 
 import numpy as np
 
+from friction_audit.diagnosis import result as r
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.result import (
-    Discrepancy,
-    Evidence,
-    Gap,
-    JointDiagnosis,
-    NamedEffect,
-    Profile,
-    ResidualCheck,
-    SimulationGap,
-    Traces,
-)
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
+from tests.reporting.batch_by_hand import number
 from tests.reporting.conftest import build_estimate
 
+coefficient = number
 NAN = float("nan")
 LOCKED = 9
 LIMIT = "0.4 s of standstill: an offset of the sensor cannot be separated from uneven friction"
@@ -36,10 +28,6 @@ LEFT_OUT = 3
 NOISE_NM, MISSING_NM = 0.02, 0.3
 
 
-def coefficient(value: float, half: float) -> Coefficient:
-    return Coefficient(value=value, low=value - half, high=value + half)
-
-
 def coefficients(coulomb: float, viscous: float, inertia: float) -> dict[str, Coefficient]:
     values = {"coulomb_nm": coulomb, "viscous_nms_per_rad": viscous, "inertia_kg_m2": inertia}
     return {name: coefficient(value, 0.004) for name, value in values.items()}
@@ -48,8 +36,8 @@ def coefficients(coulomb: float, viscous: float, inertia: float) -> dict[str, Co
 DECLARED, GROWN = coefficients(0.33, 0.055, 0.301), coefficients(0.30, 0.07, 0.3)
 
 
-def profile(axis: str, share: float) -> Profile:
-    return Profile(
+def profile(axis: str, share: float) -> r.Profile:
+    return r.Profile(
         axis=axis, label=f"{axis} [unit]", share=share, p_value=0.001,
         edges=np.array([0.05, 0.15, 0.25, 0.35]), centre=np.array([0.1, 0.2, 0.3]),
         forwards=np.array([0.05, 0.0, NAN]), backwards=np.array([-0.05, 0.0, 0.01]),
@@ -57,20 +45,15 @@ def profile(axis: str, share: float) -> Profile:
     )  # fmt: skip
 
 
-def traces(cycles: int, **own: Any) -> Traces:
+def traces(cycles: int, **own: Any) -> r.Traces:
     """Return three samples per cycle, at rest, or other ones."""
     rows, empty = np.repeat(np.arange(cycles), 3), np.zeros(3 * cycles)
     every: dict[str, Any] = dict.fromkeys(("t", "q", "dq", "displacement", "measured", "before", "after"), empty)
-    cells: dict[str, Any] = {
-        "cycle": rows,
-        "held_out": rows < LOCKED,
-        "along": {"speed": empty, "time": empty},
-        "corner_hz": 17.0,
-    }
-    return Traces(**every | cells | own)
+    every |= {"cycle": rows, "held_out": rows < LOCKED, "along": {"speed": empty, "time": empty}, "corner_hz": 17.0}
+    return r.Traces(**every | own)
 
 
-def moving_traces() -> Traces:
+def moving_traces() -> r.Traces:
     """Return samples in which the nominal model misses MISSING_NM in the direction of motion."""
     place = np.arange(CYCLES * ROWS)
     place = place[place % ROWS >= LEFT_OUT]
@@ -88,14 +71,16 @@ def moving_traces() -> Traces:
 TRACES = moving_traces()
 
 
-def moved() -> SimulationGap:
+def moved() -> r.SimulationGap:
     """Return a motion simulated on the held-out cycles, NaN between them."""
     pieces = [np.append(np.arange(c * ROWS, (c + 1) * ROWS) * STEP_S, np.nan) for c in range(1, CYCLES, 3)]
     t = np.concatenate(pieces)[:-1]
-    return SimulationGap(before=0.052, after=0.013, unit="rad/s", t=t, measured=np.sin(t), nominal=0.9 * t, augmented=t)
+    return r.SimulationGap(
+        before=0.052, after=0.013, unit="rad/s", t=t, measured=np.sin(t), nominal=0.9 * t, augmented=t
+    )
 
 
-STRIBECK = NamedEffect(
+STRIBECK = r.NamedEffect(
     name="stribeck", label="what stribeck does", alternatives=(), p_value=0.0004, axis="speed",
     parameters={
         "stribeck_excess_nm": coefficient(0.15, 0.01),
@@ -104,8 +89,8 @@ STRIBECK = NamedEffect(
     },
     gap_before_nm=0.061, gap_after_nm=0.021, torque=MISSING_NM * np.sign(TRACES.dq), curve=profile("speed", 0.7),
     evidence=(
-        Evidence(name="stribeck", two_ln_bayes_factor=0.0, correlation=1.0),
-        Evidence(name="warm_up", two_ln_bayes_factor=41.3, correlation=0.31),
+        r.Evidence(name="stribeck", two_ln_bayes_factor=0.0, correlation=1.0),
+        r.Evidence(name="warm_up", two_ln_bayes_factor=41.3, correlation=0.31),
     ),
     size_nm=0.031, friction_share=0.09, residual_share=0.9, grade="minor", folds=5, chosen_in=5,
 )  # fmt: skip
@@ -115,9 +100,9 @@ BIAS = replace(
 )  # fmt: skip
 
 
-def gap(before: float, after: float, floor: float) -> Gap:
+def gap(before: float, after: float, floor: float) -> r.Gap:
     shrink = (before - after) / (before - floor) if before > floor else NAN
-    return Gap(
+    return r.Gap(
         before=before, after=after, floor=floor, shrink=shrink, shrink_se=0.01, over_floor=after / floor, cycles=LOCKED
     )
 
@@ -126,7 +111,7 @@ def finding(code: str, verdict: str, message: str) -> DataFinding:
     return DataFinding(code=code, value=0.4, unit="s", bound=2.0, verdict=verdict, message=message)
 
 
-NONE = JointDiagnosis(
+NONE = r.JointDiagnosis(
     joint=3, name="panda_joint3", verdict="adequate", nominal=DECLARED, augmented=DECLARED, gap=gap(0.02, 0.02, 0.02),
     omnibus_p=0.7, remaining_p=0.7, detection_limit_nm=0.0048, traces=TRACES,
     profiles=(profile("time", 0.0),), remaining=(profile("time", 0.0),),
@@ -146,26 +131,24 @@ AMBIGUOUS = replace(
 UNEXPLAINED = replace(
     NONE, joint=4, name="panda_joint4", verdict="unexplained", gap=gap(0.08, 0.08, 0.02), detection_limit_nm=NAN,
     profiles=(profile("speed", 0.6),), remainder_share=0.3,
-    checks=(ResidualCheck(code="line", along="time", share=0.3, frequency=13.0),),
+    checks=(r.ResidualCheck(code="line", along="time", share=0.3, frequency=13.0),),
 )  # fmt: skip
-NOT_TESTABLE = JointDiagnosis(
-    joint=5,
-    name="panda_joint5",
-    verdict="not_testable",
+NOT_TESTABLE = r.JointDiagnosis(
+    joint=5, name="panda_joint5", verdict="not_testable",
     reason="0 energy cycles with motion; at least 10 are needed: move the joint back and forth",
-)
-DATA_FAULT = JointDiagnosis(
+)  # fmt: skip
+DATA_FAULT = r.JointDiagnosis(
     joint=6, name="panda_joint6", verdict="data_fault", reason=FAULT, findings=(finding("dq_scale", "fault", FAULT),)
 )
-FAILED = JointDiagnosis(
+FAILED = r.JointDiagnosis(
     joint=6, name="panda_joint6", verdict="failed", traceback="ZeroDivisionError: float division by zero\n",
     reason="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
 )  # fmt: skip
 VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT)
 
 
-def diagnosis(*joints: JointDiagnosis, settings: DiagnosisSettings | None = None) -> Diagnosis:
-    discrepancy = Discrepancy(joints=joints or VERDICTS_BY_HAND)
+def diagnosis(*joints: r.JointDiagnosis, settings: DiagnosisSettings | None = None) -> Diagnosis:
+    discrepancy = r.Discrepancy(joints=joints or VERDICTS_BY_HAND)
     return Diagnosis(estimate=build_estimate(6), discrepancy=discrepancy, settings=settings or DiagnosisSettings())
 
 

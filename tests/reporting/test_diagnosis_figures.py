@@ -12,18 +12,7 @@ from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.figures.simulation import SIMULATION, shown_cycles
 from tests.reporting import diagnosis_by_hand as by_hand
-from tests.reporting.diagnosis_by_hand import (
-    ALL,
-    LEFT_OUT,
-    MISSING_NM,
-    NAMED,
-    ROWS,
-    STEP_S,
-    TRACES,
-    UNEXPLAINED,
-    diagnosis,
-    moved,
-)
+from tests.reporting.diagnosis_by_hand import ALL, NAMED, TRACES, diagnosis
 from tests.reporting.test_figures import legend_of, line, words_in
 
 KINDS = pytest.mark.parametrize("kind", figures_of("diagnosis"), ids=lambda kind: kind.name)
@@ -39,9 +28,10 @@ def test_held_out_cycles_are_shown_from_the_first_to_the_last_and_simulated_ones
     pieces = shown_cycles(TRACES, most=4)
     cycles = [int(np.unique(TRACES.cycle[(TRACES.t >= p.start) & (TRACES.t <= p.stop)])[0]) for p in pieces]
     assert (len(cycles), cycles[0], cycles[-1], {cycle % 3 for cycle in cycles}) == (4, 1, 28, {1})
-    whole = moved()
-    late = replace(whole, **{name: getattr(whole, name)[-ROWS:] for name in ("t", "measured", "nominal", "augmented")})
-    assert [piece.start for piece in shown_cycles(TRACES, late)] == pytest.approx([(28 * ROWS + LEFT_OUT) * STEP_S])
+    whole, names = by_hand.moved(), ("t", "measured", "nominal", "augmented")
+    late = replace(whole, **{name: getattr(whole, name)[-by_hand.ROWS :] for name in names})
+    start = (28 * by_hand.ROWS + by_hand.LEFT_OUT) * by_hand.STEP_S
+    assert [piece.start for piece in shown_cycles(TRACES, late)] == pytest.approx([start])
 
 
 def test_torque_residual_and_motion_are_those_of_the_result() -> None:
@@ -54,7 +44,7 @@ def test_torque_residual_and_motion_are_those_of_the_result() -> None:
     assert x[:count] == pytest.approx(TRACES.t[first] - TRACES.t[first][0])
     assert y[:count] == pytest.approx((TRACES.measured - TRACES.before)[first])
     _, augmented = line(motion, "with stribeck")
-    assert np.nanmin(augmented) == pytest.approx((ROWS + LEFT_OUT) * STEP_S)
+    assert np.nanmin(augmented) == pytest.approx((by_hand.ROWS + by_hand.LEFT_OUT) * by_hand.STEP_S)
     freed = replace(ALL, estimate=without_samples(ALL.estimate))  # as the command has it
     assert "measured, raw" not in legend_of(SIMULATION(freed, 1))
     alone = SIMULATION(ALL, 3)
@@ -63,7 +53,7 @@ def test_torque_residual_and_motion_are_those_of_the_result() -> None:
 
 def test_means_stand_at_the_bins_with_two_standard_errors() -> None:
     (axes,) = RESIDUAL(ALL, 4).axes
-    shown = UNEXPLAINED.profiles[0]
+    shown = by_hand.UNEXPLAINED.profiles[0]
     means = [box for box in axes.containers if str(box.get_label()).startswith("backwards")]
     x, y = (np.asarray(data) for data in means[0].lines[0].get_data())  # type: ignore[attr-defined]
     assert x == pytest.approx(shown.centre)
@@ -142,10 +132,10 @@ def test_the_fitted_torque_lies_over_the_curve_of_the_log() -> None:
     axes = EFFECTS(ALL, 1).axes[0]
     _, forwards = line(axes, "fitted, forwards")
     _, backwards = line(axes, "fitted, backwards")
-    assert forwards == pytest.approx(np.full(len(forwards), MISSING_NM))
-    assert backwards == pytest.approx(np.full(len(backwards), -MISSING_NM))
+    assert forwards == pytest.approx(np.full(len(forwards), by_hand.MISSING_NM))
+    assert backwards == pytest.approx(np.full(len(backwards), -by_hand.MISSING_NM))
     dots = np.concatenate([np.asarray(one.get_ydata(), float) for one in axes.lines if one.get_marker() == "."])
-    assert np.abs(dots).mean() == pytest.approx(MISSING_NM, abs=0.01)
+    assert np.abs(dots).mean() == pytest.approx(by_hand.MISSING_NM, abs=0.01)
     assert "0.150 ± 0.010 N m" in words_in(EFFECTS(ALL, 1))
 
 

@@ -20,9 +20,9 @@ from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.documents import write_document
 from friction_audit.reporting.drift import BatchSummary, write_batch_document
 from friction_audit.reporting.estimate import estimate_document
-from friction_audit.reporting.info import InfoEntry, info_document, summarize_log
+from friction_audit.reporting.info import INFO, InfoEntry, summarize_log
 from friction_audit.reporting.replay import replay_document
-from friction_audit.reporting.report import LogReport, Unanswered, report_document, report_notices
+from friction_audit.reporting.report import REPORT, LogReport, Unanswered, report_notices
 from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import COULOMB, build_estimate
@@ -85,7 +85,7 @@ def test_info(seven: Estimate) -> None:
     summary = summarize_log(seven.log, seven.interaction, seven.cycles)
     part = summarize_log(seven.log, None, None, obstacle="gravity is missing")
     failed = InfoEntry(path="b", topics=(topic,), message="two arms")
-    document = checked(info_document([InfoEntry(path="a", summary=summary), failed, InfoEntry(path="c", summary=part)]))
+    document = checked(INFO.json([InfoEntry(path="a", summary=summary), failed, InfoEntry(path="c", summary=part)]))
     log, less = document["logs"]
     assert (log["channels"], log["joint_count"]) == ({"q": "q_{i}", "dq": "dq_{i}"}, 7)
     assert log["joints"][0]["cycles"] == len(seven.cycles.of_joint(0).joint)
@@ -168,7 +168,7 @@ def test_a_report_holds_the_documents_of_its_parts() -> None:
     found = log_report_by_hand.report()
     assert found.diagnosis
     assert found.replay
-    document = checked(report_document(found))
+    document = checked(REPORT.json(found, found.unit))
     parts = {
         "estimate": checked(estimate_document(found.estimate)),
         "diagnose": checked(diagnose_document(found.diagnosis)),
@@ -182,8 +182,7 @@ def test_a_report_holds_the_documents_of_its_parts() -> None:
 
 
 def test_a_report_with_parts_that_have_no_answer(seven: Estimate) -> None:
-    document = checked(
-        report_document(LogReport(estimate=seven, unanswered=(Unanswered(part="diagnose", message="w"),)))
-    )
+    found = LogReport(estimate=seven, unanswered=(Unanswered(part="diagnose", message="w"),))
+    document = checked(REPORT.json(found, found.unit))
     assert document["diagnose"] is document["replay"] is document["command"] is None
     assert document["unanswered"] == [{"part": "diagnose", "message": "w"}]

@@ -13,7 +13,8 @@ from friction_audit.reporting.figures.drift import CONTROL, DRIFT, MOST_MARKED, 
 from friction_audit.reporting.figures.registry import Figure as FigureKind
 from friction_audit.reporting.figures.registry import figure_names, figures_of
 from friction_audit.reporting.figures.style import figure_bytes
-from friction_audit.reporting.html.batch_page import ON_A_SHEET, as_drawn, draw, drawings_of, write_page
+from friction_audit.reporting.html.batch_page import as_drawn, draw, drawings_of, write_page
+from friction_audit.reporting.html.page import ON_A_SHEET
 from tests.reporting import batch_by_hand as by_hand
 from tests.reporting.test_figures import line, words_in
 

@@ -13,19 +13,10 @@ from friction_audit.reporting.figures.drift import DRIFT
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page
 from friction_audit.reporting.html import log_page as page_of_log
+from friction_audit.reporting.html import page as html_page
 from friction_audit.reporting.html.batch_page import write_page
-from friction_audit.reporting.html.log_page import LOG_FIGURES, REPORT_FORMATS, draw_figures, log_page
-from friction_audit.reporting.html.page import (
-    Command,
-    Page,
-    Part,
-    Section,
-    Text,
-    draw_inline,
-    render_page,
-    write_markdown,
-    write_pdf,
-)
+from friction_audit.reporting.html.log_page import LOG_FIGURES, REPORT_FORMATS, log_page
+from friction_audit.reporting.html.page import Page, render_page, write_markdown, write_pdf
 from friction_audit.reporting.report import Unanswered, lead_sentence, verdict_word
 from friction_audit.reporting.table import Column, Table
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand
@@ -75,14 +66,15 @@ def test_the_same_result_gives_the_same_page(monkeypatch: pytest.MonkeyPatch) ->
 @given(word=st.text(alphabet="<>&\"'`=/ax\\{}%$", min_size=1))
 def test_no_word_becomes_markup(place: str, word: str) -> None:
     column = Column("a", str, get=lambda row: row, title="t")
-    parts: dict[str, Part] = {
-        "text": Text(lines=(word,)),
+    parts: dict[str, html_page.Part] = {
+        "text": html_page.Text(lines=(word,)),
         "cell": Table(columns=(column,), rows=(word,), caption="c"),
         "title": Table(columns=(replace(column, title=word),), rows=(), caption="c"),
-        "command": Command(line=word),
+        "command": html_page.Command(line=word),
         "caption": Table(columns=(column,), rows=(), caption=word, folded=True),
     }
-    html = render_page(Page(title=word, lead=word, sections=(Section(anchor="a", title=word, parts=(parts[place],)),)))
+    section = html_page.Section(anchor="a", title=word, parts=(parts[place],))
+    html = render_page(Page(title=word, lead=word, sections=(section,)))
     assert set(outline(html).addresses) == {"data:,", "#main", "#a"}
     assert html.count("<script") == 1
 
@@ -100,7 +92,7 @@ def test_hostile_names_are_text() -> None:
 def test_a_drawing_has_words_a_description_and_its_own_ids() -> None:
     figure = DRIFT(batch_by_hand.arm(4, 2), None)
     words = {"title": "", "caption": "", "description": "a <b> & c\x00"}
-    one, other = (draw_inline(figure, prefix, **words) for prefix in ("one", "other"))
+    one, other = (html_page.draw_inline(figure, prefix, **words) for prefix in ("one", "other"))
     assert ">joint 2<" in one.svg
     assert "a &lt;b&gt; &amp; c\ufffd" in one.svg
     assert "metadata" not in one.svg
@@ -136,12 +128,6 @@ def test_parts_without_an_answer_leave_the_others() -> None:
 
 
 def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_of_log, "MOST_BYTES", 1)
-    monkeypatch.setattr(page_of_log, "ON_A_SHEET", 2)
-    drawn = draw_figures(report())
-    assert drawn.by_section == {}
-    assert "Coefficients over time, joints 3 to 4" in drawn.left_out["friction"]
-    assert "Coefficients over time, joints 3 to 4" in of_log(report())
     monkeypatch.setattr(batch_page, "MOST_BYTES", 100_000)
     steady = batch_by_hand.arm(4, 1, robot="steady")
     drifting = batch_by_hand.arm(4, batch_by_hand.RISE_JOINT, robot="moving")
@@ -149,6 +135,11 @@ def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) ->
     html = write_page(batch_by_hand.batch(steady, drifting, bare), blank_figures(2, letters=20_000))
     assert html.count('<figure class="drawing"') == len(figures_of("drift"))
     assert "those of steady are in files next to it" in html
+    monkeypatch.setattr(page_of_log, "MOST_BYTES", 1)
+    monkeypatch.setattr(html_page, "ON_A_SHEET", 2)
+    page = of_log(report())
+    assert '<figure class="drawing"' not in page
+    assert "Coefficients over time, joints 3 to 4" in page
 
 
 def test_a_page_of_a_thousand_sessions_or_of_many_arms_is_small(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,6 @@ import pytest
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.figures.panels import label_in_unit
 from friction_audit.reporting.table import INTERVAL, Column, Record, to_json
-from friction_audit.reporting.terminal_table import table_lines
 
 INNER = Record((Column("share"), Column("word", ("a", "b"))))
 HISTORY = Record((Column("cycle", int), Column("energy", unit="J")), name="history", time="cycle", arrays=True)
@@ -69,7 +68,7 @@ def test_files_have_the_unit_of_the_torque_in_their_columns(unit: str, ends: tup
 
 def test_a_narrow_terminal_cuts_no_number(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "22")
-    lines = table_lines(SPEC.people([row()], "t", unit="A"))
+    lines = SPEC.people([row()], "t", unit="A").lines()
     assert lines[1].startswith("[A]") or "[A]" in lines[1]
     assert "0.30 ± 0.10" in lines[3]
     assert len(lines) > 4  # words go on in the next line

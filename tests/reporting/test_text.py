@@ -12,6 +12,7 @@ from friction_audit.effects.registry import NAMES
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.interaction import Caution
+from friction_audit.reporting import words
 from friction_audit.reporting.diagnosis import diagnose_lines
 from friction_audit.reporting.diagnosis_words import joint_message
 from friction_audit.reporting.drift_text import batch_lines
@@ -20,18 +21,6 @@ from friction_audit.reporting.estimate import estimate_lines
 from friction_audit.reporting.notices import Notice, diagnose_notices, notice_lines, reason_lines
 from friction_audit.reporting.replay import replay_lines
 from friction_audit.reporting.sentences import SENTENCES, WORDS, sentence_of
-from friction_audit.reporting.words import (
-    enumerate_words,
-    format_coefficient,
-    format_p,
-    format_percent,
-    format_quantity,
-    format_share,
-    format_slope,
-    format_start,
-    iso_start,
-    joint_label,
-)
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import build_estimate
 from tests.reporting.diagnosis_by_hand import ALONE, BIAS, LIMIT, NAMED, NOT_TESTABLE, STRIBECK, coefficient, diagnosis
@@ -218,56 +207,39 @@ def test_notices_of_the_same_words_share_a_line(seven: Estimate) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "low", "high", "text"),
-    [
-        (0.245, 0.239, 0.251, "0.2450 ± 0.0060"),
-        (0.246, 0.146, 0.346, "0.25 ± 0.10"),
-        (0.25, 0.22, 0.26, "0.250 +0.010/-0.030"),
-        (-0.02, -0.47, 0.43, "-0.02 ± 0.45"),
-        (12.0, -18.0, 42.0, "12 ± 30"),
-        (0.25, 0.25, 0.25, "0.2500 ± 0.0001"),
-        (0.25, math.nan, math.nan, "0.25"),
-        (math.nan, math.nan, math.nan, "-"),
-    ],
-)
-def test_digits_follow_the_interval(value: float, low: float, high: float, text: str) -> None:
-    assert format_coefficient(Coefficient(value=value, low=low, high=high)) == text
-
-
-@pytest.mark.parametrize(
     ("shown", "text"),
     [
-        (format_quantity(coefficient(0.15, 0.01), "N m"), "0.150 ± 0.010 N m"),
-        (format_quantity(coefficient(0.0031, 0.0002), "s"), "3.10 ± 0.20 ms"),
-        (format_quantity(coefficient(0.0031, 0.0002), "N m"), "0.0031 ± 0.0002 N m"),
-        (format_quantity(coefficient(0.001037, 0.00002), "rad/(N m)"), "1.037 ± 0.020 mrad/(N m)"),
-        (format_quantity(coefficient(2.0, 0.0), "1"), "2"),
-        (format_quantity(UNDETERMINED, "s"), "-"),
-        (format_percent(Coefficient(value=30.62, low=-1.0, high=8.9e7)), "not identifiable"),
-        (format_percent(Coefficient(value=-0.06132, low=math.nan, high=math.nan)), "-6.1 %"),
-        (format_slope(Coefficient(value=0.0026712, low=0.0024, high=0.0029424)), "+0.0027 ± 0.0003"),
-        (format_slope(Coefficient(value=-1.0, low=-1.0, high=-1.0)), "-1"),
-        (" ".join((format_slope(UNDETERMINED), format_share(math.nan), format_p(math.nan))), "- - -"),
-        (", ".join(map(format_share, (0.0333, 0.132, 0.95, 9e4))), "3.3 %, 13 %, 95 %, >100 %"),
-        (", ".join(map(format_p, (1e-9, 0.0432, 1.0))), "< 0.001, 0.043, 1"),
-        (enumerate_words([1]), "1"),
-        (enumerate_words([1, 2, 3]), "1, 2 and 3"),
+        (words.format_coefficient(coefficient(0.245, 0.006)), "0.2450 ± 0.0060"),
+        (words.format_coefficient(coefficient(0.246, 0.1)), "0.25 ± 0.10"),
+        (words.format_coefficient(Coefficient(value=0.25, low=0.22, high=0.26)), "0.250 +0.010/-0.030"),
+        (words.format_coefficient(coefficient(-0.02, 0.45)), "-0.02 ± 0.45"),
+        (words.format_coefficient(coefficient(12.0, 30.0)), "12 ± 30"),
+        (words.format_coefficient(coefficient(0.25, 0.0)), "0.2500 ± 0.0001"),
+        (words.format_coefficient(coefficient(0.25, math.nan)), "0.25"),
+        (words.format_coefficient(UNDETERMINED), "-"),
+        (words.format_start(1772550000.25), "2026-03-03 15:00"),
+        (words.iso_start(1772550000.25), "2026-03-03T15:00:00.250Z"),
+        *((f"{words.format_start(one)} {words.iso_start(one)}", "- None") for one in (None, -5.0, math.nan, 1e18)),
+        (words.format_quantity(coefficient(0.15, 0.01), "N m"), "0.150 ± 0.010 N m"),
+        (words.format_quantity(coefficient(0.0031, 0.0002), "s"), "3.10 ± 0.20 ms"),
+        (words.format_quantity(coefficient(0.0031, 0.0002), "N m"), "0.0031 ± 0.0002 N m"),
+        (words.format_quantity(coefficient(0.001037, 0.00002), "rad/(N m)"), "1.037 ± 0.020 mrad/(N m)"),
+        (words.format_quantity(coefficient(2.0, 0.0), "1"), "2"),
+        (words.format_quantity(UNDETERMINED, "s"), "-"),
+        (words.format_percent(Coefficient(value=30.62, low=-1.0, high=8.9e7)), "not identifiable"),
+        (words.format_percent(Coefficient(value=-0.06132, low=math.nan, high=math.nan)), "-6.1 %"),
+        (words.format_slope(Coefficient(value=0.0026712, low=0.0024, high=0.0029424)), "+0.0027 ± 0.0003"),
+        (words.format_slope(Coefficient(value=-1.0, low=-1.0, high=-1.0)), "-1"),
+        (" ".join((words.format_slope(UNDETERMINED), words.format_share(math.nan), words.format_p(math.nan))), "- - -"),
+        (", ".join(map(words.format_share, (0.0333, 0.132, 0.95, 9e4))), "3.3 %, 13 %, 95 %, >100 %"),
+        (", ".join(map(words.format_p, (1e-9, 0.0432, 1.0))), "< 0.001, 0.043, 1"),
+        (words.enumerate_words([1]), "1"),
+        (words.enumerate_words([1, 2, 3]), "1, 2 and 3"),
         (
-            ", ".join(joint_label(3, name) for name in ("panda_joint3", "elbow", "joint13", "")),
+            ", ".join(words.joint_label(3, name) for name in ("panda_joint3", "elbow", "joint13", "")),
             "3, 3 elbow, 3 joint13, 3",
         ),
     ],
 )
 def test_numbers_and_lists(shown: str, text: str) -> None:
     assert shown == text
-
-
-@pytest.mark.parametrize(
-    ("start_s", "shown", "iso"),
-    [
-        (1772550000.25, "2026-03-03 15:00", "2026-03-03T15:00:00.250Z"),
-        *((no_date, "-", None) for no_date in (None, -5.0, math.nan, 1e18)),
-    ],
-)
-def test_starts(start_s: float | None, shown: str, iso: str | None) -> None:
-    assert (format_start(start_s), iso_start(start_s)) == (shown, iso)

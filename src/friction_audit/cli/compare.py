@@ -67,7 +67,7 @@ def command(
     """Compare compensation methods in simulation (two logs: diff)."""
     from friction_audit.compensation.comparison import METHODS, SCENES, compare
     from friction_audit.compensation.comparison.methods import NONE
-    from friction_audit.reporting.compare import compare_document, compare_lines
+    from friction_audit.reporting.compare import COMPARE, compare_lines
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.figures.comparison import draw_comparison
     from friction_audit.simulation.assign import as_nested
@@ -89,6 +89,6 @@ def command(
     about: dict[str, object] = {"arm": result.scene, "settings": as_nested(settings)}
     about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}
     about["effects"] = [asdict(effect) for effect in hidden_effects(settings)]
-    document = compare_document(about, result.rows, result.curves, files)
+    about |= {"methods": result.rows, "sweeps": result.curves, "figures": files}
     lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
-    show(write_document(document), lambda: [*lines, *(path for _, path in files)], json=general.json)
+    show(write_document(COMPARE.json(about)), lambda: [*lines, *(path for _, path in files)], json=general.json)

@@ -1,7 +1,7 @@
 """``friction-audit diff``."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -142,18 +142,19 @@ def _report(
     shared: opt.LogOptions,
     friction: opt.EstimateOptions,
 ) -> int:
-    from friction_audit.reporting.diff import changes_table, diff_document, diff_lines
+    from friction_audit.reporting.diff import CHANGES, DIFF, diff_lines
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.drift_text import limit_sentences
     from friction_audit.reporting.notices import notice_lines
+    from friction_audit.reporting.table import to_json
     from friction_audit.reporting.words import in_unit
 
     voice, json = shared.general.voice, shared.general.json
     beyond, unknown = ([in_unit(text, sides.unit) for text in some] for some in limit_sentences(sides.report, limits))
-    settings = asdict(audit_settings(shared, friction))
-    document = write_document(diff_document(sides, settings, warnings, beyond, unknown))
+    values = {"sides": sides, "settings": to_json(audit_settings(shared, friction)), "warnings": warnings}
+    document = write_document(DIFF.json(values | {"exceeded": beyond, "cannot_tell": unknown}, sides.unit))
     out.write_text(DOCUMENT, document)
-    out.write_csv(TABLE, changes_table(sides))
+    out.write_csv(TABLE, CHANGES.file((one.joint, one.name, one.coefficients) for one in sides.joints))
     out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
     if not json:
         voice.warn(notice_lines(warnings))

@@ -92,7 +92,7 @@ def command(
     with voice.step(f"write {out}"):
         export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.export import export_document, export_lines, export_notices
+    from friction_audit.reporting.export import EXPORT, export_lines, export_notices
     from friction_audit.reporting.notices import notice_lines
 
     json = shared.general.json
@@ -100,7 +100,7 @@ def command(
         chain.warn_about(estimate.log, export_notices(export), voice)
     elif not json:
         voice.warn(notice_lines(export_notices(export)))
-    show(write_document(export_document(export)), lambda: export_lines(export), json=json)
+    show(write_document(EXPORT.json(export)), lambda: export_lines(export), json=json)
     if estimate:
         chain.exit_if_damaged(estimate.log)
 

@@ -114,10 +114,10 @@ def _summary(log: "JointLog", settings: "AuditSettings") -> "LogSummary":
 
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.info import SHOWN, info_document, info_lines
+    from friction_audit.reporting.info import INFO, SHOWN, info_lines
 
     if json:
-        say(write_document(info_document(entries)), nl=False)
+        say(write_document(INFO.json(entries)), nl=False)
     for entry in entries:
         if not json and (entry.summary is not None or entry.topics):
             say("\n".join(info_lines(entry)))

@@ -66,7 +66,7 @@ def command(
     from friction_audit.planning.plan import plan_task, trajectory_of
     from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.notices import notice_lines
-    from friction_audit.reporting.plan import PURPOSES, Recording, plan_document, plan_lines, plan_notices
+    from friction_audit.reporting.plan import PLAN, PURPOSES, Recording, plan_lines, plan_notices
 
     voice, out = shared.general.voice, ResultFolder(folder=folder, name="plan", overwrite=shared.overwrite)
     stems = [TRAJECTORY, *(f"{TRAJECTORY}_{purpose}" for purpose in PURPOSES)]
@@ -96,7 +96,8 @@ def command(
         recordings.append(Recording(purpose, plans, files))
     settled = [one for one in tasks if one.purpose is None]
     warnings = list(plan_notices(recordings, known_start=arm.known_start))
-    document = write_document(plan_document("" if source is None else str(source), recordings, settled, warnings))
+    values = {"source": str(source or ""), "recordings": recordings, "settled": settled, "warnings": warnings}
+    document = write_document(PLAN.json(values))
     out.write_text(DOCUMENT, document)
     if not shared.general.json:
         voice.warn(notice_lines(warnings))

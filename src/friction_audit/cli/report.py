@@ -104,7 +104,7 @@ def command(
                 draft.write_bytes(REPORT_FORMATS[kind][1](report))
         exported = out.write_exports(made.report_tables(report), recorded, stages)
     lines = [made.lead_sentence(report), *map(str, (*files.values(), *exported))]
-    say(write_document(made.report_document(report)) if json else "\n".join(lines), nl=not json)
+    say(write_document(made.REPORT.json(report, report.unit)) if json else "\n".join(lines), nl=not json)
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)

@@ -44,7 +44,7 @@ def command(
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate the paper's figures and measure its claims."""
-    from friction_audit.reporting.compare import claim_lines, count_line, reproduce_document
+    from friction_audit.reporting.compare import REPRODUCE, claim_lines, count_line
     from friction_audit.reporting.documents import write_document
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
@@ -67,6 +67,6 @@ def command(
             say("\n".join(claim_lines(found)))
         rows += found
     if json:
-        say(write_document(reproduce_document(rows, files, persons)), nl=False)
+        say(write_document(REPRODUCE.json({"seeds": persons, "claims": rows, "figures": files})), nl=False)
     else:
         say("\n".join([count_line(rows), *(path for *_, path in files)]))

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 Column = NDArray[Any] | Sequence[Any]  # numbers (NaN where there is none), flags, or words
@@ -36,10 +35,3 @@ class TidyTable:
     def __len__(self) -> int:
         """Return how many rows there are."""
         return sum(map(len, self.rows))
-
-
-def as_column(values: Sequence[Any], kind: type) -> Column:
-    """Return values as a column: numbers as an array, NaN for None."""
-    if kind is float:
-        return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
-    return list(values)

@@ -1,14 +1,13 @@
 """Comparison of compensation methods, and claims of the paper: their documents and their text."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from math import inf, isnan
 from operator import attrgetter
 from typing import Any
 
-from friction_audit.compensation.comparison.result import Curve, Row
+from friction_audit.compensation.comparison.result import Row
 from friction_audit.reporting.documents import HIDDEN
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record
-from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NOTHING
 
 ROLES = {"paper": "*", "full": "=", "best": "+", "other": " "}
@@ -18,9 +17,7 @@ LEGEND = (
     "slope, peak and rms: means over the persons with whom the loop was stable, with 95 % intervals",
 )
 MARGIN = "margin: factor by which the gain may grow before the loop is unstable, 0 if it is unstable as it is;"
-# Margin above what is searched.
-ENDLESS = ">32"
-
+ENDLESS = ">32"  # margin above what is searched
 VALUE = Record(
     Column("value", float, "mean, or median"),
     Column("ci95", INTERVAL, "95 % interval", lambda one: (one.low, one.high)),
@@ -76,18 +73,15 @@ METHOD = Record(
     Column("stability_margin", VALUE, "median factor by which the gain may grow", "margin"),
     Column("stability_margins", [float], "the factor per person", "margins"),
     Column(
-        "row",
-        str,
-        get=lambda row: row if isinstance(row, str) else f"{ROLES[row.role]} {row.tuning.name}",
-        title="method and tuning",
-        on="t",
+        "row", str, get=lambda row: row if isinstance(row, str) else f"{ROLES[row.role]} {row.tuning.name}",
+        title="method and tuning", on="t",
     ),
     _shown(_with_interval("energy_slope_w", 1000.0, 1), "slope [mW]"),
     _shown(_with_interval("peak_torque_nm", 1.0, 2), "peak [N m]"),
     _shown(_with_interval("rms_torque_nm", 1.0, 3), "rms [N m]"),
     _shown(lambda row: f"{row.stable_share:.0%}", "stable"),
     _shown(_margin, "margin"),
-)
+)  # fmt: skip
 POINT = Record(
     Column("value", float, "value of the swept setting"),
     Column("tuning", str, "its name", "tuning.name"),
@@ -121,28 +115,21 @@ COMPARE = Document(
 )
 
 
-def compare_document(
-    scene: Mapping[str, object], methods: Sequence[Row], sweeps: Sequence[Curve], figures: Iterable[tuple[str, str]]
-) -> dict[str, Any]:
-    """Return the document on a comparison: what was simulated (``scene``), and figures by name and path."""
-    return COMPARE.json({**scene, "methods": methods, "sweeps": sweeps, "figures": figures})
-
-
 def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[str]:
     """Return a row per method and tuning, and the losses of those that were unstable, with so many persons."""
     headed: list[Row | str] = []
     for before, row in zip((None, *rows), rows, strict=False):
         headed += [row] if before is not None and before.method == row.method else [row.label, row]
     # A tuning that is both the paper's kind and the best one lost the same loops.
-    notes = dict.fromkeys(note for row in rows for note in _notes(row, seeds, tuning_seeds))
+    notes = dict.fromkeys(note for row in rows for note in _losses(row, seeds, tuning_seeds))
     persons = max((len(row.margins) for row in rows), default=0)
     those = f"the median of {persons} persons" if persons > 1 else "one person"
     known = any(not isnan(row.margin.low) for row in rows)
     margins = (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}") if persons else ()
-    return [*table_lines(METHOD.people(headed, "t")), *LEGEND, *margins, *notes]
+    return [*METHOD.people(headed, "t").lines(), *LEGEND, *margins, *notes]
 
 
-def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
+def _losses(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
     name, lost, in_tuning = f"{row.label}, {row.tuning.name}", row.lost_s, row.tuning_losses
     if lost:
         first = f"first after {min(lost):.1f} s; figures end there"
@@ -174,15 +161,10 @@ REPRODUCE = Document(
 )
 
 
-def reproduce_document(claims: Sequence[Claim], figures: Iterable[tuple[str, str, str]], seeds: int) -> dict[str, Any]:
-    """Return the document on the paper's figures: claims, and number, title and path of every figure."""
-    return REPRODUCE.json({"seeds": seeds, "claims": claims, "figures": figures})
-
-
 def claim_lines(claims: Sequence[Claim]) -> list[str]:
     """Return a row per claim, and why those do not hold that do not."""
     reasons = [f"{row['figure']}: {row['note']}" for row in claims if not row["holds"] and row["note"]]
-    return [*table_lines(CLAIM.people(claims, "t")), *reasons]
+    return [*CLAIM.people(claims, "t").lines(), *reasons]
 
 
 def count_line(claims: Sequence[Claim]) -> str:

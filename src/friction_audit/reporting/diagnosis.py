@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.diagnosis.result import JointDiagnosis, Profile
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting import diagnosis_tables as tables
 from friction_audit.reporting import diagnosis_words as words
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
-from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, physics_of
+from friction_audit.reporting.notices import SENTENCE_END, diagnose_notices, log_line, physics_of
 from friction_audit.reporting.table import Column, Document, Get, Record, to_json
-from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import format_share, in_unit, joints_label
 
 LONGEST = 225  # characters of a line about an effect without its joint; what is longer is for ``-v``
@@ -77,15 +76,6 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIO
     return chain_document(DIAGNOSE, found.estimate, diagnose_notices(found), reading, settings, joints=joints)
 
 
-def _bins(joint: JointDiagnosis) -> list[tuple[str, Profile, tuple[float, ...]]]:
-    return [
-        (model, one, cells)
-        for model, profiles in (("nominal", joint.profiles), ("augmented", joint.remaining))
-        for one in profiles
-        for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
-    ]
-
-
 FILES: tuple[tuple[Record, Get], ...] = (
     (tables.JOINT_DIAGNOSIS, lambda joint: [joint]),
     (tables.EFFECT, lambda joint: tables.effect_rows([joint])),
@@ -94,8 +84,13 @@ FILES: tuple[tuple[Record, Get], ...] = (
         (row.effect.name, *one) for row in tables.effect_rows([joint]) for one in row.known.items()
     ]),
     (tables.CHECK, "checks"),
-    (tables.STEP, tables.steps_of),
-    (BIN, _bins),
+    (tables.STEP, lambda joint: list(enumerate(joint.ladder))),
+    (BIN, lambda joint: [
+        (model, one, cells)
+        for model, profiles in (("nominal", joint.profiles), ("augmented", joint.remaining))
+        for one in profiles
+        for cells in zip(one.centre, one.forwards, one.forwards_se, one.backwards, one.backwards_se, strict=True)
+    ]),
     (RESIDUAL, "traces"),
     (SIMULATED, "simulation"),
 )  # fmt: skip
@@ -120,7 +115,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
         f"interaction torque: {found.estimate.interaction.choice.formula}",
         f"nominal model: {words.nominal_model(found.settings.model)}",
         f"residual RMS on held-out cycles: {span} per joint, each held out once; intervals are 95 %",
-        *table_lines(tables.JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled(), marked),
+        *tables.JOINT_DIAGNOSIS.people(joints, "t", unit=unit).filled().lines(marked),
         *physics,
     ]
     details: list[str] = []
@@ -135,7 +130,7 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
         more = [*_details(joint, verbose=verbose), *(_competing(joint) if verbose else ())]
         details += [in_unit(f"{numbers}, {line}", unit) for line in more]
     if effects := tables.effect_rows(joints):
-        lines += ["", *table_lines(tables.EFFECT.people(effects, "t", unit=unit))]
+        lines += ["", *tables.EFFECT.people(effects, "t", unit=unit).lines()]
     return lines + details
 
 
@@ -164,6 +159,4 @@ def _competing(joint: JointDiagnosis) -> Iterator[str]:
             yield f"{one.name} in place of {effect.name}: {scores}"
     if joint.effects and not math.isnan(joint.detection_limit_nm):
         yield f"detection limit for other effects: {joint.detection_limit_nm:.2g} N m rms"
-    yield from (
-        f"this log cannot show {', '.join(names)}: {reason}" for _, names, reason in tables.untestable_rows([joint])
-    )
+    yield from (f"this log cannot show {', '.join(names)}: {why}" for _, names, why in tables.untestable_rows(joint))

@@ -1,9 +1,8 @@
 """Tables of a diagnosis: its columns once, for documents, files, terminal and page."""
 
 from collections.abc import Callable, Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting import diagnosis_words as words
@@ -78,9 +77,10 @@ def _percent(share: float) -> str:
     return f"{100 * share:.3g}"
 
 
-def _share(name: str, meaning: str, title: str, short: str) -> Column:
-    get = f"effect.{name}"
-    return Column(name, float, meaning, get, form=_percent, unit="%", title=title, short=short, on=ALL)
+def _share(of: str, meaning: str) -> Column:
+    name, title = f"{of}_share", f"of the {of}"
+    short = title.replace(" the ", " the\n")
+    return Column(name, float, meaning, f"effect.{name}", form=_percent, unit="%", title=title, short=short, on=ALL)
 
 
 EFFECT = Record(
@@ -98,8 +98,8 @@ EFFECT = Record(
         "size", float, "RMS of its torque free of the nominal model", "effect.size_nm",
         unit="N m", title="size (RMS)", short="size", on=ALL,
     ),
-    _share("friction_share", "size over the RMS of the joint's friction", "of the friction", "of the\nfriction"),
-    _share("residual_share", "of the residual's mean square, 0 to 1", "of the residual", "of the\nresidual"),
+    _share("friction", "size over the RMS of the joint's friction"),
+    _share("residual", "of the residual's mean square, 0 to 1"),
     Column("grade", GRADES, "size against the joint's friction", "effect.grade", on="jftp"),
     Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
     Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
@@ -155,9 +155,9 @@ UNTESTABLE = Record(
 )
 STEP = Record(
     Column("step", int, get="0", on="f"),
-    Column("label", str, get="1", on="f"),
-    Column("step", str, "nominal model, each effect, noise floor", "1", on="j"),
-    Column("rms", float, "residual RMS", "2", unit="N m"),
+    Column("label", str, get="1.0", on="f"),
+    Column("step", str, "nominal model, each effect, noise floor", "1.0", on="j"),
+    Column("rms", float, "residual RMS", "1.1", unit="N m"),
     name="gap_ladder",
     summary="residual RMS after each effect, on held-out cycles",
 )
@@ -196,11 +196,6 @@ FINDING = Record(
 )  # fmt: skip
 
 
-def steps_of(joint: JointDiagnosis) -> list[tuple[int, str, float]]:
-    """Return the residual after each effect: place, label, RMS."""
-    return [(step, label, rms) for step, (label, rms) in enumerate(joint.ladder)]
-
-
 def _augmented(path: str) -> Callable[[JointDiagnosis], float | None]:
     """Return what gets a number of the augmented model, None where no effect was added."""
     one, _, name = path.partition(".")
@@ -212,12 +207,10 @@ def _without_gravity(joint: JointDiagnosis) -> float | None:
     return joint.share_explained if "gravity_error" in names and len(names) > 1 else None
 
 
-def _people(
-    title: str, short: str, unit: str, get: Get, form: str | Callable[[float], str] = ".3g", file: str = ""
-) -> Column:
+def _people(title: str, short: str, unit: str, get: Get, form: Any = ".3g", file: str = "shown") -> Column:  # noqa: ANN401
     """Return a column for people, and of files where it has a name there."""
-    on = "ftp" if file else PEOPLE
-    return Column(file or "shown", float, get=get, unit=unit, title=title, short=short, form=form, on=on)
+    on = PEOPLE if file == "shown" else "ftp"
+    return Column(file, float, get=get, unit=unit, title=title, short=short, form=form, on=on)
 
 
 JOINT_DIAGNOSIS = Record(
@@ -259,25 +252,19 @@ JOINT_DIAGNOSIS = Record(
     Column("nominal", {"*": Coefficient}, "coefficients of the nominal model, fitted alone", on="j"),
     Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
     Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
-    Column("ladder", [STEP], "residual RMS after each effect", steps_of, on="j"),
+    Column("ladder", [STEP], "residual RMS after each effect", lambda joint: enumerate(joint.ladder), on="j"),
     _profiles("profiles", "residual along a quantity"),
     _profiles("remaining", "after the effects"),
     Column("untestable", {"*": str}, "effects that this log cannot show, and the motion it lacks", on="j"),
-    Column("findings", [FINDING], "the audit of the data", lambda joint: finding_rows([joint]), on="j"),
+    Column("findings", [FINDING], "the audit of the data", lambda own: ((own, one) for one in own.findings), on="j"),
     name="verdicts",
     summary="verdict and residual RMS of a joint",
 )  # fmt: skip
 
 
-def finding_rows(joints: Iterable[JointDiagnosis]) -> list[tuple[JointDiagnosis, DataFinding]]:
-    """Return what the audit of the data found."""
-    return [(joint, finding) for joint in joints for finding in joint.findings]
-
-
-def untestable_rows(joints: Iterable[JointDiagnosis]) -> list[tuple[JointDiagnosis, list[str], str]]:
+def untestable_rows(joint: JointDiagnosis) -> list[tuple[JointDiagnosis, list[str], str]]:
     """Return joint, effects that its log cannot show, and why: effects with the same reason together."""
-    reasons: dict[tuple[int, str], tuple[JointDiagnosis, list[str], str]] = {}
-    for joint in joints:
-        for name, reason in joint.untestable.items():
-            reasons.setdefault((joint.joint, reason), (joint, [], reason))[1].append(name)
-    return list(reasons.values())
+    reasons: dict[str, list[str]] = {}
+    for name, reason in joint.untestable.items():
+        reasons.setdefault(reason, []).append(name)
+    return [(joint, names, reason) for reason, names in reasons.items()]

@@ -13,8 +13,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.words import UNBOUNDED, count_of, enumerate_words, format_quantity, format_share
 
-# Parameters of an effect that a line has room for.
-MOST_NUMBERS = 6
+MOST_NUMBERS = 6  # parameters of an effect that a line has room for
 PARAMETERS_BY_NAME = {parameter.name: parameter for term in terms() for parameter in term.parameters}
 # Last words of names that are units, of parameters that no term has.
 ENDS = {"_hz": " Hz", "_s": " s", "_rad": " rad", "_nm": " N m"}
@@ -150,25 +149,20 @@ def where_words(curve: Profile) -> str:
     large = np.flatnonzero(clear & (size >= 0.5 * np.nanmax(np.where(clear, size, np.nan))))
     low, high = float(curve.edges[large[0]]), float(curve.edges[large[-1] + 1])
     span = _span(curve.axis, low, high, from_start=large[0] == 0, to_end=large[-1] == len(size) - 1)
-    return f"{span}, {_direction(up[large], up_se[large], down[large], down_se[large])}"
+    clear_up, clear_down = _clearness(up[large], up_se[large]), _clearness(down[large], down_se[large])
+    direction = "forwards only" if clear_up > clear_down else "backwards only"
+    if min(clear_up, clear_down) > CLEAR:
+        against = np.nansum(up[large]) * np.nansum(down[large]) < 0
+        direction = "against the motion" if against else "same sign in both directions"
+    return f"{span}, {direction}"
 
 
 def _span(axis: str, low: float, high: float, *, from_start: bool, to_end: bool) -> str:
-    unit = UNITS[axis]
     below, above = ("before", "after") if axis == "time" else ("below", "above")
     if from_start and to_end:
         return "over the whole log" if axis == "time" else f"over the whole range of {AXES.get(axis, axis)}"
-    if from_start:
-        return f"{below} {high:.3g} {unit}"
-    return f"{above} {low:.3g} {unit}" if to_end else f"from {low:.3g} to {high:.3g} {unit}"
-
-
-def _direction(up: Float, up_se: Float, down: Float, down_se: Float) -> str:
-    clear_up, clear_down = _clearness(up, up_se), _clearness(down, down_se)
-    if min(clear_up, clear_down) > CLEAR:
-        against = np.nansum(up) * np.nansum(down) < 0
-        return "against the motion" if against else "same sign in both directions"
-    return "forwards only" if clear_up > clear_down else "backwards only"
+    span = f"{below} {high:.3g}" if from_start else f"{above} {low:.3g}" if to_end else f"from {low:.3g} to {high:.3g}"
+    return f"{span} {UNITS[axis]}"
 
 
 def _clearness(mean: Float, error: Float) -> float:

@@ -1,20 +1,17 @@
 """TwoSides: its document, its table for files, its warnings and its text."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from math import isfinite
-from typing import Any
 
 from friction_audit.drift.covariates import Condition
 from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.drift.two_sides import CoefficientChange, JointChange, TwoSides
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.tidy_table import TidyTable
 from friction_audit.reporting.documents import SETTINGS, WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, total_text
 from friction_audit.reporting.notices import Notice, notice
 from friction_audit.reporting.sentences import session_sentences
-from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column, to_json
-from friction_audit.reporting.terminal_table import table_lines
+from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, joint_column
 from friction_audit.reporting.words import NOTHING, format_p, in_unit, iso_start, joints_label, signed
 
 ADJUSTED = "p value of no change, adjusted over all joints and coefficients (Holm)"
@@ -55,15 +52,14 @@ LAW = Record(
 )
 
 
-def _from_to(change: CoefficientChange) -> str:
-    values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.before, change.after)]
-    return NOTHING if values == [NOTHING, NOTHING] else " -> ".join(values)
-
-
 def _people(place: int, title: str, unit: str) -> tuple[Column, ...]:
+    def from_to(change: CoefficientChange) -> str:
+        values = [f"{one.value:.3g}" if isfinite(one.value) else NOTHING for one in (change.before, change.after)]
+        return NOTHING if values == [NOTHING, NOTHING] else " -> ".join(values)
+
     get = f"coefficients.{place}"
     return (
-        Column("from_to", str, get=get, form=_from_to, unit=unit, title=title, on="t"),
+        Column("from_to", str, get=get, form=from_to, unit=unit, title=title, on="t"),
         Column("change", float, get=f"{get}.found", form=total_text, on="t"),
         Column("p", float, get=f"{get}.found.p_value", form=format_p, on="t"),
     )
@@ -90,8 +86,8 @@ CHANGES = Record(
 DIFF = Document(
     "diff/1",
     "The friction of an arm before and after",
-    Column("before", [RECORDING], "recordings of the first side"),
-    Column("after", [RECORDING], "recordings of the second side"),
+    Column("before", [RECORDING], "recordings of the first side", "sides.before"),
+    Column("after", [RECORDING], "recordings of the second side", "sides.after"),
     SETTINGS,
     WARNINGS,
     Column("changed", bool, "whether a coefficient of a joint changed", "sides.report.drift"),
@@ -99,24 +95,6 @@ DIFF = Document(
     Column("cannot_tell", [str], "limits that the two sides cannot test"),
     Column("joints", [JOINT_CHANGE], "joints that both sides have", "sides.joints"),
 )
-
-
-def diff_document(
-    sides: TwoSides,
-    settings: Mapping[str, object],
-    warnings: Sequence[Notice],
-    exceeded: Sequence[str] = (),
-    cannot_tell: Sequence[str] = (),
-) -> dict[str, Any]:
-    """Return the document of a comparison, with the settings by name and what became of the limits."""
-    own = {"before": sides.before, "after": sides.after, "sides": sides, "settings": to_json(settings)}
-    limits = {"exceeded": exceeded, "cannot_tell": cannot_tell}
-    return DIFF.json({**own, **limits, "warnings": warnings}, sides.unit)
-
-
-def changes_table(sides: TwoSides) -> TidyTable:
-    """Return the table for files, a row per joint and coefficient."""
-    return CHANGES.file((one.joint, one.name, one.coefficients) for one in sides.joints)
 
 
 def diff_notices(sides: TwoSides) -> Iterator[Notice]:
@@ -145,7 +123,7 @@ def diff_lines(sides: TwoSides, exceeded: Iterable[str] = (), cannot_tell: Itera
         first, last = side[0].session.path, side[-1].session.path
         lines.append(f"{name}: {first if len(side) == 1 else f'{len(side)} recordings, {first} to {last}'}")
     lines += [f"changes with 95 % intervals; p adjusted over {_tests(sides.joints)} tests (Holm)"]
-    lines += table_lines(JOINT_CHANGE.people(sides.joints, "t", unit=sides.unit))
+    lines += JOINT_CHANGE.people(sides.joints, "t", unit=sides.unit).lines()
     lines += [in_unit(_sentence(joint), sides.unit) for joint in sides.joints if _tests([joint])]
     lines += [f"limit exceeded: {sentence}" for sentence in exceeded]
     return lines + [f"cannot test: {sentence}" for sentence in cannot_tell]

@@ -16,15 +16,12 @@ from friction_audit.reporting import words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
 
-MOST_NAMED = 8  # sessions that a line names; more are counted
 
+class FailedLog(NamedTuple):
+    """A file that gave no session: its path, and what was wrong with it and what to do."""
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FailedLog:
-    """A file that gave no session."""
-
-    path: str  # as found
-    message: str  # what was wrong with it, and what to do
+    path: str
+    message: str
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -74,17 +71,13 @@ def _numbers(name: str, meaning: str, get: Get) -> Column:
     return Column(name, [int], meaning, lambda row: [index + 1 for index in Column(name, get=get).value(row)], on="j")
 
 
-def _session(row: Any) -> int:  # noqa: ANN401 - any row with a session
-    return int(row.session) + 1
-
-
 def _shown(title: str, text: Callable[[Any], str], sort: Get, on: str = "p") -> Column:
     """Return a column of the page whose text is made of the whole row."""
     return Column(title, get=lambda row: row, form=text, sort=sort, title=title, on=on)
 
 
 CHANGE_POINT = Record(
-    Column("session", int, "first session after the step", _session),
+    Column("session", int, "first session after the step", lambda change: change.session + 1),
     Column("ci95", INTERVAL, "sessions that may be it", lambda change: (change.low + 1, change.high + 1)),
     Column("before", Coefficient, "level before"),
     Column("after", Coefficient, "level after"),
@@ -92,7 +85,7 @@ CHANGE_POINT = Record(
     Column("p_value", float, "family-wise"),
 )
 CONTROL = Record(
-    Column("session", int, "number of the session", _session),
+    Column("session", int, "number of the session", lambda point: point.session + 1),
     Column("deviation", float, "from the level of the reference", "deviation.value"),
     Column("limits", INTERVAL, "where a session without drift lies", lambda p: (p.deviation.low, p.deviation.high)),
     Column("relative_deviation", float, "over the level of the reference", "relative.value"),
@@ -154,7 +147,7 @@ COEFFICIENT = Record(
     ),
     Column("change", float, get="found", form=phrases.total_text, sort="found.total.value", on="tp"),
     Column(
-        "step", str, get="found.change_points", form=lambda found: ", ".join(str(_session(one)) for one in found),
+        "step", str, get="found.change_points", form=lambda found: ", ".join(str(one.session + 1) for one in found),
         words=True, on="t",
     ),
     Column(
@@ -285,7 +278,7 @@ JOINT_DRIFT = Record(
     Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
     Column(
         "change_points", [int], "first sessions after a step",
-        lambda row: sorted({_session(step) for one in row[1].coefficients for step in one.change_points}),
+        lambda row: sorted({step.session + 1 for one in row[1].coefficients for step in one.change_points}),
     ),
     Column(
         "coefficients", {"*": COEFFICIENT}, "by name of the coefficient",

@@ -153,24 +153,18 @@ SHOWN = Record(
 
 def coefficient_column(joint: JointDrift, name: str) -> Column:
     """Return the column of a coefficient of a joint in the table of sessions."""
-
-    def value(row: SessionRow) -> Coefficient:
-        own = (one.coefficients for one in row.session.joints if one.joint == joint.joint)
-        return next(own, {}).get(name, UNDETERMINED)
-
     title = shortened(joint_label(joint.joint, joint.name), SHORTEST_NAME)
-    return Column(f"joint_{joint.joint}", Coefficient, get=value, title=title, on="p")
+    get = lambda row: next((one.coefficients.get(name) for one in row.session.joints if one.joint == joint.joint), None)  # noqa: E731
+    return Column(f"joint_{joint.joint}", Coefficient, get=get, title=title, on="p")
 
 
 def session_columns(arms: Sequence[ArmDrift]) -> tuple[dict[str, type], Iterator[dict[str, list[Any]]]]:
     """Return the table of all sessions: what is in its columns, and the columns of some rows after the other."""
-    columns = SESSIONS.file_columns()
+    columns = {column.key: column for column in SESSIONS.file_columns()}
     rows = (row for arm in arms for row in _value_rows(arm))
     lots = iter(lambda: list(islice(rows, ROWS_AT_ONCE)), [])
-    return (
-        {column.key: column.kind for column in columns},
-        ({column.key: [to_json(column.value(row)) for row in lot] for column in columns} for lot in lots),
-    )
+    cells = ({key: [to_json(column.value(row)) for row in lot] for key, column in columns.items()} for lot in lots)
+    return {key: column.kind for key, column in columns.items()}, cells
 
 
 def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
@@ -188,16 +182,8 @@ def _value_rows(arm: ArmDrift) -> Iterator[SimpleNamespace]:
                 key = joint.joint, name, k
                 value, isolated = compared.get(key) or (UNDETERMINED, None)
                 yield SimpleNamespace(
-                    place=k,
-                    session=session,
-                    joint=joint,
-                    coefficient=name,
-                    own=joint.coefficients.get(name, UNDETERMINED),
-                    within=joint.within.get(name, UNDETERMINED),
-                    left_out=left_out.get(k, ""),
-                    is_compared=k in used,
-                    reference=k in reference,
-                    compared=value,
-                    isolated=isolated,
-                    control=control.get(key),
-                )
+                    place=k, session=session, joint=joint, coefficient=name,
+                    own=joint.coefficients.get(name, UNDETERMINED), within=joint.within.get(name, UNDETERMINED),
+                    left_out=left_out.get(k, ""), is_compared=k in used, reference=k in reference, compared=value,
+                    isolated=isolated, control=control.get(key),
+                )  # fmt: skip

@@ -10,7 +10,6 @@ from friction_audit.friction.history import UNDETERMINED
 from friction_audit.reporting import drift_words
 from friction_audit.reporting.drift import COEFFICIENT, BatchSummary, coefficient_rows
 from friction_audit.reporting.drift_words import NAMES, UNITS, amount, how_much, total_text, verb_of
-from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NEWTON_METRES, count_of, enumerate_words, format_slope, in_unit
 
 MOST_NAMED = 8  # sessions that a line names; more are counted
@@ -23,49 +22,40 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
     """Return per arm a table and its verdict in words, and the files that failed; with ``verbose`` also the reasons."""
     sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
     done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} of these failed"
-    lines = [f"{sessions} of {arms}: {done}"]
-    for arm in summary.arms:
-        lines += ["", *_arm_lines(arm, verbose=verbose)]
-    lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
-    lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
-    lines += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
-    return lines + [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
+    last = [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
+    last += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
+    last += [f"failed: {path}: {message}" for path, message in summary.failed]
+    by_arm = (line for arm in summary.arms for line in ("", *_arm_lines(arm, verbose=verbose)))
+    return [f"{sessions} of {arms}: {done}", *by_arm, *([""] if last else []), *last]
 
 
 def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     yield f"{arm.robot}: {drift_words.sessions_text(arm)}; {drift_words.arm_sentence(arm)}"
     yield "changes are from the reference to the last sessions; intervals are 95 %"
-    yield from table_lines(COEFFICIENT.people(coefficient_rows(arm), "t"))
+    yield from COEFFICIENT.people(coefficient_rows(arm), "t").lines()
     stated = next((joint for joint in arm.joints if joint.drift), None)  # by the sentence on the arm
     for joint in arm.joints:
         if verbose or (joint.drift and joint is not stated):
             yield f"joint {joint.joint}: {drift_words.joint_sentence(arm, joint)}"
-        details = (line for found in joint.coefficients for line in _details(arm, found)) if verbose else ()
-        yield from (f"joint {joint.joint}, {line}" for line in details)
-    yield from _left_out(arm, verbose=verbose)
+        for found in joint.coefficients if verbose else ():
+            yield from (f"joint {joint.joint}, {NAMES[found.coefficient]}: {line}" for line in _details(arm, found))
+    alike: dict[tuple[str, int | None], list[int]] = {}  # those alike in one line, or each with its file
+    for session, reason in arm.left_out:
+        alike.setdefault((reason, session if verbose else None), []).append(session)
+    for (reason, alone), sessions in alike.items():
+        which = f"session{'s' if len(sessions) > 1 else ''} {enumerate_words(one + 1 for one in sessions)}"
+        which = which if len(sessions) <= MOST_NAMED else count_of(len(sessions), "session")
+        yield f"not compared: {which if alone is None else arm.sessions[alone].path}: {reason}"
     yield from (f"note: {warning}" for warning in arm.warnings)
 
 
 def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
     """Yield the steps of a coefficient, or its slope if it drifts without one."""
-    name, unit = drift_words.NAMES[found.coefficient], drift_words.UNITS[found.coefficient]
-    yield from (f"{name}: step at {drift_words.change_text(arm, change)}" for change in found.change_points)
+    yield from (f"step at {drift_words.change_text(arm, change)}" for change in found.change_points)
     if found.drift and not found.change_points:
-        slopes = f"{format_slope(found.trend_per_session)} {unit} per session, {format_slope(found.trend_per_day)}"
-        yield f"{name}: {slopes} {unit} per day"
-
-
-def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
-    """Yield which sessions were not compared, and why: those alike in one line, or each with its file."""
-    if verbose:
-        yield from (f"not compared: {arm.sessions[k].path}: {reason}" for k, reason in arm.left_out)
-        return
-    alike: dict[str, list[int]] = {}
-    for session, reason in arm.left_out:
-        alike.setdefault(reason, []).append(session + 1)
-    for reason, numbers in alike.items():
-        which = f"session{'s' if len(numbers) > 1 else ''} {enumerate_words(numbers)}"
-        yield f"not compared: {which if len(numbers) <= MOST_NAMED else count_of(len(numbers), 'session')}: {reason}"
+        unit = UNITS[found.coefficient]
+        session, day = format_slope(found.trend_per_session), format_slope(found.trend_per_day)
+        yield f"{session} {unit} per session, {day} {unit} per day"
 
 
 def limit_sentences(report: DriftReport, limits: Iterable[Limit]) -> tuple[tuple[str, ...], ...]:
@@ -104,27 +94,18 @@ def junit_text(command: str, report: DriftReport, limits: Sequence[Limit], unit:
     judged = list(judge(report, limits))
     for limit in limits:
         suite = ET.SubElement(root, "testsuite", name=limit.text)
-        for one in judged:
-            if one.limit is limit:
-                _add_case(suite, command, one, unit)
+        for one in (one for one in judged if one.limit is limit):
+            words = () if one.found is None else (f"joint {one.joint}", f"{NAMES[one.found.coefficient]} friction, ")
+            place = (printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm"))
+            name = f"{': '.join(words)}limit {limit.text}"
+            case = ET.SubElement(suite, "testcase", classname=".".join(place), name=name)
+            if one.verdict in OUTCOMES:
+                sentence = printable(in_unit(_limit_sentence(one), unit))
+                ET.SubElement(case, OUTCOMES[one.verdict][0], message=sentence, type=one.verdict).text = sentence
+            elif one.found is not None:
+                ET.SubElement(case, "system-out").text = f"change {in_unit(total_text(one.found), unit)}"
     for whole in (root, *root):
         for element, counted in (("testcase", "tests"), *OUTCOMES.values()):
             whole.set(counted, str(len(whole.findall(f".//{element}"))))
     ET.indent(root)
     return ET.tostring(root, "unicode", xml_declaration=True) + "\n"
-
-
-def _add_case(suite: ET.Element, command: str, one: Judged, unit: str) -> None:
-    name = f"limit {one.limit.text}"
-    if one.found is not None:
-        name = f"joint {one.joint}: {NAMES[one.found.coefficient]} friction, {name}"
-    classname = ".".join(
-        printable(part).replace(".", "_") for part in ("friction-audit", command, one.robot or "no arm")
-    )
-    case = ET.SubElement(suite, "testcase", classname=classname, name=name)
-    if one.verdict in OUTCOMES:
-        sentence = printable(in_unit(_limit_sentence(one), unit))
-        outcome = ET.SubElement(case, OUTCOMES[one.verdict][0], message=sentence, type=one.verdict)
-        outcome.text = sentence
-    elif one.found is not None:
-        ET.SubElement(case, "system-out").text = f"change {in_unit(total_text(one.found), unit)}"

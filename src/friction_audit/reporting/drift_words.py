@@ -134,11 +134,11 @@ def _too_few(count: int) -> str:
 
 def _isolated(found: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
     """Name the isolated sessions and how far each lies from the nearest ones that count, two on each side."""
-    parts, places = [], range(len(found.sessions))
+    parts = []
+    counted = [k for k, session in enumerate(found.sessions) if session not in found.isolated]
     for index in found.isolated[:MOST_NAMES]:
         one, place = sessions[index], found.sessions.index(index)
         which = PurePath(one.path).name if one.start_s is None else format_date(one.start_s)
-        counted = [k for k in places if found.sessions[k] not in found.isolated]
         near = [k for k in counted if abs(k - place) <= REACH] or counted
         usual = median(found.values[k].value for k in near)
         off = found.values[place].value - usual
@@ -213,9 +213,9 @@ def total_text(found: CoefficientDrift) -> str:
 
 def smallest_text(found: CoefficientDrift) -> str:
     """Return the smallest change that these sessions would have shown: relative, or absolute near a level of zero."""
-    absolute = math.isnan(found.smallest_drift) and not math.isnan(found.smallest_change)
-    size = amount(math.nan, found.smallest_change, found.coefficient)
-    return size if absolute else words.format_share(found.smallest_drift)
+    if math.isnan(found.smallest_drift) and not math.isnan(found.smallest_change):
+        return amount(math.nan, found.smallest_change, found.coefficient)
+    return words.format_share(found.smallest_drift)
 
 
 def slope_text(found: CoefficientDrift, slope: Coefficient) -> str:

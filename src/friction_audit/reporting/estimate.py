@@ -5,25 +5,17 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.friction.history import Coefficient, CoefficientHistory, JointFriction
+from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
-from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
-from friction_audit.reporting.notices import estimate_notices, physics_of, reason_lines
+from friction_audit.reporting.notices import estimate_notices, log_line, physics_of, reason_lines
 from friction_audit.reporting.table import ALL, INTERVAL, JOINT, NAME, Column, Document, Record, joint_column
-from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import format_coefficient, in_unit, joint_label
 
-# Marks a joint whose coefficients are not from energy cycles.
-MARK = "*"
-
-
-def _pairs(history: CoefficientHistory, name: str) -> "zip[tuple[float, float]]":
-    return zip(getattr(history, name.format("_low")), getattr(history, name.format("_high")), strict=True)
-
-
+MARK = "*"  # of a joint whose coefficients are not from energy cycles
+SIGN = ("sign undecided", "sign consistent with dissipation")
 REGRESSION = Record(
     Column("coulomb", Coefficient, "Coulomb friction", "coulomb", unit="N m"),
     Column("viscous", Coefficient, "viscous friction", "viscous", unit="N m s/rad"),
@@ -38,12 +30,16 @@ HISTORY = Record(
     Column("start", float, "its start", unit="s"),
     Column("stop", float, "its end, when the estimate is known", unit="s"),
     Column("coulomb", float, "Coulomb friction of the last cycles", unit="N m"),
-    Column("coulomb_nm_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "coulomb{}_nm"), on="j"),
+    Column(
+        "coulomb_nm_ci95", INTERVAL, "its 95 % interval",
+        lambda h: zip(h.coulomb_low_nm, h.coulomb_high_nm, strict=True), on="j",
+    ),
     Column("coulomb_low", unit="N m", on="f"),
     Column("coulomb_high", unit="N m", on="f"),
     Column("viscous", float, "viscous friction of the last cycles", unit="N m s/rad"),
     Column(
-        "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval", lambda h: _pairs(h, "viscous{}_nms_per_rad"), on="j",
+        "viscous_nms_per_rad_ci95", INTERVAL, "its 95 % interval",
+        lambda h: zip(h.viscous_low_nms_per_rad, h.viscous_high_nms_per_rad, strict=True), on="j",
     ),
     Column("viscous_low", unit="N m s/rad", on="f"),
     Column("viscous_high", unit="N m s/rad", on="f"),
@@ -63,14 +59,13 @@ def _value(coefficient: Coefficient) -> str:
     return format_coefficient(coefficient).split()[0]
 
 
-def _marked(joint: JointFriction) -> str:
-    return joint_label(joint.joint, joint.name) + f" {MARK}" * (joint.method != "energy" and not joint.reason)
-
-
 FRICTION = Record(
     JOINT,
     NAME,
-    Column("joint", str, get=_marked, on="t"),
+    Column(
+        "joint", str, get=lambda one: one, on="t",
+        form=lambda one: joint_label(one.joint, one.name) + f" {MARK}" * (one.method != "energy" and not one.reason),
+    ),
     joint_column(on="p"),
     Column("model", ("combined", "coulomb", "viscous"), "friction model"),
     Column("method", ("energy", "regression"), "energy cycles, or torque regression where too few cycles count"),
@@ -177,15 +172,10 @@ def estimate_lines(estimate: Estimate) -> list[str]:
     lines = [
         log_line(estimate.log),
         "; ".join(text for text in (f"interaction torque: {choice.formula}", choice.reason) if text),
-        f"drive {choice.drive}, gravity {choice.gravity}, inertia {choice.inertia}; {sign_text(choice)}",
+        f"drive {choice.drive}, gravity {choice.gravity}, inertia {choice.inertia}; {SIGN[choice.sign_proved]}",
         f"estimator: {estimate.friction.estimator}, {settings.model} model, {window}",
-        *table_lines(FRICTION.people(joints, "t", unit=unit), marked),
+        *FRICTION.people(joints, "t", unit=unit).lines(marked),
     ]
     if any(joint.method != "energy" and not joint.reason for joint in joints):
         lines.append(f"{MARK} from torque regression: too few energy cycles")
     return lines + physics + [in_unit(f"not determined: {line}", unit) for line in reason_lines(joints)]
-
-
-def sign_text(choice: TorqueChoice) -> str:
-    """Return whether the sign of the torque is consistent with dissipation."""
-    return f"sign {'consistent with dissipation' if choice.sign_proved else 'undecided'}"

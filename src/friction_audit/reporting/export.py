@@ -2,13 +2,11 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import Any
 
 from friction_audit.export.export import Export
 from friction_audit.reporting.documents import WARNINGS
 from friction_audit.reporting.notices import Notice, estimate_notices, notice
 from friction_audit.reporting.table import Column, Document, Record, joint_column
-from friction_audit.reporting.terminal_table import table_lines
 
 ROUNDED = 1e-3  # share of the friction below which an error of the fit is nothing to a simulator
 INNER_LOOP = ("panda", "fr3")  # arms whose joints have an inner torque loop
@@ -56,9 +54,8 @@ def export_notices(export: Export) -> Iterable[Notice]:
         yield notice("joints_by_order", pairs=", ".join(f"{one.law.name} = {one.name}" for one in export.joints))
     if export.armature_unknown:
         yield notice("armature_left_out")
-    robot = export.estimate.log.source.robot if export.estimate else ""
-    if robot in INNER_LOOP:
-        yield notice("inner_torque_loop", robot=robot)
+    if export.estimate and export.estimate.log.source.robot in INNER_LOOP:
+        yield notice("inner_torque_loop", robot=export.estimate.log.source.robot)
 
 
 EXPORT = Document(
@@ -73,15 +70,10 @@ EXPORT = Document(
 )
 
 
-def export_document(export: Export) -> dict[str, Any]:
-    """Return the document."""
-    return EXPORT.json(export)
-
-
 def export_lines(export: Export) -> list[str]:
     """Return the table, and how much of the simulated error the friction explains."""
-    lines = table_lines(JOINT.people(export.joints, "t").filled())
+    lines = JOINT.people(export.joints, "t").filled().lines()
     if export.simulated:
         lines += ["", "Simulated in MuJoCo with the recorded torque, 0.2 s at a time:"]
-        lines += table_lines(GAP.people(export.simulated, "t"))
+        lines += GAP.people(export.simulated, "t").lines()
     return [*lines, "", export.path]

@@ -1,6 +1,6 @@
 """What is in a log: its summary, document and text."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -13,18 +13,14 @@ from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
 from friction_audit.presets import PRESETS, candidates
 from friction_audit.reporting.documents import WARNING, log_columns
-from friction_audit.reporting.estimate import sign_text
+from friction_audit.reporting.estimate import SIGN
 from friction_audit.reporting.notices import Notice, log_notices, notice, notices
 from friction_audit.reporting.table import ALL, JOINT, NAME, Column, Document, Record, joint_column
-from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import NEWTON_METRES, count_of
 
-# Codes of findings that have a line of their own.
-SHOWN = ("first_part", "joints_left_out")
-# Code of the finding that counts repeated rows.
-STALE = "stale_samples"
-# A step of time longer than this many sampling periods is a gap.
-GAP_PERIODS = 5.0
+SHOWN = ("first_part", "joints_left_out")  # codes of findings that have a line of their own
+STALE = "stale_samples"  # code of the finding that counts repeated rows
+GAP_PERIODS = 5.0  # sampling periods; a longer step of time is a gap
 # Steps that scatter by less are even: stamps hold no smaller times, and their differences are rounded.
 ROUNDING_S = 1e-9
 
@@ -36,10 +32,10 @@ class JointMotion(NamedTuple):
     name: str
     peak_speed_rad_s: float
     range_rad: float
-    moving_s: float | None = None
-    cycles: int | None = None
-    open_cycles: int | None = None
-    rejected_cycles: int | None = None
+    moving_s: float | None
+    cycles: int | None
+    open_cycles: int | None
+    rejected_cycles: int | None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -76,17 +72,15 @@ def summarize_log(
 
 
 def _motions(log: JointLog, seen: Interaction | None, cycles: EnergyCycles | None) -> Iterator[JointMotion]:
-    logged = list(enumerate(log.joint_names, start=1))
+    logged = enumerate(log.joint_names, start=1)
     named = zip(seen.joint_numbers, seen.joint_names, strict=True) if seen is not None else logged
     motion = log if seen is None else seen
     for k, (joint, name) in enumerate(named):
-        extent = float(np.abs(motion.dq[:, k]).max()), float(np.ptp(motion.q[:, k]))
-        if cycles is None:
-            yield JointMotion(joint, name, *extent)
-            continue
-        own = cycles.of_joint(k)
-        counts = len(own.joint), int(own.open.sum()), int((own.reason != 0).sum())
-        yield JointMotion(joint, name, *extent, float(cycles.moving_s[k]), *counts)
+        counts: tuple[Any, ...] = (None,) * 4
+        if cycles is not None:
+            own = cycles.of_joint(k)
+            counts = float(cycles.moving_s[k]), len(own.joint), int(own.open.sum()), int((own.reason != 0).sum())
+        yield JointMotion(joint, name, float(np.abs(motion.dq[:, k]).max()), float(np.ptp(motion.q[:, k])), *counts)
 
 
 class InfoEntry(NamedTuple):
@@ -141,16 +135,9 @@ FAILED = Record(PATH, TOPICS, Column("message", str, "why it could not be read")
 INFO = Document(
     "info/1",
     "What is in some logs",
-    Column("logs", [LOG], "logs that were read"),
-    Column("failed", [FAILED], "files that were not"),
+    Column("logs", [LOG], "logs that were read", lambda entries: [one for one in entries if one.summary]),
+    Column("failed", [FAILED], "files that were not", lambda entries: [one for one in entries if not one.summary]),
 )
-
-
-def info_document(entries: Iterable[InfoEntry]) -> dict[str, Any]:
-    """Return the document on some logs; those that could not be read are listed apart, with their message."""
-    every = list(entries)
-    read, failed = ([one for one in every if bool(one.summary) is there] for there in (True, False))
-    return INFO.json({"logs": read, "failed": failed})
 
 
 def info_lines(entry: InfoEntry) -> list[str]:
@@ -162,11 +149,8 @@ def info_lines(entry: InfoEntry) -> list[str]:
             lines.append(f"  topic {one.name} ({one.type}{messages}{'' if one.readable else '; no joint log'})")
     if summary is None:
         return [*lines, "  not read"]
-    return [
-        *lines,
-        *(f"  {name:<9}{text}" for name, text in facts_of(summary)),
-        *table_lines(MOTION.people(summary.joints, "t")),
-    ]
+    facts = (f"  {name:<9}{text}" for name, text in facts_of(summary))
+    return [*lines, *facts, *MOTION.people(summary.joints, "t").lines()]
 
 
 def facts_of(summary: LogSummary) -> Iterator[tuple[str, str]]:
@@ -178,8 +162,7 @@ def facts_of(summary: LogSummary) -> Iterator[tuple[str, str]]:
     yield "format", f"{source.format}{topic}, robot {robot}, {count_of(len(log.joint_names), 'joint')}"
     yield from (("read", found.message) for found in source.findings if found.code in SHOWN)
     samples = f"{log.duration_s:.6g} s, {count_of(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
-    windows = source.clock_windows
-    checked = f"checked on {count_of(windows, 'window')}" if windows else "not checked"
+    checked = f"checked on {count_of(source.clock_windows, 'window')}" if source.clock_windows else "not checked"
     yield "clock", f"{source.clock}, {samples}, {checked}"
     jitter = f"jitter {1e3 * summary.jitter_s:.3g} ms" if summary.jitter_s >= ROUNDING_S else "no jitter"
     longest = f", the longest {summary.longest_gap_s:.3g} s"
@@ -189,4 +172,4 @@ def facts_of(summary: LogSummary) -> Iterator[tuple[str, str]]:
     if source.torque_unit != NEWTON_METRES:
         yield "unit", f"the torque is a motor current and is read in {source.torque_unit}"
     if torque is not None:
-        yield "torque", f"{torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign_text(torque)}"
+        yield "torque", f"{torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {SIGN[torque.sign_proved]}"

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable
+from collections.abc import Iterable
 from typing import NamedTuple, Protocol
 
 from friction_audit.joint_log import Finding, JointLog
@@ -24,12 +24,9 @@ RECORDING = (
     "channels_left_out", "log_left_out", "joint_on_one_side", "not_compared", "same_recording", "joined",
     "not_joined", "wrong_shape",
 )  # fmt: skip
-# Codes about the physics that only repeat what the user asked for.
-AS_ASKED = ("torque_converted",)
-# Codes of what was detected and taken into account; the table says what the torque is made of.
-CORRECTED = ("dq_late", "sign_turned", "joints_left_out")
-# Codes of what a table or the lines below it say in any case.
-TABLED = ("not_determined", "from_regression", "not_replayed")
+AS_ASKED = ("torque_converted",)  # codes about the physics that only repeat what the user asked for
+CORRECTED = ("dq_late", "sign_turned", "joints_left_out")  # detected and taken into account, as the table shows
+TABLED = ("not_determined", "from_regression", "not_replayed")  # a table or the lines below it say so in any case
 # A number in a sentence, no digit of a name.
 NUMBER = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.]*\w)")
 OTHER = re.compile(r"\bjoint \d+")
@@ -70,8 +67,15 @@ class Reasoned(Protocol):
 
 def notices(found: Iterable[Caution | Finding]) -> tuple[Notice, ...]:
     """Return cautions and findings as notices."""
-    messages = ((one, sentence_of(one) if isinstance(one, Caution) else one.message) for one in found)
-    return tuple(Notice(one.code, one.joint, message) for one, message in messages)
+    return tuple(
+        Notice(one.code, one.joint, sentence_of(one) if isinstance(one, Caution) else one.message) for one in found
+    )
+
+
+def log_line(log: JointLog) -> str:
+    """Return which log it is and how much of it there is."""
+    samples = f"{log.samples} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
+    return f"{log.source.path}: {log.source.format}, {samples}"
 
 
 def log_notices(log: JointLog) -> tuple[Notice, ...]:
@@ -148,22 +152,17 @@ def notice_lines(notices: Iterable[Notice]) -> list[str]:
     lines = []
     for apart in alike.values():
         every = [one for same in apart.values() for one in same]
-        messages = apart if any(map(OTHER.search, apart)) else {_with_range(apart): every}
+        messages = apart
+        if not any(map(OTHER.search, apart)):  # one sentence with the ranges of its numbers
+            columns = zip(*map(NUMBER.findall, apart), strict=True)
+            ends = (dict.fromkeys((min(one, key=float), max(one, key=float))) for one in columns)
+            ranges, pieces = map(" to ".join, ends), NUMBER.split(next(iter(apart)))
+            messages = {"".join(piece + number for piece, number in zip(pieces, [*ranges, ""], strict=True)): every}
         for message, same in messages.items():
             joints = sorted({notice.joint for notice in same if notice.joint is not None})
             several = len(joints) > 1 and all(notice.joint is not None for notice in same)
             lines.append(f"{joints_label(joints)}: {message}" if several else str(same[0]._replace(message=message)))
     return lines
-
-
-def _with_range(messages: Collection[str]) -> str:
-    """Return sentences that differ in numbers as one with their ranges."""
-    first, *_ = messages
-    ranges = []
-    for texts in zip(*map(NUMBER.findall, messages), strict=True):
-        ends = min(texts, key=float), max(texts, key=float)
-        ranges.append(" to ".join(dict.fromkeys(ends)))
-    return NUMBER.sub(lambda _: ranges.pop(0), first)
 
 
 def reason_lines(joints: Iterable[Reasoned]) -> list[str]:

@@ -1,7 +1,7 @@
 """The next recording: its document and its text."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from friction_audit.diagnosis.result import VERDICTS
 from friction_audit.friction.history import Coefficient
@@ -11,7 +11,6 @@ from friction_audit.reporting.documents import WARNINGS
 from friction_audit.reporting.drift_words import NAMES, UNITS
 from friction_audit.reporting.notices import Notice, notice
 from friction_audit.reporting.table import Column, Document, Record
-from friction_audit.reporting.terminal_table import table_lines
 from friction_audit.reporting.words import joint_label, with_unit
 
 PURPOSES = {"decide": "to decide between", "diagnose": "to diagnose", "estimate": "to estimate friction"}
@@ -25,7 +24,7 @@ class Recording(NamedTuple):
     files: tuple[str, ...]
 
 
-def _answer_words(answer: Answer) -> str:
+def _answer(answer: Answer) -> str:
     names = {frozenset(one): " or ".join(one) for one in answer.sets}.values()
     return ": ".join(filter(None, (answer.verdict.replace("_", " "), " and ".join(names))))
 
@@ -60,17 +59,15 @@ SEPARATED = Record(
 ANSWER = Record(
     Column("effect", str, "if this effect is there", title="if the joint has", on="jt"),
     Column(
-        "numbers",
-        {"*": float},
-        "as simulated; empty where it does nothing in this motion",
+        "numbers", {"*": float}, "as simulated; empty where it does nothing in this motion",
         lambda answer: {key: value for key, value in answer.numbers.items() if not isinstance(value, str)},
     ),
     Column("verdict", VERDICTS, "verdict of `diagnose`"),
     Column("names", [[str]], "names of each effect, with those that it may be instead", "sets", on="j"),
-    Column("answer", str, get=_answer_words, title="diagnose would answer", on="t"),
+    Column("answer", str, get=_answer, title="diagnose would answer", on="t"),
     Column("exact", bool, "whether the simulator has these very numbers, and not only near or usual ones"),
     Column("decided", bool, "whether it is named, and no wrong name with it", on="jt"),
-)
+)  # fmt: skip
 JOINT_PLAN = Record(
     Column("joint", int, "number, from 1", "task.joint.number"),
     Column("name", str, "name in the log", "task.joint.name"),
@@ -103,13 +100,6 @@ PLAN = Document(
     Column("settled", [SETTLED], "joints for which nothing is planned"),
     WARNINGS,
 )
-
-
-def plan_document(
-    source: str, recordings: Sequence[Recording], settled: Sequence[Task], warnings: Sequence[Notice]
-) -> dict[str, Any]:
-    """Return the document."""
-    return PLAN.json({"source": source, "recordings": recordings, "settled": settled, "warnings": warnings})
 
 
 def plan_notices(recordings: Iterable[Recording], *, known_start: bool) -> Iterator[Notice]:
@@ -161,7 +151,7 @@ def _joint_lines(plan: JointPlan) -> Iterator[str]:
     if plan.rest_s:
         yield f"  then rest for {plan.rest_s:.0f} s, and all of it once more: a drift shows most between both ends"
     if plan.answers:
-        yield from table_lines(ANSWER.people(plan.answers, "t"))
+        yield from ANSWER.people(plan.answers, "t").lines()
     if plan.coefficients:
         numbers = ", ".join(f"{NAMES[key]} {with_unit(one, UNITS[key])}" for key, one in plan.coefficients.items())
         yield f"estimate would find, with 95 % intervals: {numbers}"

@@ -14,16 +14,13 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.documents import CHAIN, NO_OPTIONS, chain_document
-from friction_audit.reporting.notices import physics_of, reason_lines, replay_notices
+from friction_audit.reporting.notices import log_line, physics_of, reason_lines, replay_notices
 from friction_audit.reporting.table import ALL, JOINT, NAME, PEOPLE, Column, Document, Record, joint_column, to_json
-from friction_audit.reporting.terminal_table import log_line, table_lines
 from friction_audit.reporting.words import in_unit, with_unit
 
 DIVERGED = "div."
-# Share of the dissipation below which the removed share is not shown as a number.
-WORST = -9.99
-# Numbers of the passivity that stand in the table for files.
-FILED = ("violations", "lowest", "injected", "active_fraction")
+WORST = -9.99  # share of the dissipation below which the removed share is not shown as a number
+FILED = ("violations", "lowest", "injected", "active_fraction")  # of the passivity, in the table for files
 
 
 def _short(value: float) -> str:
@@ -36,27 +33,21 @@ def _percent(share: float) -> str:
     return f"<{100 * WORST:.0f}" if share < WORST else f"{100 * share:.1f}"
 
 
-def _stable(name: str) -> Callable[[JointReplay], float | None]:
-    """Return what gets a number of a loop that did not diverge."""
-    return lambda joint: None if _diverged(joint) else getattr(joint.numbers, name, None)
-
-
 def _diverged(joint: JointReplay) -> bool:
     return joint.numbers is not None and not math.isnan(joint.numbers.diverged_s)
 
 
-def _converged(joint: JointReplay) -> str:
-    cycles = None if joint.numbers is None else joint.numbers.cycles_to_converge
-    return DIVERGED if _diverged(joint) else "" if cycles is None else str(cycles)
+def _removed(name: str, title: str, short: str = "") -> Column:
+    """Return the column of a share removed, of loops that did not diverge."""
 
+    def stable(joint: JointReplay) -> float | None:
+        return None if _diverged(joint) else getattr(joint.numbers, name, None)
 
-def _remark(joint: JointReplay) -> str:
-    diverged = f"diverges at {joint.numbers.diverged_s:.3g} s" if joint.numbers and _diverged(joint) else ""
-    return joint.reason or diverged
+    return Column(name, float, get=stable, unit="%", form=_percent, title=title, short=short, on=PEOPLE)
 
 
 def _compensator(compensator: Compensator) -> dict[str, Any]:
-    settings = {"kind": kind_of(compensator).name, **to_json(compensator)}
+    settings: dict[str, Any] = {"kind": kind_of(compensator).name, **to_json(compensator)}
     return settings | ({"terms": _terms(compensator.terms)} if isinstance(compensator, JointModelCompensation) else {})
 
 
@@ -138,37 +129,28 @@ JOINT_REPLAY = Record(
     Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),
     Column("cycles", int, "cycles", lambda one: len(one.history.status) if one.history else 0, on="j"),
     _number("energy_recorded", "net energy put in, as recorded", "J"),
-    _number(
-        "energy_without", "without the compensator", "J", title="energy without", short="energy\nwithout", on=ALL
-    ),
+    _number("energy_without", "without the compensator", "J", title="energy without", short="energy\nwithout", on=ALL),
     _number("energy_with", "with it", "J", title="energy with", short="energy\nwith", on=ALL),
     _number("dissipation_removed", "one less the size of `energy_with_j` over `energy_without_j`"),
-    _number(
-        "dissipation_removed_updated", "the same cycle by cycle, from the second update of the coefficients on"
-    ),
-    Column("removed", float, get=_stable("dissipation_removed"), unit="%", form=_percent, title="removed", on=PEOPLE),
-    Column(
-        "later", float, get=_stable("dissipation_removed_updated"), unit="%", form=_percent,
-        title="removed, coefficients updated", short="later", on=PEOPLE,
-    ),
+    _number("dissipation_removed_updated", "the same cycle by cycle, from the second update of the coefficients on"),
+    _removed("dissipation_removed", "removed"),
+    _removed("dissipation_removed_updated", "removed, coefficients updated", "later"),
     _number(
         "peak_torque_without", "largest interaction torque", "N m", title="peak torque without",
         short="peak\nwithout", on=ALL,
     ),
-    _number(
-        "peak_torque_with", "with the compensator", "N m", title="peak torque with", short="peak\nwith", on=ALL
-    ),
+    _number("peak_torque_with", "with the compensator", "N m", title="peak torque with", short="peak\nwith", on=ALL),
     _number("rms_torque_without", "root mean square of the interaction torque", "N m"),
     _number("rms_torque_with", "with the compensator", "N m"),
     _number("peak_compensation", "largest torque of the compensator", "N m"),
     _number("peak_rate", "its largest rate", "N m/s"),
     _number("limited_fraction", "share of the samples at a limit"),
     Column(
-        "cycles_to_converge", int, "cycles before the compensation is right", "numbers.cycles_to_converge",
-        null=True,
+        "cycles_to_converge", int, "cycles before the compensation is right", "numbers.cycles_to_converge", null=True,
     ),
     Column(
-        "cycles_to_converge", int, get=lambda one: one, form=_converged, sort="numbers.cycles_to_converge",
+        "cycles_to_converge", int, sort="numbers.cycles_to_converge",
+        get=lambda one: DIVERGED if _diverged(one) else one.numbers and one.numbers.cycles_to_converge, form=str,
         title="cycles to converge", short="conv.\ncycles", on=PEOPLE,
     ),
     _number("diverged", "when the loop diverged, or null", "s"),
@@ -189,7 +171,10 @@ JOINT_REPLAY = Record(
     ),
     Column("friction_step", STEP, "a step of friction in the log, or null", "recovery", on="j", null=True),
     Column("reason", str, "why the joint cannot be replayed", null=True),
-    Column("remark", str, get=_remark, title="remark", on="p"),
+    Column(
+        "remark", str, on="p",
+        get=lambda one: f"diverges at {one.numbers.diverged_s:.3g} s" if _diverged(one) else one.reason,
+    ),
     Column("history", HISTORY, "per cycle of the compensator", on="j"),
     name="replay_joints",
     summary="numbers of a compensator on a joint, over the whole log",
@@ -265,14 +250,17 @@ def replay_lines(found: LogReplay) -> list[str]:
     unit = found.estimate.log.source.torque_unit
     who = "person" if found.estimate.interaction.choice.drive == "hand" else "drive"
     sentences = [*_models(found), *(line for joint in joints for line in _moved(joint, who))]
-    sentences += [_recovery(joint) for joint in joints if joint.recovery is not None]
+    for number, recovery in ((joint.joint, joint.recovery) for joint in joints if joint.recovery is not None):
+        change = f"joint {number}: friction steps to {recovery.change:.2f} times at {recovery.step_s:.4g} s"
+        right = f"after {recovery.cycles} cycles, {recovery.seconds:.3g} s" if recovery.cycles else "not in this log"
+        sentences.append(f"{change}; compensation right again: {right}")
     sentences += [f"not replayed: {line}" for line in reason_lines(joints)]
     return [
         log_line(found.estimate.log),
         f"interaction torque: {found.estimate.interaction.choice.formula}",
         f"compensator: {describe_compensator(joints)}",
         f"{counterfactual.name}: {counterfactual.assumes}",
-        *table_lines(JOINT_REPLAY.people(joints, "t", unit=unit), marked),
+        *JOINT_REPLAY.people(joints, "t", unit=unit).lines(marked),
         *physics,
         *(in_unit(line, unit) for line in sentences),
     ]
@@ -297,8 +285,8 @@ def describe_compensator(joints: tuple[JointReplay, ...]) -> str:
 def _models(found: LogReplay) -> Iterator[str]:
     """Yield the model of each joint that was replayed with one, and what of it was applied."""
     given = found.settings.joint_model
-    for joint in found.replay.joints if given is not None else ():
-        if joint.model is None or joint.reason or given is None:
+    for joint in found.replay.joints:
+        if given is None or joint.model is None or joint.reason:
             continue
         names = ", ".join(term.name for term in joint.model.terms) or "no terms"
         compensator, origin = joint.compensator, joint.model.provenance
@@ -313,23 +301,13 @@ def _models(found: LogReplay) -> Iterator[str]:
 
 def _moved(joint: JointReplay, who: str) -> Iterator[str]:
     """Yield the joint, and who moved it, that moved otherwise than recorded, with their 95 % intervals."""
-    fitted, operator = joint.fitted, joint.operator
-    if fitted is not None:
-        yield f"joint {joint.joint} as fitted, 95 %: {_quantities(FITTED, fitted)}"
-    if operator is not None:
-        origin = f"as fitted to {operator.reversals} reversals, 95 %" if operator.reversals else "as given"
-        yield f"{who} at joint {joint.joint} {origin}: {_quantities(OPERATOR, operator)}"
-
-
-def _quantities(record: Record, found: object) -> str:
-    """Return the coefficients of a record; their meanings are their names."""
-    columns = [one for one in record.columns if one.kind is Coefficient]
-    return ", ".join(f"{one.meaning.split()[0]} {with_unit(one.value(found), one.unit)}" for one in columns)
-
-
-def _recovery(joint: JointReplay) -> str:
-    recovery = joint.recovery
-    assert recovery is not None
-    change = f"joint {joint.joint}: friction steps to {recovery.change:.2f} times at {recovery.step_s:.4g} s"
-    right = f"after {recovery.cycles} cycles, {recovery.seconds:.3g} s" if recovery.cycles else "not in this log"
-    return f"{change}; compensation right again: {right}"
+    origin = "as given"
+    if joint.operator is not None and joint.operator.reversals:
+        origin = f"as fitted to {joint.operator.reversals} reversals, 95 %"
+    for record, moved, words in (
+        (FITTED, joint.fitted, f"joint {joint.joint} as fitted, 95 %"),
+        (OPERATOR, joint.operator, f"{who} at joint {joint.joint} {origin}"),
+    ):
+        columns = [one for one in record.columns if one.kind is Coefficient and moved is not None]
+        numbers = [f"{one.meaning.split()[0]} {with_unit(one.value(moved), one.unit)}" for one in columns]
+        yield from [f"{words}: {', '.join(numbers)}"] if numbers else ()

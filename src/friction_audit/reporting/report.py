@@ -72,11 +72,6 @@ class LogReport:
     command: str = ""  # the command that makes the report again; empty if there was none
 
     @property
-    def file_name(self) -> str:
-        """What the log's file, or folder, is called."""
-        return name_of_log(Path(self.estimate.log.source.path))
-
-    @property
     def unit(self) -> str:
         """Unit of the torque."""
         return self.estimate.log.source.torque_unit
@@ -104,7 +99,10 @@ def report_estimate(
 ) -> LogReport:
     """Run what follows an estimate, for the sections asked for; a part without an answer leaves the others."""
     unanswered: list[Unanswered] = []
-    estimate = _without_path(estimate)  # a page is sent to others
+    log, seen = estimate.log, estimate.interaction
+    path, name = log.source.path, name_of_log(Path(log.source.path))  # a page is sent to others: without the folder
+    renamed = replace(seen, warnings=tuple(one.renamed(path, name) for one in seen.warnings))
+    estimate = replace(estimate, log=replace(log, source=replace(log.source, path=name)), interaction=renamed)
     known = any(not joint.reason for joint in estimate.friction.joints)
     replay = diagnosis = None
     if "compensator" in sections and known:
@@ -122,15 +120,6 @@ def report_estimate(
         reading=reading or {},
         command=command,
     )
-
-
-def _without_path(estimate: Estimate) -> Estimate:
-    """Return the estimate with the name of the log in place of its path, in commands to paste also."""
-    log, seen = estimate.log, estimate.interaction
-    path, name = log.source.path, name_of_log(Path(log.source.path))
-    warnings = tuple(one.renamed(path, name) for one in seen.warnings)
-    log = replace(log, source=replace(log.source, path=name))
-    return replace(estimate, log=log, interaction=replace(seen, warnings=warnings))
 
 
 def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -> T | None:
@@ -161,10 +150,8 @@ def report_notices(report: LogReport) -> tuple[Notice, ...]:
 
 ESTIMATED, NO_ESTIMATE = "estimated", "no estimate"
 VERDICT_TONES: Mapping[str, Tone] = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fine"}
-# Answers that a lead gives for joints one by one; more are counted.
-MOST_GROUPS = 4
-MOST_LISTED = 8  # joints; more are counted
-LONGEST = 160  # characters of such answers
+# Answers that a lead gives for joints one by one, joints that it lists, characters of such answers; more are counted.
+MOST_GROUPS, MOST_LISTED, LONGEST = 4, 8, 160
 
 
 def verdict_word(joint: JointReport) -> str:
@@ -213,16 +200,14 @@ def lead_sentence(report: LogReport) -> str:
 
 def _missing(found: JointDiagnosis) -> str:
     names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
-    misses = f"the model misses {names}"
+    if found.verdict == "unexplained":
+        return f"an unexplained effect is missing{f' in addition to {names}' if names else ''}"
     return {
         "adequate": "the model is adequate",
-        "named": misses,
-        "ambiguous": misses,
-        "unexplained": f"an unexplained effect is missing{f' in addition to {names}' if names else ''}",
         "not_testable": "the model cannot be tested",
         "data_fault": "the data are inconsistent",
         "failed": "the diagnosis failed",
-    }[found.verdict]
+    }.get(found.verdict, f"the model misses {names}")
 
 
 def _joints(joints: Sequence[JointReport], every: int) -> str:
@@ -240,8 +225,6 @@ def report_settings(report: LogReport) -> dict[str, Any]:
 
 
 UNANSWERED = Record(Column("part", str, "the command"), Column("message", str, "why it has no answer"))
-
-
 VERDICT = Record(
     JOINT,
     NAME,
@@ -280,11 +263,6 @@ REPORT = Document(
         null=True,
     ),
 )  # fmt: skip
-
-
-def report_document(report: LogReport) -> dict[str, Any]:
-    """Return the document of a report."""
-    return REPORT.json(report, report.unit)
 
 
 def report_tables(report: LogReport) -> tuple[TidyTable, ...]:

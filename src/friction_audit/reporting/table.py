@@ -3,6 +3,7 @@
 JSON documents, their schemas, files (CSV, Parquet, MCAP) and tables for people are derived from the same columns.
 """
 
+import io
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import KW_ONLY, asdict, dataclass, is_dataclass, replace
@@ -13,8 +14,8 @@ import numpy as np
 
 from friction_audit import __version__
 from friction_audit.friction.history import Coefficient
-from friction_audit.io.tidy_table import JointRows, TidyTable, as_column
-from friction_audit.reporting.words import NEWTON_METRES, NOTHING, format_coefficient, in_unit, joint_label
+from friction_audit.io.tidy_table import JointRows, TidyTable
+from friction_audit.reporting.words import MARK, NEWTON_METRES, NOTHING, format_coefficient, in_unit, joint_label
 
 Form = Literal["j", "f", "t", "p", "n", "w"]
 Tone = Literal["", "alert", "fine", "unsure", "off"]
@@ -28,13 +29,10 @@ SUFFIXES = {
     "N m": "nm", "N m s/rad": "nms_per_rad", "N m/rad": "nm_per_rad", "N m/s": "nm_s", "kg m²": "kg_m2", "J": "j",
     "s": "s", "rad": "rad", "rad/s": "rad_s", "Hz": "hz", "°C": "c", "W": "w", "1/K": "per_k",
 }  # fmt: skip
-# Where a log holds motor currents, {} is a or ma.
-OF_CURRENT = {
-    "N m": "{}", "N m s/rad": "{}s_per_rad", "N m/rad": "{}_per_rad", "N m/s": "{}_s", "J": "{}_rad",
-}  # fmt: skip
 # Ends of the names of a coefficient's columns in files, and its fields.
 ENDS = (("", "value"), ("_low", "low"), ("_high", "high"))
 TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: "object"}
+WIDEST = 1000  # characters of a line of a terminal
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,8 +69,8 @@ class Column:
     def key_in(self, torque_unit: str) -> str:
         """Return the name with the unit that follows from that of the torque, as in files."""
         suffix = SUFFIXES.get(self.unit, "")
-        if torque_unit != NEWTON_METRES and self.unit in OF_CURRENT:
-            suffix = OF_CURRENT[self.unit].format(torque_unit.lower())
+        if torque_unit != NEWTON_METRES:  # a motor current: a or ma
+            suffix = ("nm_rad" if suffix == "j" else suffix).replace("nm", torque_unit.lower())
         return f"{self.name}_{suffix}" if suffix else self.name
 
     def head(self, torque_unit: str) -> str:
@@ -110,10 +108,8 @@ class Column:
             return NOTHING
         if not isinstance(self.form, str):
             return (self.form[value] if isinstance(self.form, Mapping) else self.form(value)) or NOTHING
-        if isinstance(value, Coefficient):
-            return format_coefficient(value)
-        if isinstance(value, bool):
-            return "yes" if value else "no"
+        if isinstance(value, Coefficient | bool):
+            return format_coefficient(value) if isinstance(value, Coefficient) else "yes" if value else "no"
         return value if isinstance(value, str) else format(value, "d" if self.kind is int else self.form)
 
     def sort_key(self, row: Row) -> float | None:
@@ -127,11 +123,8 @@ class Column:
 
 def joint_column(get: Get = lambda row: row, on: str = PEOPLE) -> Column:
     """Return the column that heads the rows of joints for people; ``get`` gives what has ``joint`` and ``name``."""
-
-    def label(one: Any) -> str:  # noqa: ANN401 - a result of a joint
-        return joint_label(one.joint, one.name)
-
-    return Column("joint", str, get=get, form=label, sort=lambda row: _found(row, get).joint, on=on)
+    sort = lambda row: _found(row, get).joint  # noqa: E731
+    return Column("joint", str, get=get, form=lambda one: joint_label(one.joint, one.name), sort=sort, on=on)
 
 
 JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str, "name in the log", on="j")
@@ -215,9 +208,9 @@ class Record:
         if self.arrays:
             return column.value(rows)
         values = [column.value(row) for row in rows]
-        if column.kind is str:
-            return ["" if value is None else value for value in values]
-        return as_column(values, column.kind)
+        if column.kind is float:
+            return np.array(values, dtype=np.float64)  # NaN for None
+        return ["" if value is None and column.kind is str else value for value in values]
 
     def people(self, rows: Iterable[Row], form: Form = "p", **shown: Any) -> "Table":  # noqa: ANN401 - fields of Table
         """Return the table for people: on the terminal or on a page."""
@@ -242,6 +235,34 @@ class Table:
         """Return the table without the columns that hold nothing in any row."""
         kept = [column for column in self.columns if any(column.text(row) != NOTHING for row in self.rows)]
         return replace(self, columns=kept)
+
+    def lines(self, marked: Collection[int] = ()) -> list[str]:
+        """Return it as text, without spaces at the ends of its lines; the first cell of ``marked`` rows gets a mark.
+
+        It is as wide as the terminal, and wider where numbers would be cut: a terminal breaks long lines, and half a
+        number is worse. Columns of phrases give way.
+        """
+        from rich.box import SIMPLE_HEAD
+        from rich.console import Console
+        from rich.table import Table as RichTable
+        from rich.text import Text
+
+        drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
+        for column in self.columns:
+            title, unit = column.short or column.title or column.name, in_unit(column.unit, self.unit)
+            head = Text(f"{title}\n[{unit}]" if unit else title)
+            drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
+        for number, row in enumerate(self.rows):
+            first, *others = (column.text(row) for column in self.columns)
+            drawn.add_row(*map(Text, (f"{first} {MARK}" if number in marked else first, *others)))
+        stream = io.StringIO()
+        console = Console(file=stream, highlight=False, markup=False, color_system=None)
+        roomy = console.options.update(max_width=WIDEST)
+        for part in (one for one in drawn.columns if one.no_wrap):
+            part.min_width = max(console.measure(cell, options=roomy).maximum for cell in (part.header, *part.cells))
+        console.width = max(console.width, console.measure(drawn, options=roomy).minimum)
+        console.print(drawn)
+        return [line.rstrip() for line in stream.getvalue().splitlines()]
 
 
 class Document(Record):

@@ -11,24 +11,16 @@ from friction_audit.friction.history import Coefficient
 NEWTON_METRES = "N m"
 NOTHING = "-"
 MARK = "!"  # of a row of a table with a warning about its physics
-# Characters of a joint's name; no column and no panel has room for more.
-LONGEST_NAME = 24
-# The same above a panel and above a column of a table of joints.
-SHORTEST_NAME = 16
-# Share by which the two sides of an interval may differ and still be written as one.
-LOPSIDED = 0.25
-# No sensor of a joint resolves more, and the table stays narrower than a terminal.
-MOST_DIGITS = 4
-SMALLEST_P = 0.001
-# Units of which a thousandth is easier to read where a number is small.
-SCALED, SMALL = ("s", "rad", "rad/(N m)"), 0.02
-# First figure of a slope's interval from which on one figure will do.
-ROUGH = 2.0
-# Width of an interval of a relative change above which its digits mean nothing.
-WIDEST_RELATIVE = 20.0
 UNBOUNDED = "not identifiable"
-# The last second of the year 9999, beyond which no calendar goes. [s]
-LAST_S = 253402300799.0
+# Characters of a joint's name: no column and no panel has room for more; the same above a panel or a column of joints.
+LONGEST_NAME, SHORTEST_NAME = 24, 16
+LOPSIDED = 0.25  # share by which the two sides of an interval may differ and still be written as one
+MOST_DIGITS = 4  # no sensor of a joint resolves more, and the table stays narrower than a terminal
+SMALLEST_P = 0.001
+SCALED, SMALL = ("s", "rad", "rad/(N m)"), 0.02  # units of which a thousandth is easier to read where a number is small
+ROUGH = 2.0  # first figure of a slope's interval from which on one figure will do
+WIDEST_RELATIVE = 20.0  # width of an interval of a relative change above which its digits mean nothing
+LAST_S = 253402300799.0  # the last second of the year 9999, beyond which no calendar goes
 # Units that follow from that of the torque.
 FROM_TORQUE = {NEWTON_METRES: "{}", "[J]": "[{} rad]", "kg m²": "{} s²/rad", "kg m^2": "{} s^2/rad"}
 

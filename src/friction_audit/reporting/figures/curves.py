@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,18 +17,8 @@ from friction_audit.reporting.figures.style import DASHED, DISSIPATED, FILTERED,
 SPREAD = "range of the reference"
 
 
-class Mean(NamedTuple):
-    """Curves of several sessions in one: mean, smallest and largest torque at each speed, each of shape (m,)."""
-
-    speed: Float
-    torque: Float
-    low: Float
-    high: Float
-
-
 def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> None:
     (axes,) = panels
-    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     first, reference, last = curve_sessions(arm)
     curves = (
         (f"first (session {first + 1})", (first,), DISSIPATED, ":", 1.3),
@@ -38,29 +27,32 @@ def _draw_curves(panels: Sequence[Axes], arm: ArmDrift, joint: JointDrift) -> No
     )
     for label, sessions, colour, dash, width in curves:
         found = [one.curve for k in sessions for one in arm.sessions[k].joints if one.joint == joint.joint]
-        mean = mean_curve(found)
-        if mean is not None:
-            axes.plot(mean.speed, mean.torque, color=colour, ls=dash, lw=width, label=label)
+        speed, torque, low, high = mean_curve(found)
+        if len(speed):
+            axes.plot(speed, torque, color=colour, ls=dash, lw=width, label=label)
             if len(sessions) > 1:
-                parts.band(axes, mean.speed, mean.low, mean.high, colour, SPREAD)
+                parts.band(axes, speed, low, high, colour, SPREAD)
     if axes.lines:
         parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
     else:
         parts.write_message(axes, "no session moves this joint", characters=36, instead=True)
 
 
-def mean_curve(curves: list[SpeedCurve]) -> Mean | None:
-    """Return curves, where they reach, in one, on the speeds of the first; a gap where the direction changes."""
+def mean_curve(curves: Sequence[SpeedCurve]) -> Float:
+    """Return speeds of the first of some curves, and mean, smallest and largest torque of all where they reach.
+
+    They are of shape (4, m), with a gap where the direction changes; m is 0 without any curve.
+    """
     broken = [
         np.insert((one.speed_rad_s, one.torque_nm), np.searchsorted(one.speed_rad_s, 0.0), (0.0, np.nan), axis=1)
         for one in curves
         if len(one.speed_rad_s) > 1
     ]
     if not broken:
-        return None
+        return np.empty((4, 0))
     speed = broken[0][0]
     table = np.ma.masked_invalid([np.interp(speed, one[0], one[1], left=np.nan, right=np.nan) for one in broken])
-    return Mean(speed, *(np.ma.filled(column, np.nan) for column in (table.mean(0), table.min(0), table.max(0))))
+    return np.stack([speed, *(np.ma.filled(one, np.nan) for one in (table.mean(0), table.min(0), table.max(0)))])
 
 
 def _has_curve(arm: ArmDrift, joint: JointDrift) -> bool:
@@ -80,19 +72,18 @@ COLOURS = {"before": FILTERED, "after": FITTED}
 def _draw_sides(panels: Sequence[Axes], _: TwoSides, joint: JointChange) -> None:
     """Draw the mean curve of each side; of a result, which holds none, the fitted friction."""
     (axes,) = panels
-    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     parts.mark_zero(axes, x=True, color="0.6", lw=0.3, zorder=0)
     for place, (label, colour) in enumerate(COLOURS.items()):
-        mean = mean_curve(list(joint.curves[place]))
-        if mean is None:
+        speed, torque, low, high = mean_curve(joint.curves[place])
+        if not len(speed):
             coulomb, viscous = ((one.before, one.after)[place].value for one in joint.coefficients)
-            speed: Float = np.array([-1.0, -1e-9, np.nan, 1e-9, 1.0]) * _reach(joint)  # no line crosses zero
+            speed = np.array([-1.0, -1e-9, np.nan, 1e-9, 1.0]) * _reach(joint)  # no line crosses zero
             torque = coulomb * np.sign(speed) + viscous * speed
             axes.plot(speed, torque, color=colour, lw=1.1, ls=":", label=f"{label}, fitted")
             continue
-        axes.plot(mean.speed, mean.torque, color=colour, lw=1.1, ls=DASHED if place else "-", label=label)
-        if np.any(mean.high > mean.low):
-            parts.band(axes, mean.speed, mean.low, mean.high, colour, f"{label}, range of the recordings")
+        axes.plot(speed, torque, color=colour, lw=1.1, ls=DASHED if place else "-", label=label)
+        if np.any(high > low):
+            parts.band(axes, speed, low, high, colour, f"{label}, range of the recordings")
 
 
 def _reach(joint: JointChange) -> float:
@@ -105,7 +96,6 @@ SIDES = replace(CURVES, has=lambda _, joint: _reach(joint), lacks="no curve and 
 
 def _draw_law_change(panels: Sequence[Axes], _: TwoSides, joint: JointChange) -> None:
     (axes,), law = panels, joint.law
-    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     if law is None:
         parts.write_message(axes, "both coefficients are needed on both sides", characters=24, instead=True)
         return

@@ -17,7 +17,7 @@ from friction_audit.reporting import drift_words
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
 from friction_audit.reporting.figures.style import DASHED, FILTERED, FITTED, GREEN, MUTED, Look
-from friction_audit.reporting.words import NOTHING, count_of, format_date
+from friction_audit.reporting.words import NOTHING, count_of, format_date, scaled
 
 MOST_MARKED = 150  # sessions in a panel above which markers would only be a blot; a line takes their place
 MOST_TICKS = 6
@@ -41,8 +41,8 @@ def _draw_both(draw: Any, panels: Sequence[Axes], arm: ArmDrift, joint: JointDri
     """Draw Coulomb above or left of viscous friction over the sessions, or say why there is nothing."""
     known = {found.coefficient: found for found in joint.coefficients}
     for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
-        second = axes is not panels[0] and parts.is_narrow(axes)
-        parts.label_panel(axes, "" if second else parts.joint_title(joint.joint, joint.name))
+        if not parts.is_narrow(axes):
+            axes.set_title(panels[0].get_title(loc="left"), loc="left")
         _number_sessions(axes, arm)
         found = known.get(coefficient)
         axes.set_ylabel(_title(coefficient))
@@ -60,10 +60,6 @@ def _estimated(found: CoefficientDrift) -> bool:
     return any(math.isfinite(value.value) for value in found.values)
 
 
-def _has(_: ArmDrift, joint: JointDrift) -> bool:
-    return any(map(_estimated, joint.coefficients))
-
-
 def _number_sessions(axes: Axes, arm: ArmDrift) -> None:
     """Let an axis run over all sessions; at most MOST_TICKS ticks carry number and, where known, the day or month."""
     places = list(range(1, len(arm.sessions) + 1, max(1, -(-len(arm.sessions) // MOST_TICKS))))
@@ -75,14 +71,13 @@ def _number_sessions(axes: Axes, arm: ArmDrift) -> None:
     )
 
 
-def _years(arm: ArmDrift) -> set[str]:
-    return {date[:4] for date in {format_date(session.start_s) for session in arm.sessions} - {NOTHING}}
+def _years(arm: ArmDrift) -> list[str]:
+    return sorted({date[:4] for date in {format_date(session.start_s) for session in arm.sessions} - {NOTHING}})
 
 
 def _session_label(arm: ArmDrift) -> str:
-    years = _years(arm)
-    when = "year-month" if len(years) > 1 else f"month-day, {min(years, default='')}"
-    return f"Session ({when})" if years else "Session"
+    first, *others = _years(arm) or [""]
+    return f"Session ({'year-month' if others else f'month-day, {first}'})" if first else "Session"
 
 
 def _shade_reference(axes: Axes, arm: ArmDrift) -> None:
@@ -104,18 +99,22 @@ def _draw_coefficient(axes: Axes, arm: ArmDrift, joint: JointDrift, found: Coeff
     separator = " " if parts.is_narrow(axes) else "\n"
     axes.set_ylabel(f"{_title(found.coefficient)}{separator}[{drift_words.UNITS[found.coefficient]}]")
     _shade_reference(axes, arm)
-    _draw_values(axes, found)
-    _draw_left_out(axes, arm, joint, found)
+    _draw_values(axes, arm, joint, found)
     if found.change_points:
         _draw_levels(axes, found)
     elif math.isfinite(found.trend_per_session.value):
         _draw_trend(axes, found)
-    axes.set_ylim(_value_limits(found))
+    # All values and levels, and of the intervals as much as is near.
+    value, low, high = _columns(found.values)
+    levels = [one for change in found.change_points for one in (change.before.value, change.after.value)]
+    smallest = max(SMALLEST_SHARE * float(np.nanmax(np.abs(value))), 1e-9)
+    ends = parts.limits(np.append(value, levels), np.concatenate([low, high]), near=NEAR, smallest=smallest)
+    axes.set_ylim(ends)
     return _verdict(found), found.drift
 
 
-def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
-    """Draw the sessions that were compared, each with its interval, and ring the isolated ones."""
+def _draw_values(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
+    """Draw sessions, each with its interval, ring the isolated ones, and draw hollow those that were not compared."""
     place = np.array([k + 1.0 for k in found.sessions])
     value, low, high = _columns(found.values)
     # One path for all intervals: a file of a thousand sessions stays small.
@@ -128,18 +127,15 @@ def _draw_values(axes: Axes, found: CoefficientDrift) -> None:
     if ringed.any():
         look: Look = {"ls": "none", "marker": "D", "ms": 5.0, "mfc": "none", "mec": FITTED, "mew": 0.8}
         axes.plot(place[ringed], value[ringed], label=ISOLATED, **look)
-
-
-def _draw_left_out(axes: Axes, arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> None:
-    """Draw the sessions that were not compared, hollow, as they are without any correction."""
-    values: dict[int, float] = {}
-    for k in set(range(len(arm.sessions))).difference(found.sessions):
-        summary = next((one for one in arm.sessions[k].joints if one.joint == joint.joint), None)
-        value = UNDETERMINED if summary is None else summary.coefficients.get(found.coefficient, UNDETERMINED)
-        values[k + 1] = value.value
-    if any(map(math.isfinite, values.values())):
-        look: Look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
-        axes.plot(list(values), list(values.values()), label=ALONE, **look)
+    left_out = [  # as they are, without any correction
+        (k + 1, one.coefficients.get(found.coefficient, UNDETERMINED).value)
+        for k in set(range(len(arm.sessions))).difference(found.sessions)
+        for one in arm.sessions[k].joints
+        if one.joint == joint.joint
+    ]
+    if any(math.isfinite(value) for _, value in left_out):
+        look = {"ls": "none", "marker": "o", "ms": 2.8, "mfc": "none", "mec": MUTED, "mew": 0.6}
+        axes.plot(*zip(*left_out, strict=True), label=ALONE, **look)
 
 
 def _draw_levels(axes: Axes, found: CoefficientDrift) -> None:
@@ -169,26 +165,18 @@ def _border(found: CoefficientDrift, session: int) -> float:
 
 
 def _draw_trend(axes: Axes, found: CoefficientDrift) -> None:
-    """Draw the trend through the middle of the sessions, with the interval of its slope; thin without drift."""
-    place, line, low, high = trend_line(found)
-    lw, ls = (1.2, "-") if found.drift else (0.8, DASHED)
-    axes.plot(place, line, color=FITTED, label=TREND, zorder=4, lw=lw, ls=ls)
-    if np.isfinite(low + high).all():
-        parts.band(axes, place, low, high, FITTED, BAND)
-
-
-def trend_line(found: CoefficientDrift) -> tuple[Float, Float, Float, Float]:
-    """Return places, the trend, and both ends of its slope's interval, all through the median of the sessions."""
-    number = np.array([k + 1.0 for k in found.sessions])
-    value, _, _ = _columns(found.values)
-    known = np.isfinite(value)
-    slope = found.trend_per_session
+    """Draw the trend through the median of the sessions, with the interval of its slope; thin without drift."""
+    number, (value, _, _) = np.array([k + 1.0 for k in found.sessions]), _columns(found.values)
+    known, slope = np.isfinite(value), found.trend_per_session
     pivot = float(np.median(number[known]))
     level = float(np.median(value[known] - slope.value * (number[known] - pivot)))
     place = np.array([number[0], pivot, number[-1]])
-    away = place - pivot
-    ends = np.sort([level + slope.low * away, level + slope.high * away], axis=0)
-    return place, level + slope.value * away, ends[0], ends[1]
+    line, *ends = (level + one * (place - pivot) for one in (slope.value, slope.low, slope.high))
+    lw, ls = (1.2, "-") if found.drift else (0.8, DASHED)
+    axes.plot(place, line, color=FITTED, label=TREND, zorder=4, lw=lw, ls=ls)
+    if np.isfinite(ends).all():
+        low, high = np.sort(ends, axis=0)
+        parts.band(axes, place, low, high, FITTED, BAND)
 
 
 def _columns(values: tuple[Coefficient, ...]) -> tuple[Float, Float, Float]:
@@ -196,17 +184,10 @@ def _columns(values: tuple[Coefficient, ...]) -> tuple[Float, Float, Float]:
     return table[:, 0], table[:, 1], table[:, 2]
 
 
-def _value_limits(found: CoefficientDrift) -> tuple[float, float] | None:
-    """Return limits that show all values and levels, and of the intervals as much as is near."""
-    value, low, high = _columns(found.values)
-    levels = [one for change in found.change_points for one in (change.before.value, change.after.value)]
-    smallest = max(SMALLEST_SHARE * float(np.nanmax(np.abs(value))), 1e-9)
-    return parts.limits(np.append(value, levels), np.concatenate([low, high]), near=NEAR, smallest=smallest)
-
-
 DRIFT = parts.Layout(
-    joints=lambda arm: arm.joints, has=_has, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient), panels=2,
-    height_in=(1.15, 1.3), head_in=0.6, x=_session_label, shared=True,
+    joints=lambda arm: arm.joints, lacks="no estimate", draw=partial(_draw_both, _draw_coefficient), panels=2,
+    has=lambda _, joint: any(map(_estimated, joint.coefficients)), height_in=(1.15, 1.3), head_in=0.6,
+    x=_session_label, shared=True,
     legend=(SESSION, INTERVAL, "reference sessions", ALONE, ISOLATED, HELD, TREND, BAND, STEP, WHERE),
 )  # fmt: skip
 
@@ -259,7 +240,7 @@ FARTHEST = 2.0  # times the changes and their intervals that the undetectable ma
 @theme.figure_style()
 def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb next to viscous."""
-    joints, note = parts.choose(arm.joints, numbers, partial(_has, arm), DRIFT.lacks)
+    joints, note = parts.choose(arm.joints, numbers, partial(DRIFT.has, arm), DRIFT.lacks)
     width = theme.COLUMN_IN if isinstance(numbers, int) else theme.SHEET_IN
     figure = parts.new_figure(width, 0.85 + max(0.24 * len(joints), 0.6))
     both = figure.subplots(1, 2, sharey=True)
@@ -276,10 +257,16 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
                 where: Look = {"xycoords": ("axes fraction", "data"), "va": "center", "fontsize": 6.5, "color": MUTED}
                 axes.annotate(verdict if words == NOTHING else words, (0.02, place), **where)
                 continue
-            _draw_change(axes, place, found)
-            ends = (found.total.low, found.total.high, found.total.value)
-            reach = max(reach, *(100.0 * abs(end) for end in ends if math.isfinite(end)))
-            undetectable.append(100.0 * found.smallest_drift)
+            percent = scaled(found.total, 100.0)
+            value, low, high, width = percent.value, percent.low, percent.high, 100.0 * found.smallest_drift
+            if math.isfinite(width):
+                look: Look = {"color": MUTED, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
+                axes.barh(place, 2.0 * width, left=-width, height=0.7, **look)
+            colour, marker, label = MARKS[verdict]
+            axes.hlines(place, low, high, color=colour, lw=1.0)
+            axes.plot(value, place, color=colour, marker=marker, ms=3.8, mew=0.0, ls="none", label=label)
+            reach = max(reach, *(abs(end) for end in (low, high, value) if math.isfinite(end)))
+            undetectable.append(width)
         reach = max(reach, *(min(one, FARTHEST * reach) for one in undetectable if math.isfinite(one)))
         axes.set_xlim(-1.15 * reach, 1.15 * reach)
     both[0].set_yticks(range(len(joints)), [parts.joint_title(one.joint, one.name) for one in joints])
@@ -290,15 +277,3 @@ def draw_changes(arm: ArmDrift, numbers: parts.Numbers = None) -> Figure:
 
 
 CHANGES = draw_changes
-
-
-def _draw_change(axes: Axes, place: int, found: CoefficientDrift) -> None:
-    """Draw the change with its interval over what would not be detected."""
-    if math.isfinite(found.smallest_drift):
-        width = 200.0 * found.smallest_drift
-        look: Look = {"color": MUTED, "alpha": 0.18, "lw": 0, "label": UNDETECTABLE}
-        axes.barh(place, width, left=-width / 2, height=0.7, **look)
-    colour, marker, label = MARKS[drift_words.drift_verdict(found)]
-    axes.hlines(place, 100.0 * found.total.low, 100.0 * found.total.high, color=colour, lw=1.0)
-    look = {"color": colour, "marker": marker, "ms": 3.8, "mew": 0.0, "ls": "none", "label": label}
-    axes.plot(100.0 * found.total.value, place, **look)

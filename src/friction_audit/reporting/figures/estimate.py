@@ -20,7 +20,6 @@ MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey
 class JointSeries:
     """One joint's signals of shape (n,), its cycles, whose start and stop are indices into them, and its friction."""
 
-    title: str  # what a panel is called: the joint's number, and its name where that says more
     t: Float  # [s]
     dq: Float  # velocity [rad/s]
     torque: Float  # interaction torque F_m [N m]
@@ -41,7 +40,6 @@ def series_of(estimate: Estimate, friction: JointFriction) -> JointSeries:
     column = interaction.joint_numbers.index(friction.joint)
     torque, compensation = interaction.torque[:, column], interaction.compensation
     return JointSeries(
-        title=parts.joint_title(friction.joint, interaction.joint_names[column]),
         t=interaction.t,
         dq=interaction.dq[:, column],
         torque=torque,
@@ -74,8 +72,8 @@ GAP_PERIODS = 20  # sampling periods without a sample after which no line is dra
 def _draw_signals(panels: Sequence[Axes], estimate: Estimate, friction: JointFriction) -> None:
     series = series_of(estimate, friction)
     t = series.t
-    signals = ((series.dq, "Velocity [rad/s]", series.title), (series.torque, "Torque [N m]", ""))
-    for axes, (signal, label, title) in zip(panels, signals, strict=True):
+    signals = ((series.dq, "Velocity [rad/s]"), (series.torque, "Torque [N m]"))
+    for axes, (signal, label) in zip(panels, signals, strict=True):
         shade_cycles(axes, series)
         for values, colour, width, name in (
             (signal, theme.RAW, 0.5, "raw"),
@@ -85,7 +83,7 @@ def _draw_signals(panels: Sequence[Axes], estimate: Estimate, friction: JointFri
             longest_s = GAP_PERIODS / parts.median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
             whole = parts.break_at_gaps(stamps, kept, longest_s)
             axes.plot(stamps, whole, color=colour, lw=width, label=name, rasterized=True)
-        parts.label_panel(axes, title, y=label)
+        axes.set_ylabel(label)
 
 
 SIGNALS = parts.Layout(
@@ -116,7 +114,6 @@ def _draw_energy(panels: Sequence[Axes], estimate: Estimate, friction: JointFric
         borders = np.concatenate([cycles.start[:1], cycles.stop])
         dots: theme.Look = {"color": theme.BORDER, "ms": 2.0, "mew": 0, "zorder": 5, "label": "zero velocity"}
         axes.plot(series.t[borders], energy[borders], "o", **dots)
-    parts.label_panel(axes, series.title)
     parts.write_message(axes, series.not_determined)
 
 
@@ -136,18 +133,17 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
     series, history = series_of(estimate, friction), friction.history
     coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
     viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
-    parts.label_panel(panels[0], series.title, y="Coulomb [N m]")
-    parts.label_panel(panels[1], "", y="Viscous [N m s/rad]")
     window = min(friction.window, friction.cycles)
     panels[-1].set_title(f"window: {window} cycle{'s' if window > 1 else ''}", loc="right", color=theme.MUTED)
     t = np.maximum.accumulate(np.append(history.stop_s, series.t[-1]))
-    pairs = (("coulomb", coulomb, friction.coulomb), ("viscous", viscous, friction.viscous))
-    for axes, (name, values, whole) in zip(panels, pairs, strict=True):
+    fits = (("Coulomb [N m]", coulomb, friction.coulomb), ("Viscous [N m s/rad]", viscous, friction.viscous))
+    for axes, (label, values, whole) in zip(panels, fits, strict=True):
+        axes.set_ylabel(label)
         axes.set_xlim(series.t[0], series.t[-1])
         ends = y_limits(*values, whole)
         if ends is None:
             axes.set_yticks([])
-            fitted = friction.model in ("combined", name)
+            fitted = friction.model in ("combined", label.partition(" ")[0].lower())
             absence = "not determined" if fitted else f"not in the {friction.model} model"
             parts.write_message(axes, series.not_determined or absence)
             continue
@@ -206,7 +202,8 @@ def _draw_loop(panels: Sequence[Axes], estimate: Estimate, friction: JointFricti
         label = fitted_label(friction, centre) if alone else "fitted friction"
         axes.plot(speed, fitted + centre, color=theme.FITTED, lw=1.3, zorder=4, label=label)
     axes.set_xlim(*np.array([-1.0, 1.0]) * max(SMALLEST_SPEED_RAD_S, 1.05 * reach))
-    parts.label_panel(axes, series.title, across=None if alone else 3)
+    if not alone:
+        axes.locator_params(axis="x", nbins=3)
     parts.write_message(axes, series.not_determined, characters=40 if alone else 24)
 
 

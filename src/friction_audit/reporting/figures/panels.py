@@ -9,6 +9,9 @@ from typing import Any, TypeVar
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
 
 from friction_audit.errors import UsageError, printable, shortened
 from friction_audit.joint_log import Float
@@ -19,11 +22,10 @@ from friction_audit.reporting.words import NEWTON_METRES, SHORTEST_NAME, in_unit
 HANDLE_PT, LETTER_PT, LONGEST_FORMULA = 26.0, 3.5, 24  # room that a label of a legend takes; of formulas, less is seen
 TICKS_ON_SHEET, TICKS_IN_COLUMN = 4, 6
 
-
 Joint = Any  # a part of a result that belongs to one joint, whose number it has
 Drawn = TypeVar("Drawn", bound="Figure | Axes")
 Numbers = int | tuple[int, ...] | None  # of one joint at column width, of the joints of a sheet, or None for all
-Text = str | Callable[[Any], str]
+Words = str | Callable[[Any], str]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,14 +35,15 @@ class Layout:
     joints: Callable[[Any], Sequence[Joint]]  # of a result
     has: Callable[[Any, Joint], object]  # whether there is something to show of a joint of a result
     lacks: str  # what a joint without it has not, for the line that stands for it
-    draw: Callable[[Sequence[Axes], Any, Joint], None]  # draws a joint of a result into its panels
+    # Draws a joint of a result into its panels, the first of which has its name above.
+    draw: Callable[[Sequence[Axes], Any, Joint], None]
     # Panels of a joint: below each other in a column, next to each other on a sheet (the last argument is True).
     panels: int | Callable[[Any, Joint, bool], int] = 1
     across: int | None = None  # panels side by side on a sheet; those of one joint if None
     height_in: tuple[float, float] | Callable[[Joint, bool], float] = (1.45, 2.4)  # of panels on a sheet, in a column
     head_in: float = 0.75  # height of the legend and of the label below
-    x: Text  # name of the x axis of all panels
-    y: Text = ""  # name of the y axis of all panels, if it is one
+    x: Words  # name of the x axis of all panels
+    y: Words = ""  # name of the y axis of all panels, if it is one
     shared: Any = False  # ``sharex`` of the panels
     legend: Sequence[str] = ()  # labels that stand first in the legend
 
@@ -60,7 +63,7 @@ class Layout:
         figure, axes = grid(sum(heights, ()), across, theme.SHEET_IN if sheet else COLUMN_IN, self.head_in, shared)
         panels = iter(axes)
         for one, count in zip(drawn, counts, strict=True):
-            self.draw([next(panels) for _ in range(count)], result, one)
+            self._draw_joint([next(panels) for _ in range(count)], result, one)
         add_legend(figure, self.legend)
         figure.align_ylabels()
         figure.supxlabel(f"{_written(self.x, result)}{note}".strip())
@@ -69,13 +72,17 @@ class Layout:
 
     def into(self, axes: Axes, result: Any, number: int) -> None:
         """Draw one joint, whose one panel it is, into axes, and name them."""
-        (one,) = chosen_joints(self.joints(result), number)
-        self.draw([axes], result, one)
+        self._draw_joint([axes], result, *chosen_joints(self.joints(result), number))
         axes.set(xlabel=_written(self.x, result), ylabel=_written(self.y, result) or axes.get_ylabel())
 
+    def _draw_joint(self, panels: Sequence[Axes], result: Any, joint: Joint) -> None:
+        for axes in panels:
+            label_panel(axes, joint_title(joint.joint, joint.name) if axes is panels[0] else "")
+        self.draw(panels, result, joint)
 
-def _written(text: Text, result: Any) -> str:
-    return text(result) if callable(text) else text
+
+def _written(words: Words, result: Any) -> str:
+    return words(result) if callable(words) else words
 
 
 def choose(
@@ -106,8 +113,6 @@ def joint_title(joint: int, name: str) -> str:
 
 def new_figure(width_in: float, height_in: float) -> Figure:
     """Return an empty figure that is unknown to pyplot and needs no screen."""
-    from matplotlib.figure import Figure
-
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
@@ -135,8 +140,6 @@ def is_narrow(axes: Axes | Figure) -> bool:
 
 def label_panel(axes: Axes, title: str = "", *, y: str | None = None, across: int | None = None) -> None:
     """Write a panel's title above its left corner and name its y axis; keep the ticks few, ``across`` of them on x."""
-    from matplotlib.ticker import MaxNLocator
-
     axes.set_title(title, loc="left")
     if y is not None:
         axes.set_ylabel(y)
@@ -168,17 +171,14 @@ def mark_zero(axes: Axes, *, x: bool = False, y: bool = True, **look: Any) -> No
         axes.axvline(0.0, **look)
 
 
-def shade_stretches(axes: Axes, starts: Iterable[float], stops: Iterable[float], t: Float) -> None:
-    """Shade every other stretch of time and end the axis with the signals."""
+def shade_stretches(axes: Axes, starts: Iterable[float], stops: Iterable[float]) -> None:
+    """Shade every other stretch of time."""
     for start, stop in list(zip(starts, stops, strict=False))[::2]:
         axes.axvspan(start, stop, facecolor=theme.SHADE, linewidth=0, zorder=0)
-    axes.set_xlim(t[0], t[-1])
 
 
 def add_legend(figure: Figure, order: Sequence[str] = ()) -> None:
     """Write one legend above all panels with every label of them once, those of ``order`` first."""
-    from matplotlib.patches import Patch
-
     found: dict[str, Any] = {}
     for axes in figure.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
@@ -303,8 +303,6 @@ def draw_arrows(axes: Axes, dq: Float, torque: Float) -> None:
 
 def label_in_unit(figure: Drawn, unit: str) -> Drawn:
     """Write the unit of the torque on the axes of a figure, or on axes."""
-    from matplotlib.text import Text
-
     if unit != NEWTON_METRES:
         for text in figure.findobj(Text):
             text.set_text(in_unit(text.get_text(), unit))

@@ -39,7 +39,8 @@ class Course:
 
 
 def _shade(axes: Axes, course: Course) -> None:
-    parts.shade_stretches(axes, [course.t[0], *course.ends_s], [*course.ends_s, course.t[-1]], course.t)
+    parts.shade_stretches(axes, [course.t[0], *course.ends_s], [*course.ends_s, course.t[-1]])
+    axes.set_xlim(course.t[0], course.t[-1])
 
 
 def _draw_energy(course: Course, title: str, axes: Axes) -> None:
@@ -73,10 +74,11 @@ def _column(height_in: float, *draws: Callable[[Axes], None], ratios: Sequence[f
     panels = figure.subplots(len(draws), 1, squeeze=False, height_ratios=ratios).ravel()
     for axes, draw in zip(panels, draws, strict=True):
         draw(axes)
-    *above, last = (axes for axes in panels if not axes.get_xlabel())
-    last.set_xlabel("Time [s]")
-    for axes in above:
+    over_time = [axes for axes in panels if not axes.get_xlabel()]
+    for axes in over_time[:-1]:
         axes.tick_params(labelbottom=False)
+    for axes in over_time[-1:]:
+        axes.set_xlabel("Time [s]")
     parts.add_legend(figure)
     figure.align_ylabels()
     return figure
@@ -148,15 +150,15 @@ def draw_uncompensated(course: Course) -> Figure:
 @theme.figure_style(mathematics=True)
 def draw_plateaus(raw: Course, aided: Course) -> Figure:
     """Draw torque over velocity without and with compensation, dashed and solid as in the paper (Fig. 9)."""
-    figure = parts.new_figure(theme.COLUMN_IN, 2.5)
-    axes = figure.subplots()
-    parts.mark_zero(axes, x=True)
-    axes.plot(raw.dq, raw.interaction_nm, color=theme.FITTED, ls=theme.DASHED, lw=1.0, label="combined friction")
-    axes.plot(aided.dq, aided.interaction_nm, color=theme.FILTERED, lw=1.0, label="compensated")
-    parts.label_panel(axes, y="Interaction torque [N m]")
-    axes.set_xlabel("Velocity [rad/s]")
-    parts.add_legend(figure)
-    return figure
+
+    def draw(axes: Axes) -> None:
+        parts.mark_zero(axes, x=True)
+        axes.plot(raw.dq, raw.interaction_nm, color=theme.FITTED, ls=theme.DASHED, lw=1.0, label="combined friction")
+        axes.plot(aided.dq, aided.interaction_nm, color=theme.FILTERED, lw=1.0, label="compensated")
+        parts.label_panel(axes, y="Interaction torque [N m]")
+        axes.set_xlabel("Velocity [rad/s]")
+
+    return _column(2.5, draw)
 
 
 @theme.figure_style(mathematics=True)
@@ -180,12 +182,9 @@ def draw_compensated(course: Course) -> Figure:
 @theme.figure_style(mathematics=True)
 def draw_compensated_loop(course: Course, without: Course) -> Figure:
     """Draw torque over velocity on the axes of the uncompensated joint (Fig. 11)."""
-    figure = parts.new_figure(theme.COLUMN_IN, 2.5)
-    axes = figure.subplots()
-    _draw_loop(course, "", axes)
+    figure = _column(2.5, partial(_draw_loop, course, ""))
     reach = 1.05 * float(abs(without.interaction_nm).max())
-    axes.set_ylim(-reach, reach)
-    parts.add_legend(figure)
+    figure.axes[0].set_ylim(-reach, reach)
     return figure
 
 

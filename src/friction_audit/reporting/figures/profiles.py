@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import FuncFormatter
 
 from friction_audit.diagnosis.profiles import ORDER
 from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile
@@ -77,16 +78,15 @@ def _draw_row(panels: list[Axes], joint: JointDiagnosis, row: Row) -> None:
     names = plain_names(" and ".join(effect.name for effect in joint.added))
     contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
     titles = (f"{parts.joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
-    residuals = (traces.measured - traces.before, traces.measured - traces.after)
-    drawn = [one for one in zip((row.before, row.after), residuals, titles, strict=True) if one[0] is not None]
-    ends = np.array([limits_for(residual, profile) for profile, residual, _ in drawn if profile is not None])
-    for axes, (profile, residual, title) in zip(panels, drawn, strict=True):
+    models = zip(panels, titles, (row.before, row.after), (traces.before, traces.after), strict=False)
+    for axes, title, profile, torque in models:
         assert profile is not None
-        along = traces.along[profile.axis] if row.own is None else row.own.values
-        draw_profile(axes, profile, along, traces.dq, residual)
         parts.label_panel(axes, fill(title, CHARACTERS), across=4)
-        name_axis(axes, profile)
-        axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
+        along = traces.along[profile.axis] if row.own is None else row.own.values
+        draw_profile(axes, profile, along, traces.dq, traces.measured - torque)
+    lows, highs = zip(*(axes.get_ylim() for axes in panels), strict=True)
+    for axes in panels:
+        axes.set_ylim(min(lows), max(highs))
 
 
 def _residual_label(found: Diagnosis) -> str:
@@ -102,19 +102,14 @@ RESIDUAL = parts.Layout(
 )  # fmt: skip
 
 
-def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
-    """Return limits that hold zero, all means with their errors, and most of the samples of shape (m,). [N m]"""
-    means = np.concatenate([profile.forwards, profile.backwards])
-    half = STANDARD_ERRORS * np.nan_to_num(np.concatenate([profile.forwards_se, profile.backwards_se]))
-    shown = np.concatenate([means - half, means + half, [0.0]])
-    ends = parts.limits(shown, np.quantile(samples, (OUTSIDE, 1.0 - OUTSIDE)), near=NEAR, smallest=SMALLEST_NM)
-    assert ends is not None
-    return ends
-
-
 def draw_profile(axes: Axes, profile: Profile, along: Float, dq: Float, torque: Float) -> None:
-    """Draw samples of shape (m,) as dots over ``along`` and the means of the bins, each direction of motion apart."""
+    """Draw samples of shape (m,) as dots over ``along`` and the means of the bins, each direction of motion apart.
+
+    The y axis holds zero, all means with their errors, and most of the samples; the x axis is logarithmic beyond its
+    first bin where the bins are of very different widths.
+    """
     parts.mark_zero(axes)
+    shown = [np.zeros(1)]
     reach = np.stack([profile.centre - profile.edges[:-1], profile.edges[1:] - profile.centre])
     directions = (
         ("forwards", dq > 0, ">", theme.BLUE, profile.forwards, profile.forwards_se),
@@ -129,12 +124,9 @@ def draw_profile(axes: Axes, profile: Profile, along: Float, dq: Float, torque: 
             profile.centre, mean, half, fmt=marker, color=colour, ms=3.2, mec=theme.BORDER, mew=0.4, elinewidth=0.8,
             capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
         )  # fmt: skip
-
-
-def name_axis(axes: Axes, profile: Profile) -> None:
-    """Name the axis; it is logarithmic beyond its first bin where the bins are of very different widths."""
-    from matplotlib.ticker import FuncFormatter
-
+        shown += [mean - half, mean + half]
+    most = np.quantile(torque, (OUTSIDE, 1.0 - OUTSIDE))
+    axes.set_ylim(parts.limits(np.concatenate(shown), most, near=NEAR, smallest=SMALLEST_NM))
     axes.set_xlabel(profile.label[:1].upper() + profile.label[1:])
     first, last = float(profile.centre[0]), float(profile.centre[-1])
     if profile.axis in STRETCHED and last > WIDENING * first > 0.0:
@@ -167,31 +159,25 @@ def _draw_nothing_missing(axes: Axes, joint: JointDiagnosis) -> None:
     if profile is None or traces is None:
         write_verdict(axes, joint)
         return
-    residual = traces.measured - traces.before
-    draw_profile(axes, profile, traces.along[profile.axis], traces.dq, residual)
+    words = plain_names(joint.verdict.replace("_", " "))
+    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {words}, no effect named", across=4)
+    draw_profile(axes, profile, traces.along[profile.axis], traces.dq, traces.measured - traces.before)
     if np.isfinite(limit):
         look: theme.Look = {"color": theme.SHADE, "lw": 0, "zorder": 0, "label": "below the detection limit"}
         axes.axhspan(-limit, limit, **look)
-    words = plain_names(joint.verdict.replace("_", " "))
-    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {words}, no effect named", across=4)
-    name_axis(axes, profile)
-    axes.set_ylim(*limits_for(residual, profile))
 
 
 def _draw_effect(axes: Axes, joint: JointDiagnosis, effect: NamedEffect) -> None:
     """Draw the effect as the log shows it, and as it was fitted, a line for each direction."""
     traces, own = joint.traces, wave_of(effect)
     assert traces is not None
-    shown = traces.measured - traces.after + effect.torque
     parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}")
     along = traces.along[effect.curve.axis] if own is None else own.values
     curve = effect.curve if own is None else own.curve
-    draw_profile(axes, curve, along, traces.dq, shown)
+    draw_profile(axes, curve, along, traces.dq, traces.measured - traces.after + effect.torque)
     for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, theme.DASHED, "backwards")):
         x, y = mean_along(along[which], effect.torque[which])
         axes.plot(x, y, color=theme.BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
-    axes.set_ylim(*limits_for(shown, curve))
-    name_axis(axes, curve)
     if parts.is_narrow(axes) and len(effect.parameters) <= MOST_NUMBERS:
         axes.annotate(
             fill(effect_numbers(effect), 56), (0.0, 0.0), (0.0, -28.0), xycoords="axes fraction",
@@ -246,7 +232,6 @@ EFFECTS = replace(
 
 def write_verdict(axes: Axes, joint: JointDiagnosis) -> None:
     """Fill a panel with the verdict on a joint that has nothing to draw there."""
-    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name))
     sentence = plain_names(f"{joint.verdict.replace('_', ' ')}: {joint_message(joint).partition(';')[0]}")
     parts.write_message(axes, sentence, characters=52 if parts.is_narrow(axes) else 36, instead=True)
 
@@ -255,7 +240,7 @@ ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
 
 
 def _draw_steps(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -> None:
-    """Draw a bar per step, the largest on top, and a line at the noise floor."""
+    """Draw a bar per step, the largest on top, and a line at the noise floor; say how much is explained."""
     (axes,) = panels
     if not joint.ladder or joint.gap is None:
         write_verdict(axes, joint)
@@ -268,25 +253,18 @@ def _draw_steps(panels: Sequence[Axes], _: Diagnosis, joint: JointDiagnosis) -> 
     axes.axvline(values[last], color=theme.MUTED, lw=0.7, ls=":")
     for place, value in zip(places, values, strict=True):
         axes.annotate(f"{value:.3g}", (value, place), (2, 0), textcoords="offset points", va="center", fontsize=6.5)
-    parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {explained_words(joint)}", across=4)
+    gap, contacts = joint.gap, ", contacts left out" if len(joint.added) < len(joint.effects) else ""
+    explained = "nothing added"
+    if joint.added:
+        error = f" ± {100 * gap.shrink_se:.1f}" if np.isfinite(gap.shrink_se) else ""
+        known = np.isfinite(gap.shrink)
+        explained = f"{100 * gap.shrink:.1f}{error} % explained" if known else "at the noise floor from the start"
+    title = f"{parts.joint_title(joint.joint, joint.name)}: {explained}\non {gap.cycles} held-out cycles{contacts}"
+    parts.label_panel(axes, title, across=4)
     axes.set_ylim(len(values) - 0.5, -0.5)  # the first on top
     axes.set_yticks(places, ["nominal model", *steps, "noise floor"])
     axes.tick_params(axis="y", length=0)
     axes.set_xlim(0.0, ROOM * max(values))
-
-
-def explained_words(joint: JointDiagnosis) -> str:
-    """Return the share explained of what is above the noise floor, on how many cycles, and without what."""
-    gap = joint.gap
-    assert gap is not None
-    contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
-    cycles = f"on {gap.cycles} held-out cycles{contacts}"
-    if not joint.added:
-        return f"nothing added\n{cycles}"
-    if np.isnan(gap.shrink):
-        return f"at the noise floor from the start\n{cycles}"
-    error = f" ± {100 * gap.shrink_se:.1f}" if np.isfinite(gap.shrink_se) else ""
-    return f"{100 * gap.shrink:.1f}{error} % explained\n{cycles}"
 
 
 LADDER = replace(

@@ -23,16 +23,15 @@ WITHOUT: dict[str, Any] = {"color": theme.FITTED, "ls": theme.DASHED}
 
 
 def _draw_over_time(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> None:
-    narrow, title = parts.is_narrow(panels[0]), parts.joint_title(joint.joint, joint.name)
+    narrow, title = parts.is_narrow(panels[0]), panels[0].get_title(loc="left")
     for axes, (name, draw) in zip(panels, list(PANELS.items())[-len(panels) :], strict=True):
         draw(axes, joint)
         heads = axes is panels[0] if narrow else axes.get_subplotspec().is_first_row()  # type: ignore[union-attr]
         head = title if narrow else name.replace("\n", " ")
         parts.label_panel(axes, head if heads else "", y=name if narrow else "", across=6 if narrow else 4)
-        history = joint.history
-        few = history is not None and len(history.stop) <= MOST_SHADED
-        starts, stops = (history.start_s, history.stop_s) if few and history is not None else ((), ())
-        parts.shade_stretches(axes, starts, stops, joint.without.t)
+        axes.set_xlim(joint.without.t[0], joint.without.t[-1])
+        if joint.history is not None and len(joint.history.stop) <= MOST_SHADED:
+            parts.shade_stretches(axes, joint.history.start_s, joint.history.stop_s)
         if joint.reason and len(axes.lines) <= 1:
             axes.set_yticks([])
         if joint.replayed is not None and len(joint.replayed.t) < len(joint.without.t):
@@ -49,10 +48,10 @@ def _reason(joint: JointReplay) -> str:
     return f"not replayed: {joint.reason.partition(';')[0]}" if joint.reason else ""
 
 
-def _within(limits: tuple[float, float], least: float, most: float) -> tuple[float, float]:
-    """Return limits that reach at least so far to both sides, and at most so far."""
-    most = max(most, least)
-    return max(min(limits[0], -least), -most), min(max(limits[1], least), most)
+def _limit(axes: Axes, least: float, most: float) -> None:
+    """Let the y axis reach at least so far to both sides, and at most so far."""
+    (low, high), most = axes.get_ylim(), max(most, least)
+    axes.set_ylim(max(min(low, -least), -most), min(max(high, least), most))
 
 
 def _draw_velocity(axes: Axes, joint: JointReplay) -> None:
@@ -60,8 +59,7 @@ def _draw_velocity(axes: Axes, joint: JointReplay) -> None:
     if joint.simulated:
         parts.draw_curve(axes, joint.without.t, joint.without.dq, POINTS, lw=0.6, zorder=3, **WITHOUT)
     parts.draw_raw_and_filtered(axes, shown.t, shown.dq, POINTS)
-    reach = float(np.abs(joint.without.dq).max())
-    axes.set_ylim(*_within(axes.get_ylim(), 0.0, MOST_OF_WITHOUT * max(reach, SMALLEST_SPEED_RAD_S)))
+    _limit(axes, 0.0, MOST_OF_WITHOUT * max(float(np.abs(joint.without.dq).max()), SMALLEST_SPEED_RAD_S))
 
 
 def _draw_torque(axes: Axes, joint: JointReplay) -> None:
@@ -71,8 +69,7 @@ def _draw_torque(axes: Axes, joint: JointReplay) -> None:
         parts.draw_raw_and_filtered(axes, shown.t, shown.interaction_nm, POINTS, zorder=4, label="with compensator")
     torque = parts.smooth(without.t, without.interaction_nm)
     parts.draw_curve(axes, without.t, torque, POINTS, lw=0.6, zorder=3, label="without compensator", **WITHOUT)
-    reach = float(np.abs(without.interaction_nm).max())
-    axes.set_ylim(*_within(axes.get_ylim(), SMALLEST_TORQUE_NM, MOST_OF_WITHOUT * reach))
+    _limit(axes, SMALLEST_TORQUE_NM, MOST_OF_WITHOUT * float(np.abs(without.interaction_nm).max()))
 
 
 def _draw_energy(axes: Axes, joint: JointReplay) -> None:
@@ -128,7 +125,7 @@ def _draw_loops(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> Non
     reach = min(1.05 * max(speeds), MOST_OF_WITHOUT * max(speeds[0], SMALLEST_SPEED_RAD_S))
     reach = max(reach, SMALLEST_SPEED_RAD_S)
     axes.set_xlim(-reach, reach)
-    parts.label_panel(axes, parts.joint_title(joint.joint, joint.name), across=4)
+    axes.locator_params(axis="x", nbins=4)
     if shown is None or joint.history is None:
         parts.write_message(axes, _reason(joint), characters=24)
         return

@@ -75,7 +75,7 @@ def _draw(panels: Sequence[Axes], found: Diagnosis, joint: JointDiagnosis) -> No
         for one, following in pairwise(pieces):
             axes.axvspan(one.place + one.stop - one.start, following.place, color=theme.SHADE, lw=0, zorder=0)
         axes.set_xlim(0.0, length_s)
-        parts.label_panel(axes, parts.joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
+        axes.set_ylabel(label)
     _label_cycles(panels[1], pieces, length_s)
 
 
@@ -108,13 +108,13 @@ def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int 
 
 def lay_out(pieces: Sequence[Piece], t: Float, signal: Float, usual_s: float) -> tuple[Float, Float]:
     """Return places and signal, shape (n,), of what is shown, NaN between cycles and over far longer steps."""
-    x: list[Float] = []
-    y: list[Float] = []
+    shown: list[Float] = []
     for piece in pieces:
         inside = (t >= piece.start) & (t <= piece.stop)
-        x.append(np.append(t[inside] - piece.start + piece.place, np.nan))
-        y.append(np.append(parts.break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual_s), np.nan))
-    return np.concatenate(x), np.concatenate(y)
+        whole = parts.break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual_s)
+        shown += [np.stack([t[inside] - piece.start + piece.place, whole]), np.full((2, 1), np.nan)]
+    x, y = np.concatenate(shown, axis=1)
+    return x, y
 
 
 def _draw_curve(axes: Axes, pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:

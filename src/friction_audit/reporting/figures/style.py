@@ -62,7 +62,7 @@ def load_style(name: str) -> Mapping[str, Any]:
     from matplotlib import rc_params_from_file, style
 
     if name in style.library:
-        return _items(style.library[name])
+        return dict(style.library[name].items())  # with the type of every name, mypy takes them for no names
     where, expected = f"--style {name}", "expected lines like `axes.grid: True`"
     if not Path(name).is_file():
         known = f"{', '.join(STYLES)}, or one of matplotlib, e.g. ggplot"
@@ -78,11 +78,7 @@ def load_style(name: str) -> Mapping[str, Any]:
     for fault in heard.buffer:
         reason = shortened(fault.getMessage(), LONGEST_FAULT)
         raise UsageError(f"{where}: {reason}; {expected}; correct the file")
-    return _items(found)
-
-
-def _items(found: Mapping[Any, Any]) -> dict[str, Any]:
-    return dict(found.items())  # with the type of every name, mypy takes them for no names
+    return dict(found.items())
 
 
 def style_in_force() -> Mapping[str, Any]:
@@ -111,16 +107,15 @@ def figure_style(*, mathematics: bool = False) -> Iterator[None]:
         yield
 
 
-FORMATS = ("png", "svg", "pdf")
-# Metadata that would change from run to run or from one matplotlib to the next is left out.
+# Formats; metadata that would change from run to run or from one matplotlib to the next is left out.
 UNDATED = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}, "pdf": {"CreationDate": None}}
-BACKENDS = {"png": "agg", "svg": "svg", "pdf": "pdf"}
+FORMATS = tuple(UNDATED)
 
 
 def load_matplotlib(formats: Iterable[str]) -> None:
     """Load what it takes to draw figures in these formats, before the process is copied."""
     for kind in formats:
-        import_module(f"matplotlib.backends.backend_{BACKENDS[kind]}")
+        import_module(f"matplotlib.backends.backend_{'agg' if kind == 'png' else kind}")
 
 
 def figure_bytes(figure: "Figure", kind: str) -> bytes:

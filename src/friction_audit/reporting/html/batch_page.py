@@ -44,7 +44,8 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure] | 
     lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section(anchor="failed", title="Files that failed", parts=(lead, files))
-    span = phrases.span_of(summary.sessions)
+    span, pictures = phrases.span_of(summary.sessions), _pictures(summary.arms, drawn or {})
+    most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)))
     page = html.Page(
         title="Friction over sessions",
         lead=_lead(summary),
@@ -56,7 +57,7 @@ def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure] | 
         ),
         sections=(
             html.Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *html.noted(limits, "alert"))),
-            *_arm_sections(summary, drawn or {}),
+            *(_arm_section(arm, f"arm-{k}", pictures.get(k, ()), most) for k, arm in enumerate(summary.arms, start=1)),
             *([failed] if summary.failed else ()),
             *html.closing_sections(WORDS, summary.settings, summary.command),
         ),
@@ -82,17 +83,8 @@ def _lead(summary: tables.BatchSummary) -> str:
     return f"{found}." if steady == arms else f"{found}; no answer on {count_of(arms - steady, 'arm')}."
 
 
-def _arm_sections(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> Iterator[html.Section]:
-    """Yield a section per arm; figures first of the arms that drift, as long as there is room."""
-    pictures = _pictures(summary.arms, drawn)
-    cells = sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
-    most = max(1, MOST_CELLS // max(cells, 1))
-    for number, arm in enumerate(summary.arms, start=1):
-        yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()), most)
-
-
 def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> dict[int, tuple[html.Figure, ...]]:
-    """Return the figures of each arm, by its number, as many arms as there is room for."""
+    """Return the figures of each arm, by its number, first of those that drift, of as many as there is room for."""
     found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
@@ -174,10 +166,6 @@ def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
             yield Record(columns).people(rows, caption=caption, folded=True)
 
 
-ON_A_SHEET = 8
-"""Joints of one figure of the page."""
-
-
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Drawing:
     """A figure to be drawn; it can be given to another process."""
@@ -212,11 +200,12 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
 
 def page_drawings(arm: ArmDrift, anchor: str, kind: FigureKind) -> Iterator[Drawing]:
     """Yield the figures of a kind on the page; more joints than fit on a sheet of paper make several."""
-    for first in range(0, len(arm.joints), ON_A_SHEET):
-        joints = arm.joints[first : first + ON_A_SHEET]
-        which = "" if len(joints) == len(arm.joints) else f", joints {joints[0].joint} to {joints[-1].joint}"
-        part = as_drawn(replace(arm, joints=joints))
-        yield Drawing(kind=kind, arm=part, anchor=f"{anchor}-{kind.name}-{first + 1}", which=which)
+    for number, (joints, which) in enumerate(html.sheets_of(arm.joints)):
+        part, name = (
+            as_drawn(replace(arm, joints=tuple(joints))),
+            f"{anchor}-{kind.name}-{html.ON_A_SHEET * number + 1}",
+        )
+        yield Drawing(kind=kind, arm=part, anchor=name, which=which)
 
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:
@@ -241,9 +230,8 @@ def draw(drawing: Drawing) -> Drawn:
         figure.set_layout_engine("none")  # it has its place now; finding it takes half of the time
     if not drawing.anchor:
         return Drawn(files, None)
-    every = "; ".join(
-        f"joint {joint_label(one.joint, one.name)}: {phrases.joint_sentence(arm, one)}" for one in arm.joints
-    )
+    joints = ((joint_label(one.joint, one.name), phrases.joint_sentence(arm, one)) for one in arm.joints)
+    every = "; ".join(f"joint {label}: {sentence}" for label, sentence in joints)
     words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
     title = f"{kind.title}{drawing.which}"
     return Drawn(files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words))

@@ -5,7 +5,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import lru_cache
 from types import SimpleNamespace
-from typing import NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure as Drawing
@@ -31,20 +30,13 @@ FIRST = "velocity-torque"  # stands next to the answer
 SECTION_OF = {"estimate": "friction", "replay": "compensator", "diagnosis": "diagnosis"}  # by the result that is drawn
 LOG_FIGURES = tuple(kind for kind in figures_of(*SECTION_OF) if kind.caption)
 MOST_BYTES = 2_500_000  # figures of one page together
-ON_A_SHEET = 8  # joints of one figure
 CLOUD = 60  # dots in a panel from which on they are an image: text would be larger than the rest of the page
 COARSE_PT = 0.5  # invisible deviation of a drawn line
 MOST_POINTS = 1500  # points of a curve over time: more than a panel has dots of a screen, also enlarged
 
 
-class Drawn(NamedTuple):
-    """The figures of a page by section, in order, and titles of those that found no room."""
-
-    by_section: Mapping[str, list[html.Figure]]
-    left_out: Mapping[str, list[str]]
-
-
-NO_FIGURES = Drawn({}, {})
+Drawn = Mapping[str, list[html.Figure | str]]
+"""The figures of a page by section, in order; the titles alone of those that found no room."""
 WORDS = {
     "interaction torque": "F_m, the torque at the joint's torque sensor that drives the joint against friction and "
     "inertia.",
@@ -91,7 +83,8 @@ SIGN = Record(
 
 def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
     """Return what the page of a log is made of, with figures or without."""
-    drawn = draw_figures(report) if figures else NO_FIGURES
+    drawn = draw_figures(report) if figures else {}
+    log, source = report.estimate.log, report.estimate.log.source
     answered = [one for one in report.joints if not one.friction.reason or one.answer]
     warnings = notice_lines(made.report_notices(report))
     listed = html.noted(warnings) or [html.Text(lines=("There are none.",))]
@@ -99,9 +92,16 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
         anchor="joints", title="Joints", sections=[_joint(report, one) for one in answered], on_paper=False
     )
     return html.Page(
-        title=f"Joint friction: {report.file_name}",
+        title=f"Joint friction: {source.path}",
         lead=in_unit(made.lead_sentence(report), report.unit),
-        facts=tuple(_facts(report)),
+        facts=(
+            ("Robot", source.robot),
+            *([] if source.start_s is None else [("Recorded (UTC)", format_start(source.start_s))]),
+            ("Duration", f"{log.duration_s:.4g} s"),
+            ("Rate", f"{log.rate_hz:.4g} Hz"),
+            ("Joints", str(len(report.joints))),
+            ("Cycles", str(sum(one.friction.cycles for one in report.joints))),
+        ),
         sections=(
             html.Section(anchor="verdicts", title="Friction and verdict", parts=[*_answer(report, answered, drawn)]),
             *([joints] if answered else ()),
@@ -110,17 +110,6 @@ def log_page(report: made.LogReport, *, figures: bool = True) -> html.Page:
             *html.closing_sections(WORDS, made.report_settings(report), report.command, paper=False),
         ),
     )  # fmt: skip
-
-
-def _facts(report: made.LogReport) -> Iterator[tuple[str, str]]:
-    log = report.estimate.log
-    yield "Robot", log.source.robot
-    if log.source.start_s is not None:
-        yield "Recorded (UTC)", format_start(log.source.start_s)
-    yield "Duration", f"{log.duration_s:.4g} s"
-    yield "Rate", f"{log.rate_hz:.4g} Hz"
-    yield "Joints", str(len(report.joints))
-    yield "Cycles", str(sum(one.friction.cycles for one in report.joints))
 
 
 def _answer(report: made.LogReport, answered: list[made.JointReport], drawn: Drawn) -> Iterator[html.Part]:
@@ -168,7 +157,7 @@ def _effects(report: made.LogReport, one: made.JointReport) -> Iterator[html.Par
         return
     rows, joint, unit = tables.effect_rows([one.discrepancy]), f"joint {one.joint}", report.unit
     competing = [(row, other) for row in rows for other in row.effect.evidence if other.name != row.effect.name]
-    untestable = tables.untestable_rows([one.discrepancy])
+    untestable = tables.untestable_rows(one.discrepancy)
     strong = "from 6 on the evidence against them is strong"
     if rows:
         yield _of_one_joint(tables.EFFECT, rows, f"Missing effects of {joint}, the largest first", unit)
@@ -235,9 +224,8 @@ def _unanswered(report: made.LogReport, part: str) -> html.Text:
 
 def _pictures(drawn: Drawn, section: str) -> Iterator[html.Part]:
     """Yield the figures of a section, and the names of those that found no room."""
-    yield from drawn.by_section.get(section, ())
-    left_out = drawn.left_out.get(section, ())
-    if left_out:
+    yield from (one for one in drawn.get(section, ()) if isinstance(one, html.Figure))
+    if left_out := [one for one in drawn.get(section, ()) if isinstance(one, str)]:
         more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
         yield html.Text(lines=(f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
 
@@ -258,7 +246,8 @@ def _recording(report: made.LogReport) -> Iterator[html.Part]:
     if signs:
         caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
         yield SIGN.people(signs, caption=caption, folded=True, unit=unit)
-    checks = tables.finding_rows(() if report.diagnosis is None else report.diagnosis.discrepancy.joints)
+    joints = () if report.diagnosis is None else report.diagnosis.discrepancy.joints
+    checks = [(joint, finding) for joint in joints for finding in joint.findings]
     bad = [row for row in checks if row[1].verdict != "fine"]
     for caption, rows in (("Limits and faults of the data", bad), ("Every check of the data", checks)):
         if rows:
@@ -276,7 +265,7 @@ REPORT_FORMATS: Mapping[str, tuple[str, Callable[[made.LogReport], bytes]]] = {
     "html": (".html", lambda report: html.render_page(log_page(report)).encode()),
     "pdf": (".pdf", lambda report: html.write_pdf(log_page(report))),
     "markdown": (".md", lambda report: html.write_markdown(log_page(report, figures=False)).encode()),
-    "json": (".json", lambda report: write_document(made.report_document(report)).encode()),
+    "json": (".json", lambda report: write_document(made.REPORT.json(report, report.unit)).encode()),
 }
 """Formats: the ending of a file, and what is in it."""
 
@@ -286,17 +275,14 @@ def draw_figures(report: made.LogReport) -> Drawn:
     """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room."""
     from friction_audit.reporting.figures.style import load_matplotlib
 
-    drawn, left = Drawn(defaultdict(list), defaultdict(list)), MOST_BYTES
-    sheets = list(_sheets(report))
+    drawn: dict[str, list[html.Figure | str]] = defaultdict(list)
+    sheets, left = list(_sheets(report)), MOST_BYTES
     load_matplotlib(["svg", "png"] if sheets else [])  # once, and not by every copy
     work = in_processes(lambda k: _figure(report, *sheets[k]), len(sheets), workers_for(len(sheets)))
     for kind, _, title in sheets:
         figure = next(work) if left > 0 else None
         left -= 0 if figure is None else len(figure.svg)
-        if figure is None or left < 0:
-            drawn.left_out[_section(kind)].append(title)
-        else:
-            drawn.by_section[_section(kind)].append(figure)
+        drawn[_section(kind)].append(title if figure is None or left < 0 else figure)
     return drawn
 
 
@@ -313,9 +299,7 @@ def _sheets(report: made.LogReport) -> Iterator[tuple[FigureKind, tuple[made.Joi
             layout = kind.layout()
             shown[kind] = {one.joint for one in layout.joints(result) if layout.has(result, one)}
     every = [one for one in report.joints if any(one.joint in numbers for numbers in shown.values())]
-    for first in range(0, len(every), ON_A_SHEET):
-        own = every[first : first + ON_A_SHEET]
-        which = "" if len(every) <= ON_A_SHEET else f", joints {own[0].joint} to {own[-1].joint}"
+    for own, which in html.sheets_of(every):
         for kind, numbers in shown.items():
             joints = tuple(one for one in own if one.joint in numbers)
             if joints:
@@ -326,10 +310,9 @@ def _figure(report: made.LogReport, kind: FigureKind, joints: tuple[made.JointRe
     numbers = tuple(one.joint for one in joints)
     drawing = label_in_unit(kind.draw(getattr(report, kind.result), numbers), report.unit)
     _make_small(drawing)
-    words = [f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints]
-    words_in_unit = in_unit(f"{title}. {'; '.join(words)}.", report.unit)
-    prefix = f"{kind.name}-{numbers[0]}"
-    return html.draw_inline(drawing, prefix, title=title, caption=kind.caption, description=words_in_unit)
+    every = "; ".join(f"joint {joint_label(one.joint, one.name)}: {made.joint_words(one)}" for one in joints)
+    about = in_unit(f"{title}. {every}.", report.unit)
+    return html.draw_inline(drawing, f"{kind.name}-{numbers[0]}", title=title, caption=kind.caption, description=about)
 
 
 def _make_small(drawing: Drawing) -> None:

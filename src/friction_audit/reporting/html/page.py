@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from jinja2 import Environment
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure as Drawing
+
+
+J = TypeVar("J", bound=Any)  # of a joint, which has its number
 
 
 class Figure(NamedTuple):
@@ -84,15 +87,21 @@ METHOD = (
     "Robots as Haptic Displays, IEEE/ASME Transactions on Mechatronics, 2024, doi 10.1109/TMECH.2024.3410330."
 )
 PROGRAM = f"friction-audit {__version__}. The program is not by the authors of the method."
-
-
 UNSET = "not set"
+ON_A_SHEET = 8  # joints of one figure
 SETTING = Record(Column("setting", str, get="0", code=True, on="p"), Column("value", str, get="1", code=True, on="p"))
 
 
 def noted(lines: Sequence[str], tone: Tone = "unsure") -> list[Text]:
     """Return a list of sentences, if there are some."""
     return [Text(lines=lines, listed=True, tone=tone)] if lines else []
+
+
+def sheets_of(joints: Sequence[J]) -> Iterator[tuple[Sequence[J], str]]:
+    """Yield the joints of each sheet of a figure, and which they are where there are several sheets, for its title."""
+    for first in range(0, len(joints), ON_A_SHEET):
+        own = joints[first : first + ON_A_SHEET]
+        yield own, "" if len(own) == len(joints) else f", joints {own[0].joint} to {own[-1].joint}"
 
 
 def closing_sections(
@@ -168,7 +177,8 @@ def _environment() -> "Environment":
     environment.tests["kind"] = lambda part, name: type(part).__name__ == name
     # A fence of Markdown is longer than any run of backticks in the command.
     environment.filters["fence"] = lambda line: "`" * max(3, *(len(run) + 1 for run in re.findall("`+", line)), 0)
-    environment.filters["plain"] = _plain
+    # Text in one line that Markdown takes for nothing else.
+    environment.filters["plain"] = lambda text: SPECIAL.sub(r"\\\1", " ".join(text.split()))
     return environment
 
 
@@ -197,11 +207,6 @@ def write_pdf(page: Page) -> bytes:
 def write_markdown(page: Page) -> str:
     """Return a page as Markdown, the same words and tables without drawings; names from the log stay text."""
     return printable(_environment().get_template("page.md.j2").render(page=page, version=__version__) + "\n")
-
-
-def _plain(text: str) -> str:
-    """Return text in one line that Markdown takes for nothing else."""
-    return SPECIAL.sub(r"\\\1", " ".join(text.split()))
 
 
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
