@@ -66,7 +66,7 @@ def test_options_are_the_settings() -> None:
     assert set(options.DiagnosisOptions.__annotations__) == names_of(DiagnosisSettings)
     steps = (TorqueSettings, CycleSettings, FrictionSettings)
     assert sum(len(names_of(one)) for one in steps) == len(names_of(*steps))
-    assert set(options.EstimateOptions.__annotations__) == names_of(*steps) | set(options.SELECTION)
+    assert set(options.EstimateOptions.__annotations__) == names_of(*steps) | {"joints", "t_start_s", "t_stop_s"}
 
 
 def test_options_reach_the_steps(log: JointLog) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from friction_audit.cli.app import NAMES, app
+from friction_audit.cli import NAMES, app
 
 ROOT = Path(__file__).parents[1]
 SOURCE = ROOT / "src" / "friction_audit"

@@ -3,7 +3,8 @@
 Every call raises ``UsageError`` for an option or a value that it cannot use; the message says which ones there are.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from difflib import get_close_matches
 from os import PathLike
@@ -110,29 +111,20 @@ class DiagnosisOptions(TypedDict, total=False):
     model: ArmModel | None
 
 
-SELECTION = ("joints", "t_start_s", "t_stop_s")  # options that are settings of the chain itself
-
-
 def audit_settings(options: EstimateOptions) -> AuditSettings:
     """Return the settings of the chain; refuse options that there are not."""
     given: dict[str, Any] = dict(options)
-    check_names("estimate_log", given, EstimateOptions)
-    if "joints" in given and given["joints"] is not None:
-        joints = given["joints"]
+    _check_names("estimate_log", given, EstimateOptions)
+    if (joints := given.get("joints")) is not None:
         given["joints"] = (joints,) if isinstance(joints, int) else tuple(joints)
-
-    def own(names: Iterable[str]) -> dict[str, Any]:
-        return {name: given[name] for name in names if name in given}
-
-    return AuditSettings(
-        **own(SELECTION),
-        torque=TorqueSettings(**own(TorqueSettings.__dataclass_fields__)),
-        cycles=CycleSettings(**own(CycleSettings.__dataclass_fields__)),
-        friction=FrictionSettings(**own(FrictionSettings.__dataclass_fields__)),
-    )
+    steps: dict[str, Any] = {"torque": TorqueSettings, "cycles": CycleSettings, "friction": FrictionSettings}
+    for step, settings in steps.items():
+        own = {name: given.pop(name) for name in settings.__dataclass_fields__ if name in given}
+        given[step] = settings(**own)
+    return AuditSettings(**given)
 
 
-def check_names(call: str, given: Mapping[str, Any], known: type) -> None:
+def _check_names(call: str, given: Mapping[str, Any], known: type) -> None:
     """Refuse options that a call does not know; the message names the near ones."""
     names = tuple(known.__annotations__)
     for name in given:
@@ -156,7 +148,7 @@ def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
     Raises:
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
-    check_names("read_log", options, ReadingOptions)
+    _check_names("read_log", options, ReadingOptions)
     if not isinstance(path, str | PathLike):
         found = type(path).__name__
         raise UsageError(f"read_log: found a {found}, expected a path; log_from_frame reads frames and arrays")
@@ -174,7 +166,7 @@ def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[Reading
     Raises:
         InputError: If it cannot be read as a joint log; the message says what was found and what to do.
     """
-    check_names("log_from_frame", options, ReadingOptions)
+    _check_names("log_from_frame", options, ReadingOptions)
     return ingest.log_from_frame(frame, ingest.ReadOptions(**options), name=name)
 
 
@@ -205,7 +197,7 @@ def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), *
     named: dict[str, Any] = {one.name: one.settings for one in SCENARIOS}
     if scenario not in named:
         raise UsageError(f"{scenario}: no such scenario; expected one of {', '.join(named)}")
-    check_names("simulate_log", changes, type(named[scenario]))
+    _check_names("simulate_log", changes, type(named[scenario]))
     hidden = (effects,) if isinstance(effects, str) else effects  # one alone is a sequence of letters to Python
     return simulate(hide(replace(named[scenario], **changes), hidden), seed, path=scenario)
 
@@ -227,9 +219,8 @@ def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
         InputError: If the log lacks a channel that the options ask for.
     """
     if not isinstance(log, JointLog):
-        raise UsageError(
-            f"{type(log).__name__}: expected a log, as read_log returns it; read a file with read_log first"
-        )
+        found = type(log).__name__
+        raise UsageError(f"{found}: expected a log, as read_log returns it; read a file with read_log first")
     return audit.estimate_log(log, audit_settings(options))
 
 
@@ -244,7 +235,7 @@ def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> Lo
     Raises:
         AnalysisError: If the log cannot be replayed.
     """
-    check_names("replay_log", options, ReplayOptions)
+    _check_names("replay_log", options, ReplayOptions)
     estimate = _estimated(log)
     return audit.replay_estimate(estimate, replay_settings(estimate, options))
 
@@ -259,7 +250,7 @@ def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) 
     Raises:
         AnalysisError: If the log cannot be diagnosed.
     """
-    check_names("diagnose_log", options, DiagnosisOptions)
+    _check_names("diagnose_log", options, DiagnosisOptions)
     return audit.diagnose_estimate(_estimated(log), DiagnosisSettings(**options))
 
 
@@ -276,21 +267,16 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     """
     from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
-    if path is None:
-        return _reported(log)
-    writers, ending = dict(REPORT_FORMATS.values()), Path(path).suffix
-    if ending.lower() not in writers:
+    writers, ending = dict(REPORT_FORMATS.values()), "" if path is None else Path(path).suffix
+    if path is not None and ending.lower() not in writers:
         raise UsageError(f"{path}: ending {ending or 'missing'}: expected one of {', '.join(writers)}")
     # What cannot be written is refused before anything long is done.
-    with whole_file(Path(path), overwrite=overwrite) as draft:
-        report = _reported(log)
-        draft.write_bytes(writers[ending.lower()](report))
+    with nullcontext() if path is None else whole_file(Path(path), overwrite=overwrite) as draft:
+        estimate = _estimated(log)
+        report = report_estimate(estimate, replay_settings(estimate, {}), DiagnosisSettings())
+        if draft is not None:
+            draft.write_bytes(writers[ending.lower()](report))
     return report
-
-
-def _reported(log: JointLog | Estimate) -> LogReport:
-    estimate = _estimated(log)
-    return report_estimate(estimate, replay_settings(estimate, {}), DiagnosisSettings())
 
 
 def replay_settings(estimate: Estimate, options: ReplayOptions) -> ReplaySettings:
@@ -354,7 +340,7 @@ def _of_kind(result: object, call: str, kinds: Mapping[type, Any]) -> Any:  # no
     for kind, found in kinds.items():
         if isinstance(result, kind):
             return found
-    calls = "estimate_log, replay_log" + (", diagnose_log or report_log" if LogReport in kinds else " or diagnose_log")
+    calls = f"estimate_log, replay_log{', diagnose_log or report_log' if LogReport in kinds else ' or diagnose_log'}"
     raise UsageError(f"{call}: {type(result).__name__}: expected the result of {calls}; call one of them first")
 
 

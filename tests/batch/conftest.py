@@ -8,11 +8,10 @@ from pathlib import Path
 import pytest
 
 from friction_audit.batch.executor import Asked, Done, Executor, Lost
-from friction_audit.batch.find_logs import find_logs
+from friction_audit.batch.find_logs import LogFile, find_logs
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.batch.run_batch import BatchResult, catch_up, gather
-from friction_audit.batch.work import Task
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.simulation import BenchSettings, JointParameters, simulate
@@ -30,7 +29,7 @@ class Inline:
 
     def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         for task in tasks:
-            assert isinstance(task, Task)
+            assert isinstance(task, LogFile)
             self.taken.append(Path(task.place).name)
             if self._lose and self._lose in task.place:
                 yield task, Lost("gone")
@@ -77,6 +76,6 @@ def batch(tmp_path: Path) -> Batch:
         with Ledger(tmp_path / ledger / "ledger.sqlite") as opened:
             logs = find_logs([str(name) for name in names], {})
             chosen = settings or BatchSettings()
-            return gather(catch_up(logs, chosen, opened, executor or Inline(), lambda _: None), chosen, opened)
+            return gather(catch_up(logs, chosen, opened, executor or Inline(), lambda *_: None), chosen, opened)
 
     return run

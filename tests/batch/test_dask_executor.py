@@ -14,10 +14,9 @@ from friction_audit import __version__
 from friction_audit.batch import executor as executors
 from friction_audit.batch.executor import DaskExecutor, Lost
 from friction_audit.batch.identity import Worked
-from friction_audit.batch.work import Task
 from friction_audit.errors import UsageError
 from tests.batch.conftest import Batch
-from tests.batch.fragile_work import deadly_once
+from tests.batch.fragile_work import deadly_once, tasks
 
 pytest.importorskip("distributed")
 pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.xdist_group("dask")]
@@ -43,9 +42,8 @@ def test_the_same_numbers_to_the_bit(cluster: Any, rig: Path, batch: Batch) -> N
 
 def test_a_worker_killed_in_the_middle_costs_nothing(cluster: Any, tmp_path: Path) -> None:
     names = [*map(str, range(8)), "bug"]
-    tasks = (Task(path=name, place=str(tmp_path / name)) for name in names)
     executor = DaskExecutor(address=cluster.scheduler_address)
-    found = {task.path: outcome for task, outcome in executor.run(deadly_once, tasks)}
+    found = {task.path: outcome for task, outcome in executor.run(deadly_once, tasks(tmp_path, *names))}
     assert set(found) == set(names)
     bug = found.pop("bug")
     assert isinstance(bug, Lost)

@@ -102,7 +102,8 @@ def database(path: Path, statement: str) -> None:
 
 
 def newer_ledger(path: Path) -> None:
-    Ledger(path).close()
+    with Ledger(path):
+        pass
     database(path, f"PRAGMA user_version = {SCHEMA_VERSION + 1}")
 
 

@@ -10,19 +10,20 @@ from pathlib import Path
 import pytest
 
 from friction_audit.batch.executor import Asked, Done, LocalExecutor, Lost
+from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Worked
 from friction_audit.batch.run_batch import drift_of_arms
-from friction_audit.batch.work import Task
 from friction_audit.drift.analyse import analyse_drift
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.errors import AnalysisError
+from tests.batch.fragile_work import tasks
 from tests.drift.made_sessions import make_sessions, noisy
 
 PATIENCE_S = 60.0
 
 
-def fragile(task: Task) -> Worked:
+def fragile(task: LogFile) -> Worked:
     """Die on some tasks: always, or when it is the first time."""
     if task.path == "deadly" or (task.path == "once" and not Path(task.place).exists()):
         Path(task.place).touch()
@@ -32,15 +33,11 @@ def fragile(task: Task) -> Worked:
     return Worked(sha256=f"{task.path} {os.getpid()} {os.environ.get('OPENBLAS_NUM_THREADS')}")
 
 
-def slow(task: Task) -> Worked:
+def slow(task: LogFile) -> Worked:
     """Say who works, then take very long."""
     Path(task.place).write_text(str(os.getpid()))
     time.sleep(PATIENCE_S)
     return Worked(sha256="late")
-
-
-def tasks(folder: Path, *names: str) -> Iterator[Task]:
-    return (Task(path=name, place=str(folder / name)) for name in names)
 
 
 def test_dead_workers_cost_their_own_log_alone(tmp_path: Path) -> None:
@@ -58,7 +55,7 @@ def test_dead_workers_cost_their_own_log_alone(tmp_path: Path) -> None:
 def test_tasks_are_taken_as_workers_become_free(tmp_path: Path) -> None:
     taken: list[str] = []
 
-    def watched() -> Iterator[Task]:
+    def watched() -> Iterator[LogFile]:
         for task in tasks(tmp_path, *"abcdef"):
             taken.append(task.path)
             yield task
@@ -92,7 +89,7 @@ def test_giving_up_ends_the_work_under_way(tmp_path: Path) -> None:
         os.kill(int(place.read_text()), 0)
 
 
-def _slow_after_one(task: Task) -> Worked:
+def _slow_after_one(task: LogFile) -> Worked:
     return Worked(sha256="") if task.path == "quick" else slow(task)
 
 

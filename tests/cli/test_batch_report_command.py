@@ -14,7 +14,7 @@ import pytest
 
 from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.ledger import SCHEMA_VERSION
-from friction_audit.cli.batch_files import RESULTS
+from friction_audit.cli.batch_report import RESULTS
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.simulation import BenchSettings, simulate

@@ -11,8 +11,7 @@ from pathlib import Path
 import pytest
 import typer
 
-from friction_audit.cli import choices
-from friction_audit.cli.app import NAMES, command_of
+from friction_audit.cli import NAMES, choices, command_of
 
 PROGRAM = Path(sys.executable).parent / "friction-audit"
 ASK = """

@@ -1,4 +1,7 @@
+"""``diagnose``: names, options and parts of a log; what is wrong with one joint or part takes no answer from others."""
+
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -7,7 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from friction_audit.diagnosis import diagnose as engine
+from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.writers.write_log import write_log
+from friction_audit.reporting import report as log_report
 from tests.cli.conftest import Run
 from tests.reporting.conftest import build_estimate
 
@@ -64,3 +71,89 @@ def test_of_a_long_log_a_part_is_diagnosed_and_that_is_said(run: Run, logs: Path
     assert said.startswith("only 30 s of 42 s are diagnosed, in parts from 0 to 42 s")
     assert found["joints"][0]["verdict"] == "adequate"
     assert run("diagnose", logs / "moved1.csv", "--at-most", "0").code == 2
+
+
+DEAD = {"torque of zeros": ("tau_interaction", 0.0), "frozen torque": ("tau_interaction", 0.37), "no dq": ("dq", 0.0)}
+
+
+@pytest.fixture
+def dead(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """Return a log of two joints of which the second has a dead channel."""
+    channel, value = DEAD[request.param]
+    log = build_estimate(2, count=24, rate=250.0).log
+    column = getattr(log, channel).copy()
+    column[:, 1] = value
+    write_log(replace(log, **{channel: column}), tmp_path / "dead.csv")
+    return tmp_path / "dead.csv"
+
+
+def fails(subject: Subject, *others: object) -> JointDiagnosis:
+    """Diagnose a joint; of the first one the diagnosis ends in an error."""
+    if subject.number == 1:
+        raise ZeroDivisionError("by zero")
+    return diagnose_joint(subject, *others)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("dead", DEAD, indirect=True)
+def test_a_dead_channel_is_a_fault_of_its_joint(dead: Path, run: Run) -> None:
+    answer = run("diagnose", dead, "--json", *FEW)
+    assert answer.code == 0
+    good, bad = answer.document()["joints"]
+    assert (good["verdict"], bad["verdict"]) == ("adequate", "data_fault")
+    assert "channel is dead" in bad["message"]
+    assert good["nominal"]["coulomb_nm"]["value"] == pytest.approx(0.245, abs=0.01)
+
+
+def test_a_bug_in_one_joint_is_its_own(run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(engine, "diagnose_joint", fails)
+    answer = run("diagnose", logs / "moved2.csv", "--json", *FEW)
+    assert answer.code == 1
+    bad, good = answer.document()["joints"]
+    assert (bad["verdict"], good["verdict"]) == ("failed", "adequate")
+    assert answer.err == f"error: joint 1: {bad['message']}\n"
+    answer = run("diagnose", logs / "moved1.csv", "-v", *FEW)
+    assert (answer.code, "failed" in answer.out) == (1, True)
+    assert "Traceback (most recent call last)" in answer.err
+    assert answer.err.splitlines()[-1].startswith("error: joint 1: the diagnosis failed with ZeroDivisionError")
+    answer = run("report", logs / "moved1.csv", "--format", "markdown")
+    assert (answer.code, "Traceback" in answer.err) == (1, False)
+    page = (tmp_path / "moved1.report.md").read_text(encoding="utf-8")
+    assert re.search(r"^\| 1 .*\| failed \|", page, re.MULTILINE)
+
+
+@pytest.mark.usefixtures("sketched")
+@pytest.mark.parametrize(("part", "stays"), [("replay", "What the model misses"), ("diagnose", "a compensator would")])
+def test_a_bug_in_one_part_leaves_the_others_on_the_page(
+    part: str, stays: str, run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(log_report, f"{part}_estimate", lambda *_: 1 / 0)
+    answer = run("report", logs / "moved1.csv", "--format", "markdown,html,json")
+    assert (answer.code, f"error: {part} failed with ZeroDivisionError" in answer.err) == (1, True), answer
+    page = Path("moved1.report.md").read_text(encoding="utf-8")
+    assert f"{part} failed with ZeroDivisionError" in page
+    assert "Friction is estimated: " in page
+    assert stays in page
+
+
+def test_without_an_estimate_the_page_says_what_to_record(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("report", logs / "still.csv", "-o", "out", "--format", "html,markdown,json,pdf")
+    assert (answer.code, "no joint has an estimate:\n  joint 1: did not move" in answer.err) == (4, True), answer
+    assert len(list((tmp_path / "out").iterdir())) == 4
+    page = (tmp_path / "out" / "still.report.md").read_text(encoding="utf-8")
+    for said in ("Friction is estimated on no joint", "move back and forth", "SHA-256", "samples"):
+        assert said in page.replace("Samples", "samples")
+
+
+@pytest.mark.parametrize("share", [0.15, 0.45])
+@pytest.mark.parametrize("rate", [30.0, 50.0, 119.0, 2000.0])
+def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: Run, tmp_path: Path) -> None:
+    """Noise of the motion lowers the corner of the filter; a vibration above it is filtered away."""
+    log, rng = build_estimate(1, count=24, rate=rate).log, np.random.default_rng(0)
+    assert log.tau_interaction is not None
+    vibration = 0.1 * np.sin(2.0 * np.pi * share * rate * log.t)
+    q, dq = (signal + size * rng.standard_normal(signal.shape) for signal, size in ((log.q, 1e-3), (log.dq, 1e-2)))
+    write_log(replace(log, q=q, dq=dq, tau_interaction=log.tau_interaction + vibration[:, None]), tmp_path / "low.npz")
+    answer = run("diagnose", "low.npz", "--json", "--candidates", "joint_elasticity,backlash,stribeck")
+    assert answer.code == 0, answer.err
+    (joint,) = answer.document()["joints"]
+    assert joint["verdict"] in ("adequate", "named", "ambiguous", "unexplained")

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from friction_audit.cli import choices
-from friction_audit.cli.app import NAMES, command_of, module_of
+from friction_audit.cli import NAMES, choices, command_of, module_of
 from tests.cli.conftest import Run
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ import pytest
 from markdown_it import MarkdownIt
 from typer.main import get_command
 
-from friction_audit.cli.app import app
+from friction_audit.cli import app
 from friction_audit.diagnosis.result import VERDICTS
 from tests.docs.conftest import Site
 from tests.documented_commands import ROOT

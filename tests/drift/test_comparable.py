@@ -12,7 +12,7 @@ def session(i: int, conditions: Conditions = HAND, *, known: bool = True, speed:
 
 
 def left_out(sessions: list[Session]) -> dict[int, str]:
-    return dict(choose_comparable(put_in_order(sessions)).left_out)
+    return choose_comparable(put_in_order(sessions))[1]
 
 
 @pytest.mark.parametrize(
@@ -45,14 +45,14 @@ def test_same_start_and_estimates_in_another_format_count_once() -> None:
 def test_most_without_a_start_are_ordered_by_name_few_are_left_out() -> None:
     order = put_in_order([session(10, known=False), session(9, known=False), session(1)])
     assert (order.by, [s.path for s in order.sessions]) == ("name", ["run1.csv", "run9.csv", "run10.csv"])
-    assert "order of their names" in choose_comparable(order).warnings[0]
+    assert "order of their names" in choose_comparable(order)[2][0]
     order = put_in_order([session(0, known=False), session(2), session(1)])
     assert [s.path for s in order.sessions] == ["run1.csv", "run2.csv", "run0.csv"]
     assert [(index, "manifest" in reason) for index, reason in order.left_out] == [(2, True)]
 
 
 def test_other_speeds_are_told() -> None:
-    alike = choose_comparable(put_in_order([session(0), session(1), session(2), session(3, speed=0.1)]))
-    assert len(alike.compared) == 4
-    (warning,) = alike.warnings
+    order = put_in_order([session(0), session(1), session(2), session(3, speed=0.1)])
+    compared, _, (warning,) = choose_comparable(order)
+    assert len(compared) == 4
     assert warning.startswith("joint 1: 1 of 4 sessions move at other speeds than the usual 0.35 to 1 rad/s; ")

@@ -94,11 +94,7 @@ class Ledger:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """Close the file; nothing is written here that was not safe before."""
-        self._database.close()
+        self._database.close()  # nothing is written here that was not safe before
 
     def known_hash(self, log: LogFile) -> str | None:
         """Return the hash of a log's content if the log has not changed since it was last looked at."""
@@ -231,8 +227,8 @@ class Ledger:
 
     def _save_session(self, recorded: Recorded, settings: str) -> None:
         session, content = recorded.session, json.dumps(asdict(recorded), default=list, ensure_ascii=False)
-        names = (session.sha256, settings, recorded.topic, session.path, session.robot, session.start_s)
-        query = "INSERT OR IGNORE INTO sessions VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?)"
+        names = (None, session.sha256, settings, recorded.topic, session.path, session.robot, session.start_s)
+        query = "INSERT OR IGNORE INTO sessions VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"
         cursor = self._database.execute(query, (*names, content, _digest(content)))
         if cursor.rowcount:  # else another run was faster
             rows = [

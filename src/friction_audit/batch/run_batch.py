@@ -17,7 +17,7 @@ from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Recorded, Worked, identify, name_of, time_in_name
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.manifest import BatchSettings
-from friction_audit.batch.work import Task, work_on
+from friction_audit.batch.work import work_on
 from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
 from friction_audit.drift.report import ArmDrift, DriftReport
 from friction_audit.drift.session import Session
@@ -43,6 +43,10 @@ ENDS_BYTES = 65536  # at each end of a file: the start of a recording, and the i
 MOST_NAMED = 3  # copies that a warning names; more are counted
 
 
+# Takes how many logs are finished, of those that were new, and how many of them failed.
+Watch = Callable[[int, int, int], None]
+
+
 @dataclass(frozen=True, slots=True)
 class Failed:
     """A log, or an arm of one, without a session."""
@@ -52,15 +56,6 @@ class Failed:
 
 
 @dataclass(frozen=True, slots=True)
-class Progress:
-    """How far a batch has come: logs that are finished, of those that were new, and how many of them failed."""
-
-    done: int
-    total: int
-    failed: int
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class BatchResult:
     """What came of a batch."""
 
@@ -94,7 +89,7 @@ def catch_up(
     settings: BatchSettings,
     ledger: Ledger,
     executor: Executor,
-    watch: Callable[[Progress], None],
+    watch: Watch,
     *,
     backwards: bool = False,
 ) -> Standing:
@@ -145,13 +140,8 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
     sessions, warnings = identify(pairs)
     topics = {name_of(log, one.topic): one.topic for log, one in pairs}
     ledger.name_sessions(((session, topics[session.path]) for session in sessions), key)
-    return BatchResult(
-        sessions=sessions,
-        failed=tuple(failed),
-        new=standing.new,
-        known=standing.known,
-        warnings=(*standing.warnings, *warnings),
-    )
+    warnings = (*standing.warnings, *warnings)
+    return BatchResult(sessions, failed=tuple(failed), new=standing.new, known=standing.known, warnings=warnings)
 
 
 def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
@@ -225,33 +215,31 @@ def _work_through(
     settings: BatchSettings,
     ledger: Ledger,
     executor: Executor,
-    watch: Callable[[Progress], None],
+    watch: Watch,
 ) -> dict[str, tuple[Fault, ...]]:
     """Work on new logs and save what comes of each at once; return what went wrong without being the log's fault."""
-    by_place = {log.place: log for log in new}
     key = settings.key()
     done = failed = 0
     passing: dict[str, tuple[Fault, ...]] = {}
-    watch(Progress(0, len(new), 0))
+    watch(0, len(new), 0)
 
-    def tasks() -> Iterator[Task]:
+    def tasks() -> Iterator[LogFile]:
         nonlocal done
         for log in new:
             sha256 = ledger.known_hash(log)
             if sha256 is None or not ledger.is_done(sha256, key):
-                yield Task(path=log.path, place=log.place)
+                yield log
             else:  # by another run
                 done += 1
 
     with closing(executor.run(partial(work_on, settings), tasks())) as outcomes:
-        for task, outcome in outcomes:
-            log, worked = by_place[task.place], outcome
+        for log, worked in outcomes:
             if isinstance(worked, Lost):
-                worked = Worked(sha256="", faults=(Fault(message=worked.message, lasting=False),))
+                worked = Worked(sha256="", faults=(Fault(message=worked.message, lasting=False),))  # noqa: PLW2901
             ledger.save(log, settings, worked)
             passing[log.place] = tuple(fault for fault in worked.faults if not fault.lasting)
             done, failed = done + 1, failed + bool(worked.faults)
-            watch(Progress(done, len(new), failed))
+            watch(done, len(new), failed)
     return passing
 
 

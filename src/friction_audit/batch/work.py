@@ -9,11 +9,11 @@ import socket
 import traceback
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.batch.find_logs import fetched
+from friction_audit.batch.find_logs import LogFile, fetched
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.drift.covariates import Recording
@@ -22,10 +22,8 @@ from friction_audit.errors import FrictionAuditError, InputError, encodable
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
-from friction_audit.joint_log import Finding
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
-from friction_audit.preprocessing.interaction import Caution
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
@@ -34,32 +32,24 @@ if TYPE_CHECKING:
 READINGS = 2  # a log that changes while it is read (a link to it made, a copy not finished) is read once more
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Task:
-    """A log to be worked on: its name for people, and where a worker finds it."""
-
-    path: str
-    place: str
-
-
-def work_on(settings: BatchSettings, task: Task) -> Worked:
+def work_on(settings: BatchSettings, log: LogFile) -> Worked:
     """Estimate every arm of a log; a fault of the log, or of the program, is part of the result."""
     try:
-        with _at_hand(task) as path, one_joint_at_a_time():
-            return _renamed(_work_on(settings, path), str(path), task.path)
+        with _at_hand(log) as path, one_joint_at_a_time():
+            return _renamed(_work_on(settings, path), str(path), log.path)
     except FrictionAuditError as error:
-        message = encodable(str(error).replace(task.place, task.path)).removeprefix(f"{task.path}: ")
+        message = encodable(str(error).replace(log.place, log.path)).removeprefix(f"{log.path}: ")
         return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
 
 
 @contextmanager
-def _at_hand(task: Task) -> Iterator[Path]:
+def _at_hand(log: LogFile) -> Iterator[Path]:
     """Yield the log as a file of this machine; refuse what cannot be seen from here."""
-    if "://" in task.place:
-        with fetched(task.place) as path:
+    if log.is_remote:
+        with fetched(log.place) as path:
             yield path
         return
-    path = Path(task.place)
+    path = Path(log.place)
     if path.is_symlink() and not path.exists():
         raise InputError(f"{path}: a link to {path.readlink()}, where there is nothing to be read; repair or remove it")
     if not path.exists():
@@ -106,8 +96,8 @@ def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
         estimate = estimate_log(log, settings.audit)
         asked = settings.diagnosis
         session = session_of(estimate, None if asked is None else diagnose_estimate(estimate, asked).discrepancy)
-        by_serial = bool(log.source.serial)
-        recorded = Recorded(session=session, topic=topic, kind=log.source.robot, named_by_serial=by_serial)
+        by_serial, kind = bool(log.source.serial), log.source.robot
+        recorded = Recorded(session=session, topic=topic, kind=kind, named_by_serial=by_serial)
         return Worked(sha256=session.sha256, recorded=(recorded,))
     except SeveralLogsError:
         raise
@@ -129,9 +119,8 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
     from friction_audit.drift.summarise import summarise_joints
 
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
-    choice = interaction.choice
-    noticed: tuple[Finding | Caution, ...] = (*source.findings, *interaction.warnings)
-    codes = (one.code for one in (*noticed, *estimate.friction.warnings))
+    choice, cautions = interaction.choice, (*interaction.warnings, *estimate.friction.warnings)
+    codes = [one.code for one in source.findings] + [one.code for one in cautions]
     unit = () if source.torque_unit == "N m" else ("torque_in_ampere",)
     findings = [one.message if one.joint is None else f"joint {one.joint}: {one.message}" for one in source.findings]
     return Session(
@@ -221,9 +210,8 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
 def _joint(found: Mapping[str, Any]) -> JointSummary:
     by_energy = found["method"] == "energy"
     known = {name: found[name] for name in COEFFICIENTS if by_energy and found[name] is not None}
-    ends = {name: tuple(_number(end) for end in one["ci95"]) for name, one in known.items()}
     values = {
-        name: Coefficient(value=float(one["value"]), low=ends[name][0], high=ends[name][1])
+        name: Coefficient(value=float(one["value"]), low=_number(one["ci95"][0]), high=_number(one["ci95"][1]))
         for name, one in known.items()
     }
     return JointSummary(

@@ -1,116 +1,43 @@
-"""BatchSummary -> files in the folder of its ledger."""
+"""Sessions of a batch -> drift -> files in the folder of the ledger; loaded when an answer is made anew."""
 
-import hashlib
-import json
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from friction_audit.cli import choices
-from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
-from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.batch.executor import Lost
+from friction_audit.batch.run_batch import BatchResult, Standing, drift_of_arms, gather
+from friction_audit.cli import chain
+from friction_audit.cli.batch_report import RESULTS, Batch, BatchAnswer
+from friction_audit.cli.console import DAMAGED, EXCEEDED, UNTESTABLE
+from friction_audit.drift.report import ArmDrift
+from friction_audit.errors import AnalysisError, InputError
+from friction_audit.io.files import whole_file
+from friction_audit.io.writers.tables import write_rows
+from friction_audit.reporting.drift import BatchSummary, FailedLog, write_batch_document
+from friction_audit.reporting.drift_sessions import session_columns
+from friction_audit.reporting.drift_text import batch_lines, junit_text, limit_sentences
+from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
+from friction_audit.reporting.html.page import Figure
+from friction_audit.reporting.notices import reason_lines
+from friction_audit.reporting.table import to_json
 
-if TYPE_CHECKING:
-    from friction_audit.batch.executor import Executor
-    from friction_audit.batch.ledger import Ledger
-    from friction_audit.batch.manifest import BatchSettings
-    from friction_audit.batch.run_batch import Standing
-    from friction_audit.drift.report import ArmDrift
-    from friction_audit.reporting.drift import BatchSummary
-    from friction_audit.reporting.html.page import Figure
-
-DOCUMENT, PAGE, CSV, PARQUET = "batch.json", "batch.html", "sessions.csv", "sessions.parquet"
-RESULTS = (DOCUMENT, PAGE, CSV, PARQUET)  # in the folder of the ledger, made anew whenever something is new
-_COUNTS = re.compile(r"\d+ computed, \d+ known")
-_COUNT = re.compile(r' {2}"(computed|known)": \d+,\n')
-# Notes of the ledger: which settings made the results in its folder, and what they are.
-SETTINGS, REPORTED = "reported_settings", "reported"
-MOST_NAMED = 4  # files that a message names; more are counted
+MOST_NAMED = 5  # logs that a message names; more are counted
 LONGEST_PREFIX = 60  # characters of an arm's name in the names of its files, which may have 255 bytes
-UNTESTABLE = 7  # exit code: the sessions cannot test a limit that the user set
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class BatchAnswer:
-    """What a batch answers beyond its JSON document; a note of the ledger holds it."""
-
-    text: str  # table and sentences
-    warnings: Sequence[str]
-    code: int  # exit code
-    junit: str  # the limits as JUnit; empty without one
-    codes: Mapping[str, Sequence[str]]  # of the warnings of each session that has some, by its path
-
-    def text_of(self, standing: "Standing") -> str:
-        """Return the text, with what was computed and known in this run."""
-        return _COUNTS.sub(f"{standing.new} computed, {standing.known} known", self.text, count=1)
-
-
-def document_lines(folder: Path, standing: "Standing") -> Iterator[str]:
-    """Yield the lines of the document, with what was computed and known in this run."""
-    counts = {"computed": standing.new, "known": standing.known}
-    with (folder / DOCUMENT).open(encoding="utf-8") as lines:
-        for line in lines:
-            count = _COUNT.fullmatch(line)
-            yield line if count is None else f'  "{count[1]}": {counts[count[1]]},\n'
-
-
-def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settings: "BatchSettings") -> None:
-    """Refuse to replace results that this ledger and these settings did not make."""
-    if ledger.note(SETTINGS) == settings.key():
-        return
-    figures = [found for kind in choices.BATCH_FIGURES for one in formats for found in folder.glob(f"*{kind}.{one}")]
-    existing = [str(path) for path in (*(folder / name for name in RESULTS), *sorted(figures)) if path.exists()]
-    if existing:
-        more = f" and {len(existing) - MOST_NAMED} more" if len(existing) > MOST_NAMED else ""
-        raise UsageError(
-            f"{', '.join(existing[:MOST_NAMED])}{more}: made with other settings; nothing was computed; use "
-            "--overwrite to replace them (the ledger keeps the numbers of both), or another folder with -o"
-        )
-
-
-def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice) -> BatchAnswer | None:
-    """Return the answer to the same request if all that was written with it is still there, else None."""
-    written = ledger.note(REPORTED)
-    if written is None:
-        return None
-    digest, _, text = written.partition(" ")
-    if digest != _digest(text):
-        voice.warn(
-            [f"{ledger.path}: the note on the last report is damaged; the report is made again from the sessions"]
-        )
-        return None
-    note = json.loads(text)
-    files = note.pop("files")
-    if note.pop("request") != _digest(request) or files != _stamps(folder, files):
-        return None
-    return BatchAnswer(**note)
-
-
-def write_results(
-    summary: "BatchSummary",
-    junit: str,
-    request: object,
-    folder: Path,
-    formats: list[str],
-    ledger: "Ledger",
-    settings: "BatchSettings",
-    executor: "Executor",
-    voice: Voice,
-) -> BatchAnswer:
-    """Write the document, the tables, the page and the figures, each whole or not at all; return the answer."""
-    from friction_audit.io.files import whole_file
-    from friction_audit.reporting.drift_text import batch_lines
-    from friction_audit.reporting.html.batch_page import write_page
-
-    ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
+def write_results(batch: Batch, standing: Standing, command: str) -> tuple[BatchAnswer, list[str]]:
+    """Write the document, the tables, the page and the figures, each whole or not at all; return answer and files."""
+    voice, folder = batch.voice, batch.folder
+    with voice.step("look for drift"):
+        summary = _summarise(batch, standing, command)
+        junit = junit_text("batch-report", summary.report, batch.limits) if batch.limits else ""
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as pool, voice.step("draw the figures"):
         tables = pool.submit(_write_tables, summary, folder)  # while others draw
-        drawn, pictures = _draw(summary, folder, formats, executor)
+        drawn, pictures = _draw(summary, batch)
         tables.result()
-    with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
+    with voice.step(f"write {RESULTS[1]}"), whole_file(folder / RESULTS[1], overwrite=True) as draft:
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
     code = DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
     if summary.exceeded or summary.cannot_tell:  # what was asked, the limits, comes before files that failed
@@ -122,49 +49,63 @@ def write_results(
         junit=junit,
         codes={session.path: session.codes for session in summary.sessions if session.codes},
     )
-    made = {"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn])}
-    written = json.dumps(made | asdict(answer))
-    ledger.write_note(REPORTED, f"{_digest(written)} {written}")
-    return answer
+    return answer, [*RESULTS, *drawn]
 
 
-def _write_tables(summary: "BatchSummary", folder: Path) -> None:
-    from friction_audit.io.files import whole_file
-    from friction_audit.io.writers.tables import write_rows
-    from friction_audit.reporting.drift import write_batch_document
-    from friction_audit.reporting.drift_sessions import session_columns
+def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
+    result = gather(standing, batch.settings, batch.ledger)
+    _require_an_answer(result)
+    report = drift_of_arms(result.sessions, batch.drift, batch.processes)
+    asked = batch.settings
+    every = {"reading": chain.reading_settings(asked.reading), **asdict(asked.audit), "drift": asdict(batch.drift)}
+    every["diagnosis"] = None if asked.diagnosis is None else asdict(asked.diagnosis)
+    beyond, unknown = limit_sentences(report, batch.limits)
+    return BatchSummary(
+        report=report,
+        failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
+        exceeded=beyond,
+        cannot_tell=unknown,
+        warnings=result.warnings,
+        settings=to_json(every),
+        command=command,
+        computed=result.new,
+        known=result.known,
+    )
 
-    with whole_file(folder / DOCUMENT, overwrite=True) as draft, draft.open("w", encoding="utf-8") as file:
+
+def _require_an_answer(result: BatchResult) -> None:
+    """Refuse a batch without a session, or without any coefficient in all of them, with the reasons."""
+
+    def named(lines: list[str]) -> str:
+        more = [f"and {len(lines) - MOST_NAMED} more"] if len(lines) > MOST_NAMED else []
+        return "".join(f"\n  {line}" for line in lines[:MOST_NAMED] + more)
+
+    if not result.sessions:
+        lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
+        raise InputError(f"none of {len(lines)} logs can be used:{named(lines)}")
+    if all(joint.reason for session in result.sessions for joint in session.joints):
+        lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
+        raise AnalysisError(f"no joint of any session has an estimate:{named(lines)}")
+
+
+def _write_tables(summary: BatchSummary, folder: Path) -> None:
+    document, _, *tables = (folder / name for name in RESULTS)
+    with whole_file(document, overwrite=True) as draft, draft.open("w", encoding="utf-8") as file:
         file.writelines(write_batch_document(summary))
-    for name, kind in ((CSV, "csv"), (PARQUET, "parquet")):
-        with whole_file(folder / name, overwrite=True) as draft:
-            write_rows(*session_columns(summary.arms), draft, kind)
+    for path in tables:
+        with whole_file(path, overwrite=True) as draft:
+            write_rows(*session_columns(summary.arms), draft, path.suffix.removeprefix("."))
 
 
-def _digest(request: object) -> str:
-    return hashlib.sha256(repr(request).encode()).hexdigest()
-
-
-def _stamps(folder: Path, names: Iterable[str]) -> dict[str, list[int]]:
-    """Return size and time of the last change of files, by name; of those that are there."""
-    states = {name: (folder / name).stat() for name in names if (folder / name).exists()}
-    return {name: [state.st_size, state.st_mtime_ns] for name, state in states.items()}
-
-
-def _draw(
-    summary: "BatchSummary", folder: Path, formats: list[str], executor: "Executor"
-) -> "tuple[list[str], dict[str, Figure]]":
+def _draw(summary: BatchSummary, batch: Batch) -> tuple[list[str], dict[str, Figure]]:
     """Draw the figures side by side and write their files; return the names of those, and what is for the page."""
-    from friction_audit.batch.executor import Lost
-    from friction_audit.io.files import whole_file
-    from friction_audit.reporting.html.batch_page import draw, drawings_of
-
     names, pictures = [], {}
-    for drawing, drawn in executor.run(draw, drawings_of(summary.arms, _prefixes(summary.arms), formats)):
+    drawings = drawings_of(summary.arms, _prefixes(summary.arms), batch.formats)
+    for drawing, drawn in batch.processes.run(draw, drawings):
         if isinstance(drawn, Lost):
             raise AnalysisError(f"{drawing.name or drawing.anchor}: cannot be drawn: {drawn.message}")
         for name, content in drawn.files.items():
-            with whole_file(folder / name, overwrite=True) as draft:
+            with whole_file(batch.folder / name, overwrite=True) as draft:
                 draft.write_bytes(content)
             names.append(name)
         if drawn.figure is not None:
@@ -172,7 +113,7 @@ def _draw(
     return sorted(names), pictures
 
 
-def _prefixes(arms: "Sequence[ArmDrift]") -> dict[str, str]:
+def _prefixes(arms: Sequence[ArmDrift]) -> dict[str, str]:
     """Return what the files of each arm that is drawn begin with: nothing for the only one, else its name."""
     robots = [arm.robot for arm in arms if arm.joints]
     if len(robots) == 1:

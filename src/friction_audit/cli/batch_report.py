@@ -1,6 +1,9 @@
 """``friction-audit batch-report``."""
 
-from collections.abc import Iterator, Sequence
+import hashlib
+import json
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -9,25 +12,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit import __version__
-from friction_audit.cli import chain
+from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.batch_files import RESULTS, check_results, document_lines, recall_results, write_results
-from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option
+from friction_audit.cli.choices import flag, group, option
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
 from friction_audit.cli.outputs import check_junit, write_junit
 from friction_audit.drift.settings import DriftSettings, parse_baseline
-from friction_audit.errors import AnalysisError, InputError, UsageError, encodable
+from friction_audit.errors import UsageError, encodable
 
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor, LocalExecutor
     from friction_audit.batch.find_logs import LogFile
     from friction_audit.batch.ledger import Ledger
     from friction_audit.batch.manifest import BatchSettings
-    from friction_audit.batch.run_batch import BatchResult, Progress, Standing
+    from friction_audit.batch.run_batch import Standing
     from friction_audit.drift.report import Limit
-    from friction_audit.reporting.drift import BatchSummary
 
 EXAMPLES = """Examples:
   friction-audit batch-report logs/
@@ -41,52 +41,51 @@ NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", 
 # Modules that the drift and the results take, imported while others read logs.
 FOR_RESULTS = (
     *("scipy.optimize", "scipy.signal", "scipy.stats", "statsmodels.robust.robust_linear_model"),
-    *("statsmodels.stats.multitest", "friction_audit.io.writers.tables", "friction_audit.reporting.html.batch_page"),
-    *("jinja2", "pyarrow.csv", "pyarrow.parquet"),
+    *("statsmodels.stats.multitest", "friction_audit.cli.batch_files", "jinja2", "pyarrow.csv", "pyarrow.parquet"),
 )
-MOST_NAMED = 5  # logs that a message names; more are counted
+RESULTS = ("batch.json", "batch.html", "sessions.csv", "sessions.parquet")
+"""In the folder of the ledger, made anew whenever something is new."""
+_COUNTS = re.compile(r"\d+ computed, \d+ known")
+_COUNT = re.compile(r' {2}"(computed|known)": \d+,\n')
+# Notes of the ledger: which settings made the results in its folder, and what they are.
+SETTINGS, REPORTED = "reported_settings", "reported"
+MOST_NAMED = 4  # files that a message names; more are counted
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(SESSIONS)
 class SessionOptions:
     """What the sessions are."""
 
     manifest: Path | None = option(
-        SESSIONS,
         "Table with the columns path, start, robot, temperature, payload, note; paths are relative to it. Its logs "
         "are read too.",
         metavar="FILE.csv",
         exists=True,
         dir_okay=False,
     )
-    diagnose: bool = option(SESSIONS, "Also diagnose each session (slow).", "--diagnose", default=False)
+    diagnose: bool = flag("Also diagnose each session (slow).")
     min_effect: opt.MinEffect = 0.0
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(DRIFT)
 class DriftOptions:
     """How drift is tested."""
 
     baseline: str = option(
-        DRIFT,
-        "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.",
-        default="5",
-        metavar="K|LIST",
+        "Reference sessions: the first K of each arm, or their numbers, e.g. 3-8,10.", default="5", metavar="K|LIST"
     )
     fail_on: list[str] | None = opt.fail_on_option("coulomb=15%", "drifted", "sessions")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(RUNNING)
 class RunningOptions:
     """Where the work is done."""
 
-    workers: int | None = option(RUNNING, "Processes on this machine. Default: one per core.", metavar="N", min=1)
+    workers: int | None = option("Processes on this machine. Default: one per core.", metavar="N", min=1)
     scheduler: str | None = option(
-        RUNNING, "Scheduler of a Dask cluster that does the work instead, e.g. tcp://host:8786.", metavar="ADDRESS"
+        "Scheduler of a Dask cluster that does the work instead, e.g. tcp://host:8786.", metavar="ADDRESS"
     )
-    rebuild: bool = option(
-        RUNNING, "Compute everything again; the existing ledger is kept under another name.", "--rebuild", default=False
-    )
+    rebuild: bool = flag("Compute everything again; the existing ledger is kept under another name.")
 
     def __post_init__(self) -> None:
         if self.workers is not None and self.scheduler is not None:
@@ -115,11 +114,10 @@ def command(
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.executor import DaskExecutor, LocalExecutor
     from friction_audit.drift.report import parse_limit
-    from friction_audit.reporting.drift_text import junit_text
 
     voice = shared.general.voice
     settings = _settings(sessions, friction, shared)
-    drift_settings = DriftSettings(baseline=parse_baseline(drift.baseline))
+    tested = DriftSettings(baseline=parse_baseline(drift.baseline))
     limits = tuple(parse_limit(text) for text in drift.fail_on or ())
     check_junit(junit, limits, overwrite=shared.overwrite)
     found = _find(logs or [], sessions.manifest, folder)
@@ -127,25 +125,107 @@ def command(
     processes = LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
     cluster = None if running.scheduler is None else DaskExecutor(address=running.scheduler)
     with _ledger(folder, running, voice) as (ledger, alone), processes:
+        batch = Batch(folder, formats, ledger, settings, tested, limits, processes, voice)
         if not (shared.overwrite or running.rebuild or ledger.older):
-            check_results(folder, formats, ledger, settings)
-        standing = _catch_up(found, settings, ledger, cluster or processes, voice, alone=alone)
-        request = (standing.digest(), settings.text(), drift_settings, limits, formats, __version__)
-        answer = None if shared.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
+            batch.check_results()
+        standing = _catch_up(found, batch, cluster or processes, alone=alone)
+        request = (standing.digest(), settings.text(), tested, limits, formats, __version__)
+        answer = None if shared.overwrite or voice.verbose else batch.recall(request)
         if answer is None:
+            from friction_audit.cli.batch_files import write_results
+
+            ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
             again = encodable(command_line(context, leave_out=NOT_PART_OF_IT))
-            with voice.step("look for drift"):
-                summary = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
-                text = junit_text("batch-report", summary.report, limits) if limits else ""
-            answer = write_results(summary, text, request, folder, formats, ledger, settings, processes, voice)
-    if not shared.general.json:
+            answer, files = write_results(batch, standing, again)
+            batch.remember(request, answer, files)
+    if shared.general.json:
+        for line in _document_lines(folder, standing):
+            say(line, nl=False)
+    else:
         voice.warn(answer.warnings)
-    for text in document_lines(folder, standing) if shared.general.json else (answer.text_of(standing),):
-        say(text, nl=False)
+        say(_COUNTS.sub(f"{standing.new} computed, {standing.known} known", answer.text, count=1), nl=False)
     write_junit(junit, answer.junit, overwrite=shared.overwrite)
     chain.exit_if_strict(answer.codes, strict=strict)
     if answer.code:
         raise typer.Exit(answer.code)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BatchAnswer:
+    """What a batch answers beyond its JSON document; a note of the ledger holds it."""
+
+    text: str  # table and sentences
+    warnings: Sequence[str]
+    code: int  # exit code
+    junit: str  # the limits as JUnit; empty without one
+    codes: Mapping[str, Sequence[str]]  # of the warnings of each session that has some, by its path
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """What is asked of a batch, and where it is done and kept."""
+
+    folder: Path
+    formats: Sequence[str]  # of the figures
+    ledger: "Ledger"
+    settings: "BatchSettings"
+    drift: DriftSettings
+    limits: "tuple[Limit, ...]"
+    processes: "LocalExecutor"
+    voice: Voice
+
+    def check_results(self) -> None:
+        """Refuse to replace results that this ledger and these settings did not make."""
+        if self.ledger.note(SETTINGS) == self.settings.key():
+            return
+        figures = [f"*{kind}.{one}" for kind in choices.BATCH_FIGURES for one in self.formats]
+        drawn = sorted(path for figure in figures for path in self.folder.glob(figure))
+        existing = [str(path) for path in (*(self.folder / name for name in RESULTS), *drawn) if path.exists()]
+        if existing:
+            more = f" and {len(existing) - MOST_NAMED} more" if len(existing) > MOST_NAMED else ""
+            raise UsageError(
+                f"{', '.join(existing[:MOST_NAMED])}{more}: made with other settings; nothing was computed; use "
+                "--overwrite to replace them (the ledger keeps the numbers of both), or another folder with -o"
+            )
+
+    def recall(self, request: object) -> BatchAnswer | None:
+        """Return the answer to the same request if all that was written with it is still there, else None."""
+        written = self.ledger.note(REPORTED)
+        if written is None:
+            return None
+        digest, _, text = written.partition(" ")
+        if digest != _digest(text):
+            why = "the note on the last report is damaged; the report is made again from the sessions"
+            self.voice.warn([f"{self.ledger.path}: {why}"])
+            return None
+        note = json.loads(text)
+        files = note.pop("files")
+        if note.pop("request") != _digest(request) or files != self._stamps(files):
+            return None
+        return BatchAnswer(**note)
+
+    def remember(self, request: object, answer: BatchAnswer, files: Iterable[str]) -> None:
+        """Keep the answer to a request, and how the files look that were written with it."""
+        text = json.dumps({"request": _digest(request), "files": self._stamps(files)} | asdict(answer))
+        self.ledger.write_note(REPORTED, f"{_digest(text)} {text}")
+
+    def _stamps(self, names: Iterable[str]) -> dict[str, list[int]]:
+        """Return size and time of the last change of files, by name; of those that are there."""
+        states = {name: (self.folder / name).stat() for name in names if (self.folder / name).exists()}
+        return {name: [state.st_size, state.st_mtime_ns] for name, state in states.items()}
+
+
+def _digest(request: object) -> str:
+    return hashlib.sha256(repr(request).encode()).hexdigest()
+
+
+def _document_lines(folder: Path, standing: "Standing") -> Iterator[str]:
+    """Yield the lines of the document, with what was computed and known in this run."""
+    counts = {"computed": standing.new, "known": standing.known}
+    with (folder / RESULTS[0]).open(encoding="utf-8") as lines:
+        for line in lines:
+            count = _COUNT.fullmatch(line)
+            yield line if count is None else f'  "{count[1]}": {counts[count[1]]},\n'
 
 
 def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: opt.LogOptions) -> "BatchSettings":
@@ -157,8 +237,8 @@ def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: o
         from friction_audit.diagnosis.settings import DiagnosisSettings
 
         diagnosis = DiagnosisSettings(min_effect_nm=sessions.min_effect)
-    reading = read_options(shared.reading, shared.selection)
-    return BatchSettings(audit=audit_settings(shared, friction), reading=reading, diagnosis=diagnosis)
+    audit, reading = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
+    return BatchSettings(audit=audit, reading=reading, diagnosis=diagnosis)
 
 
 def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFile]":
@@ -193,80 +273,23 @@ def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tu
             yield ledger, alone
 
 
-def _catch_up(
-    found: "Sequence[LogFile]",
-    settings: "BatchSettings",
-    ledger: "Ledger",
-    executor: "Executor",
-    voice: Voice,
-    *,
-    alone: bool,
-) -> "Standing":
+def _catch_up(found: "Sequence[LogFile]", batch: Batch, executor: "Executor", *, alone: bool) -> "Standing":
     """Work on what is new, watched; stopped by the user, say how far it came."""
     from friction_audit.batch.run_batch import catch_up
 
-    last: list[Progress] = []
+    finished = "nothing is"
 
-    def watch(progress: "Progress") -> None:
-        last[:] = [progress]
-        if progress.done == 1 < progress.total:
+    def watch(done: int, total: int, failed: int) -> None:
+        nonlocal finished
+        finished = f"{done} of {total} new logs are"
+        if done == 1 < total:
             loading.enter_context(chain.loading(*FOR_RESULTS))  # there is time while others read logs
         if count is not None:
-            count(progress.done, progress.total, progress.failed)
+            count(done, total, failed)
 
     try:
-        with ExitStack() as loading, voice.count("estimate friction") as count:
-            return catch_up(found, settings, ledger, executor, watch, backwards=not alone)
+        with ExitStack() as loading, batch.voice.count("estimate friction") as count:
+            return catch_up(found, batch.settings, batch.ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
-        done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
-        remark(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there")
+        remark(f"stopped: {finished} finished; {batch.ledger.path} keeps them; the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from stop
-
-
-def _require_an_answer(result: "BatchResult") -> None:
-    """Refuse a batch without a session, or without any coefficient in all of them, with the reasons."""
-    from friction_audit.reporting.notices import reason_lines
-
-    def named(lines: list[str]) -> str:
-        more = [f"and {len(lines) - MOST_NAMED} more"] if len(lines) > MOST_NAMED else []
-        return "".join(f"\n  {line}" for line in lines[:MOST_NAMED] + more)
-
-    if not result.sessions:
-        lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
-        raise InputError(f"none of {len(lines)} logs can be used:{named(lines)}")
-    if all(joint.reason for session in result.sessions for joint in session.joints):
-        lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
-        raise AnalysisError(f"no joint of any session has an estimate:{named(lines)}")
-
-
-def _summarise(
-    standing: "Standing",
-    settings: "BatchSettings",
-    ledger: "Ledger",
-    drift: DriftSettings,
-    limits: "tuple[Limit, ...]",
-    command: str,
-    processes: "LocalExecutor",
-) -> "BatchSummary":
-    from friction_audit.batch.run_batch import drift_of_arms, gather
-    from friction_audit.reporting.drift import BatchSummary, FailedLog
-    from friction_audit.reporting.drift_text import limit_sentences
-    from friction_audit.reporting.table import to_json
-
-    result = gather(standing, settings, ledger)
-    _require_an_answer(result)
-    report = drift_of_arms(result.sessions, drift, processes)
-    every = {"reading": chain.reading_settings(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
-    every["diagnosis"] = None if settings.diagnosis is None else asdict(settings.diagnosis)
-    beyond, unknown = limit_sentences(report, limits)
-    return BatchSummary(
-        report=report,
-        failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
-        exceeded=beyond,
-        cannot_tell=unknown,
-        warnings=result.warnings,
-        settings=to_json(every),
-        command=command,
-        computed=result.new,
-        known=result.known,
-    )

@@ -82,16 +82,23 @@ def reading_settings(options: "ReadOptions") -> dict[str, object]:
     }
 
 
+def untabled(log: "JointLog", notices: "Iterable[Notice]", voice: Voice) -> "list[Notice]":
+    """Return the notices that a result's table does not show."""
+    from friction_audit.reporting.notices import TABLED, minor
+
+    hidden = {*TABLED, *(() if voice.verbose else minor(log))}
+    return [notice for notice in notices if notice.code not in hidden]
+
+
 def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, marked: bool = False) -> None:
     """Say the warnings that a result's table does not show, under their number.
 
     ``marked``: a table follows that shows the warnings about the physics.
     """
-    from friction_audit.reporting.notices import TABLED, is_physics, minor, notice_lines
+    from friction_audit.reporting.notices import is_physics, notice_lines
     from friction_audit.reporting.words import MARK, count_of
 
-    hidden = {*TABLED, *(() if voice.verbose else minor(log))}
-    shown = [notice for notice in notices if notice.code not in hidden]
+    shown = untabled(log, notices, voice)
     data, physics = (notice_lines(one for one in shown if is_physics(one.code) is wanted) for wanted in (False, True))
     kinds = [count_of(len(lines), f"{kind} warning") for lines, kind in ((data, "data"), (physics, "physics")) if lines]
     legend = f" (marked {MARK} below the table)" if marked and physics else ""

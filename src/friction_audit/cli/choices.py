@@ -6,8 +6,8 @@ shell completes them.
 
 import difflib
 from collections.abc import Callable, Sequence
-from dataclasses import field
-from typing import Any
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeVar, dataclass_transform
 
 import typer
 
@@ -27,6 +27,7 @@ DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drif
 DIFF_FIGURES = figure_names("diff")
 PLOTTED = figure_names("estimate", "replay", "diagnosis")
 ALL = "all"
+Group = TypeVar("Group")
 OPTION = "option"  # key of a field's metadata
 EFFECTS, IMAGE_FORMATS = registry.NAMES, figure_style.FORMATS
 EXPORTS = ("mcap", "csv", "parquet")
@@ -57,19 +58,39 @@ def completed_by(names: Callable[[], Sequence[str]], *, several: bool = False) -
     return offer
 
 
-def option(panel: str, text: str, *names: str, default: object = None, **settings: Any) -> Any:  # noqa: ANN401
+@dataclass_transform(kw_only_default=True, frozen_default=True)
+def group(heading: str) -> Callable[[type[Group]], type[Group]]:
+    """Return what makes a class a group of options under a heading of the help, but those with another one."""
+
+    def make(of: type[Group]) -> type[Group]:
+        made = dataclass(frozen=True, kw_only=True, slots=True)(of)
+        for one in fields(made):  # type: ignore[arg-type] # it is a dataclass by now
+            info = one.metadata.get(OPTION)
+            if info and info.rich_help_panel is None:
+                info.rich_help_panel = heading
+        return made
+
+    return make
+
+
+def option(text: str, *names: str, default: object = None, **settings: Any) -> Any:  # noqa: ANN401
     """Return an option as the default of a parameter of a command, or of a field of a group; see ``described``."""
-    return field(default=default, metadata={OPTION: described(panel, text, *names, **settings)})
+    return field(default=default, metadata={OPTION: described(text, *names, **settings)})
+
+
+def flag(text: str, *names: str, **settings: Any) -> Any:  # noqa: ANN401
+    """Return an option without a value; its name is that of the parameter or field, if it has no other long one."""
+    return option(text, *names, default=False, **settings)
 
 
 def described(
-    panel: str,
     text: str,
     *names: str,
+    panel: str | None = None,
     one_of: Sequence[str] = (),
     some_of: Sequence[str] = (),
     **settings: Any,  # noqa: ANN401 - of typer.Option
-) -> object:
+) -> Any:  # noqa: ANN401 - of Typer
     """Return an option for ``Annotated``; ``one_of`` its values, or ``some_of`` them, repeated or between commas."""
     if known := tuple(one_of or some_of):
         shown = f"{'|'.join(known)}{',...' if some_of else ''}"
@@ -97,9 +118,15 @@ def style(name: str) -> str:
     return name
 
 
-def some_figures(wanted: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
-    """Return the figures of ``--figures``, in their order."""
-    return tuple(name for name in names if name in wanted or ALL in wanted)
+def some_of_figures(names: Sequence[str]) -> Callable[[Any], list[str]]:
+    """Return what checks the value of ``--figures`` and puts the figures in their order."""
+    check = _known((*names, ALL))
+
+    def chosen(value: Any) -> list[str]:  # noqa: ANN401 - as above
+        wanted = check(value)
+        return [name for name in names if name in wanted or ALL in wanted]
+
+    return chosen
 
 
 def near_misses(word: str, names: Sequence[str]) -> str:

@@ -1,12 +1,11 @@
 """``friction-audit compare``."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from friction_audit.cli import choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import option
+from friction_audit.cli.choices import group, option
 from friction_audit.cli.grouped_help import COMPARISON, GENERAL
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.simulate import changed
@@ -23,26 +22,21 @@ METHOD_NAMES = ("none", "sigmoid", "lugre", "disturbance_observer", "torque_regu
 """Written down again, as in ``choices``, so that the help text loads no numerics."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(COMPARISON)
 class ComparisonOptions:
     """What is compared."""
 
     arm: str = option(
-        COMPARISON,
-        "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.",
-        default="joint",
-        one_of=ARMS,
+        "Simulated mechanism: one joint moved by a person, or a Panda guided by a hand.", default="joint", one_of=ARMS
     )
     methods: list[str] = option(
-        COMPARISON,
         "Methods compared with no compensation; oracle: compensates the true friction. Default: all.",
         "--methods",
         default=METHOD_NAMES,
         some_of=METHOD_NAMES,
     )
-    persons: int = option(COMPARISON, "Simulated persons.", default=20, metavar="INT", min=2, max=1000)
+    persons: int = option("Simulated persons.", default=20, metavar="INT", min=2, max=1000)
     margin_persons: int | None = option(
-        COMPARISON,
         "Simulated persons for the stability margin, about eight trials each. Default: 20 for the joint, 6 for the "
         "arm; 0: no margin.",
         metavar="INT",
@@ -50,7 +44,7 @@ class ComparisonOptions:
         max=1000,
     )
     duration: float | None = option(
-        COMPARISON, "Duration of a trial. Default: 40 s for the joint, 30 s for the arm.", metavar="SECONDS", min=1.0
+        "Duration of a trial. Default: 40 s for the joint, 30 s for the arm.", metavar="SECONDS", min=1.0
     )
 
 
@@ -68,13 +62,12 @@ def command(
     from friction_audit.compensation.comparison import METHODS, SCENES, compare
     from friction_audit.compensation.comparison.methods import NONE
     from friction_audit.reporting.compare import COMPARE, compare_lines
-    from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.figures.comparison import draw_comparison
     from friction_audit.simulation.assign import as_nested
     from friction_audit.simulation.hide import hidden_effects
 
-    voice, names = general.voice, choices.some_figures(figures, FIGURES)
-    out = ResultFolder(folder=folder, figures=names, formats=formats, overwrite=overwrite)
+    voice = general.voice
+    out = ResultFolder(folder=folder, figures=figures, formats=formats, overwrite=overwrite)
     out.check()
     (scene,) = (one for one in SCENES if one.name == comparison.arm)
     settings: Any = changed(scene.settings, change, duration_s=comparison.duration)
@@ -84,11 +77,11 @@ def command(
     with voice.step("compare") as progress:
         result = compare(scene, comparison.persons, chosen, progress)
     with voice.step("draw"):
-        drawn = ((name, figure) for name, figure in draw_comparison(result).items() if name in names)
+        drawn = ((name, figure) for name, figure in draw_comparison(result).items() if name in figures)
         files = [(name, str(path)) for name, figure in drawn for path in out.save_figure(name, figure)]
     about: dict[str, object] = {"arm": result.scene, "settings": as_nested(settings)}
     about |= {name: getattr(result, name) for name in ("duration_s", "seeds", "tuning_seeds", "margin_seeds")}
     about["effects"] = [asdict(effect) for effect in hidden_effects(settings)]
     about |= {"methods": result.rows, "sweeps": result.curves, "figures": files}
     lines = compare_lines(result.rows, len(result.seeds), len(result.tuning_seeds))
-    show(write_document(COMPARE.json(about)), lambda: [*lines, *(path for _, path in files)], json=general.json)
+    show(lambda: COMPARE.json(about), lambda: [*lines, *(path for _, path in files)], json=general.json)

@@ -22,6 +22,7 @@ Count = Callable[[int, int, int], None]  # takes how many pieces of work are don
 
 PATIENCE_S = 1.0  # work shorter than this shows no progress
 EXCEEDED = 5  # exit code: done, but beyond a limit that the user set
+UNTESTABLE = 7  # exit code: the sessions cannot test a limit that the user set
 DAMAGED = 6  # exit code: done, but part of the input was damaged and left out
 UNHEARD = 141  # exit code: the reader of standard output went away, as shells have it for SIGPIPE
 

@@ -7,8 +7,7 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import read_options
-from friction_audit.cli.choices import option, parse_joints
+from friction_audit.cli.choices import flag, parse_joints
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show_written
@@ -42,8 +41,8 @@ def command(
     dialect: str | None = opt.dialect_option(
         OUTPUT, "One of --list-dialects. Default: the first one with OUT's suffix."
     ),
-    list_dialects: bool = option(  # noqa: ARG001 - its callback acts on it
-        OUTPUT, "List the dialects and stop.", "--list-dialects", default=False, callback=_list_dialects, is_eager=True
+    list_dialects: bool = flag(  # noqa: ARG001 - its callback acts on it
+        "List the dialects and stop.", callback=_list_dialects, is_eager=True, panel=OUTPUT
     ),
     overwrite: opt.Overwrite = False,
 ) -> None:
@@ -52,7 +51,7 @@ def command(
     from friction_audit.reporting.documents import convert_document
 
     voice, joints = general.voice, parse_joints(selection.joints)
-    options, writer = read_options(reading, selection), choose_writer(out, dialect)
+    options, writer = chain.read_options(reading, selection), choose_writer(out, dialect)
     for one in (log, *(reading.join or ())):
         chain.check_outputs([out], overwrite=overwrite, log=one, folder=not writer.suffix)
     kept = chain.read(log, options, voice)

@@ -1,14 +1,13 @@
 """``friction-audit diagnose``."""
 
 from contextlib import ExitStack
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option
+from friction_audit.cli.choices import group, option
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import DIAGNOSIS
 from friction_audit.cli.outputs import ResultFolder, show
@@ -36,26 +35,19 @@ LOADED = (
 )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(DIAGNOSIS)
 class DiagnosisOptions:
     """What is asked of a diagnosis."""
 
     candidates: list[str] = option(
-        DIAGNOSIS, "Effects to consider. Default: all.", default=(), some_of=choices.EFFECTS, metavar="NAME,..."
+        "Effects to consider. Default: all.", default=(), some_of=choices.EFFECTS, metavar="NAME,..."
     )
     min_effect: opt.MinEffect = 0.0
     seed: int = option(
-        DIAGNOSIS,
-        "Seed of the screening test; no effect and no verdict depends on it.",
-        default=0,
-        metavar="INT",
-        min=0,
+        "Seed of the screening test; no effect and no verdict depends on it.", default=0, metavar="INT", min=0
     )
     at_most: float = option(
-        DIAGNOSIS,
-        "Of a longer log, so much is diagnosed, in parts spread over it [min].",
-        default=5.0,
-        metavar="MINUTES",
+        "Of a longer log, so much is diagnosed, in parts spread over it [min].", default=5.0, metavar="MINUTES"
     )
     joint_model: Path | None = opt.joint_model_option(
         DIAGNOSIS,
@@ -77,12 +69,11 @@ def command(
     strict: opt.Strict = False,
 ) -> None:
     """Name the effects that the model of each joint misses."""
-    voice = shared.general.voice
-    audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)
+    voice, again = shared.general.voice, shared.overwrite
+    audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
     settings = _settings(options)
-    kinds, again = choices.some_figures(figures, choices.DIAGNOSIS_FIGURES), shared.overwrite
     out = ResultFolder(
-        folder=folder, name="diagnose", figures=kinds, formats=drawn.formats, exports=export, overwrite=again
+        folder=folder, name="diagnose", figures=figures, formats=drawn.formats, exports=export, overwrite=again
     )
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
     with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages, ExitStack() as loading:
@@ -104,7 +95,6 @@ def command(
             found = Diagnosis(estimate=estimate, discrepancy=discrepancy, settings=settings)
         from friction_audit.diagnosis.result import UNANSWERED
         from friction_audit.reporting.diagnosis import diagnose_document, diagnose_lines, diagnose_tables
-        from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.notices import diagnose_notices
 
         joints, json = found.discrepancy.joints, shared.general.json
@@ -113,8 +103,8 @@ def command(
             chain.warn_about(recorded, diagnose_notices(found), stages, marked=answered)
         if not answered:
             chain.require_one(recorded, joints, "no joint can be diagnosed")
-        text = write_document(diagnose_document(found, chain.reading_settings(reading)))
-        out.write_text(DOCUMENT, text)
+        document = partial(diagnose_document, found, chain.reading_settings(reading))
+        text = out.write_document(DOCUMENT, document, json=json)
         _write_model(found, out, stages)
         out.write_figures({"diagnosis": found}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         out.write_exports(diagnose_tables(found), recorded, stages)

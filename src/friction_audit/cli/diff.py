@@ -1,7 +1,8 @@
 """``friction-audit diff``."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,10 +10,8 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.batch_files import UNTESTABLE
-from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import parse_joints
-from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice
+from friction_audit.cli.console import DAMAGED, EXCEEDED, UNTESTABLE
 from friction_audit.cli.outputs import ResultFolder, check_junit, show, write_junit
 from friction_audit.errors import FrictionAuditError, InputError, UsageError
 from friction_audit.io.files import read_document
@@ -53,13 +52,13 @@ def command(
     chain.refuse_join(shared.reading, "diff reads")
     voice = shared.general.voice
     limits = tuple(parse_limit(text) for text in fail_on or ())
-    kinds = choices.some_figures(figures, choices.DIFF_FIGURES)
-    out = ResultFolder(folder=folder, name="diff", figures=kinds, formats=drawing.formats, overwrite=shared.overwrite)
+    out = ResultFolder(folder=folder, name="diff", figures=figures, formats=drawing.formats, overwrite=shared.overwrite)
     for source in (before, after):
         out.check(source, (DOCUMENT, TABLE))
     check_junit(junit, limits, overwrite=shared.overwrite)
     noticed: dict[str, list[str]] = {}
-    sources = [_recordings(source, shared, friction, folder, voice, noticed) for source in (before, after)]
+    of_log = partial(_of_log, shared, friction, noticed)
+    sources = [_recordings(source, of_log, shared, folder) for source in (before, after)]
     if not shared.general.json:
         for line, paths in noticed.items():
             names = paths if len(paths) <= MOST_NAMED else [paths[0], f"{len(paths) - 1} more"]
@@ -80,14 +79,9 @@ def command(
 
 
 def _recordings(
-    source: Path,
-    shared: opt.LogOptions,
-    friction: opt.EstimateOptions,
-    folder: Path | None,
-    voice: Voice,
-    noticed: dict[str, list[str]],
+    source: Path, of_log: "Callable[[Path], Recording]", shared: opt.LogOptions, folder: Path | None
 ) -> "tuple[list[Recording], list[Notice]]":
-    """Return the recordings of a side, and which of several logs were left out; note the warnings and their logs."""
+    """Return the recordings of a side, and which of several logs were left out."""
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.batch.work import recording_of_document
     from friction_audit.reporting.notices import Notice
@@ -104,11 +98,11 @@ def _recordings(
         raise UsageError(f"{source}: a joint model has no intervals; give an {RESULT} or a log")
     logs = [Path(log.path) for log in find_logs([str(source)], {}, leave_out=[] if folder is None else [folder])]
     if len(logs) == 1:
-        return [_of_log(logs[0], shared, friction, voice, noticed)], []
+        return [of_log(logs[0])], []
     found, lost = [], []
     for path in logs:
         try:
-            found.append(_of_log(path, shared, friction, voice, noticed))
+            found.append(of_log(path))
         except FrictionAuditError as error:
             lost.append(Notice("log_left_out", None, f"{str(error).removeprefix(f'{path}: ')}; {path} is left out"))
     if not found:
@@ -117,19 +111,16 @@ def _recordings(
 
 
 def _of_log(
-    path: Path,
-    shared: opt.LogOptions,
-    friction: opt.EstimateOptions,
-    voice: Voice,
-    noticed: dict[str, list[str]],
+    shared: opt.LogOptions, friction: opt.EstimateOptions, noticed: dict[str, list[str]], path: Path
 ) -> "Recording":
+    """Return the recording of a log; note its warnings."""
     from friction_audit.batch.work import recording_of
-    from friction_audit.reporting.notices import TABLED, estimate_notices, minor, notice_lines
+    from friction_audit.reporting.notices import estimate_notices, notice_lines
 
-    log = chain.read(path, read_options(shared.reading, shared.selection), voice)
-    estimate = chain.estimate(log, audit_settings(shared, friction), voice)
-    hidden = {*TABLED, *(() if voice.verbose else minor(log))}
-    for line in notice_lines(one for one in estimate_notices(estimate) if one.code not in hidden):
+    voice = shared.general.voice
+    log = chain.read(path, chain.read_options(shared.reading, shared.selection), voice)
+    estimate = chain.estimate(log, chain.audit_settings(shared, friction), voice)
+    for line in notice_lines(chain.untabled(log, estimate_notices(estimate), voice)):
         noticed.setdefault(line, []).append(str(path))
     return recording_of(estimate)
 
@@ -143,7 +134,6 @@ def _report(
     friction: opt.EstimateOptions,
 ) -> int:
     from friction_audit.reporting.diff import CHANGES, DIFF, diff_lines
-    from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.drift_text import limit_sentences
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.table import to_json
@@ -151,14 +141,14 @@ def _report(
 
     voice, json = shared.general.voice, shared.general.json
     beyond, unknown = ([in_unit(text, sides.unit) for text in some] for some in limit_sentences(sides.report, limits))
-    values = {"sides": sides, "settings": to_json(audit_settings(shared, friction)), "warnings": warnings}
-    document = write_document(DIFF.json(values | {"exceeded": beyond, "cannot_tell": unknown}, sides.unit))
-    out.write_text(DOCUMENT, document)
+    values = {"sides": sides, "settings": to_json(chain.audit_settings(shared, friction)), "warnings": warnings}
+    document = partial(DIFF.json, values | {"exceeded": beyond, "cannot_tell": unknown}, sides.unit)
+    text = out.write_document(DOCUMENT, document, json=json)
     out.write_csv(TABLE, CHANGES.file((one.joint, one.name, one.coefficients) for one in sides.joints))
     out.write_figures({"diff": sides}, [joint.joint for joint in sides.joints], sides.unit, voice)
     if not json:
         voice.warn(notice_lines(warnings))
-    show(document, lambda: diff_lines(sides, beyond, unknown), json=json)
+    show(text, lambda: diff_lines(sides, beyond, unknown), json=json)
     if beyond or unknown:
         return EXCEEDED if beyond else UNTESTABLE
     damaged = any(one.session.damaged for one in (*sides.before, *sides.after))

@@ -1,10 +1,10 @@
 """``friction-audit estimate``."""
 
+from functools import partial
 from pathlib import Path
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.outputs import ResultFolder, show
 
 EXAMPLES = """Examples:
@@ -28,11 +28,10 @@ def command(
     strict: opt.Strict = False,
 ) -> None:
     """Estimate friction per joint over time, with 95 % intervals."""
-    voice = shared.general.voice
-    settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
-    kinds, again = choices.some_figures(figures, choices.FIGURES), shared.overwrite
+    voice, again = shared.general.voice, shared.overwrite
+    settings, options = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
     out = ResultFolder(
-        folder=folder, name="estimate", figures=kinds, formats=drawn.formats, exports=export, overwrite=again
+        folder=folder, name="estimate", figures=figures, formats=drawn.formats, exports=export, overwrite=again
     )
     out.check(log, (DOCUMENT, HISTORY), "estimate")
     with voice.stages(2 + out.stages) as stages:
@@ -44,7 +43,6 @@ def command(
             how = InBlocks.of(options) if folder is None else options
             recorded = chain.read(log, how, stages, while_read(settings))
         result = chain.estimate(recorded, settings, stages)
-        from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.estimate import estimate_document, estimate_lines, estimate_tables, history_table
         from friction_audit.reporting.notices import estimate_notices
 
@@ -52,10 +50,8 @@ def command(
         if not json:
             chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
         chain.require_an_estimate(result)
-        # The history of a day has 200 000 cycles: their text is made only on request.
-        asked = json or folder is not None
-        text = write_document(estimate_document(result, chain.reading_settings(options))) if asked else ""
-        out.write_text(DOCUMENT, text)
+        document = partial(estimate_document, result, chain.reading_settings(options))
+        text = out.write_document(DOCUMENT, document, json=json)
         out.write_csv(HISTORY, history_table(result))
         out.write_figures({"estimate": result}, [one.joint for one in joints], recorded.source.torque_unit, stages)
         if export:

@@ -1,6 +1,5 @@
 """``friction-audit export``."""
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -8,8 +7,7 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import audit_settings
-from friction_audit.cli.choices import option, parse_joints, parse_numbers
+from friction_audit.cli.choices import group, option, parse_joints, parse_numbers
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show
 from friction_audit.errors import UsageError
@@ -21,29 +19,23 @@ EXAMPLES = """Examples:
   friction-audit export run.parquet joint_friction.py"""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(OUTPUT)
 class ExportOptions:
     """How friction is written."""
 
-    arm: str | None = option(
-        OUTPUT, "Arm of a batch whose reference is exported. Default: the only one.", metavar="NAME"
-    )
+    arm: str | None = option("Arm of a batch whose reference is exported. Default: the only one.", metavar="NAME")
     into: Path | None = option(
-        OUTPUT,
         "URDF, MJCF or SDF of the robot: OUT is a copy of it with the friction in its joints.",
         metavar="FILE",
         exists=True,
         dir_okay=False,
     )
     speeds: str | None = option(
-        OUTPUT,
         "Speeds [rad/s] over which the file is to hold. Default: those of the log; without one 0.01,1.",
         metavar="LOW,HIGH",
     )
     armature: bool | None = option(
-        OUTPUT,
-        "Write the inertia as armature. Default: where it is without that of the links.",
-        "--armature/--no-armature",
+        "Write the inertia as armature. Default: where it is without that of the links.", "--armature/--no-armature"
     )
 
 
@@ -83,7 +75,7 @@ def command(
         raise UsageError(f"--arm {options.arm}: is for a result of batch-report; choose an arm of a log with --topic")
     estimate = None
     if result is None:
-        audit = audit_settings(shared, friction)
+        audit = chain.audit_settings(shared, friction)
         with chain.loading("friction_audit.friction.estimate"):
             log = chain.read_torque(source, shared, voice)
         estimate = chain.estimate(log, audit, voice)
@@ -91,7 +83,6 @@ def command(
     joints = of_estimate(estimate) if estimate else read_result(result or source, options.arm)
     with voice.step(f"write {out}"):
         export = export_friction(joints, target, out, settings, into=into, estimate=estimate)
-    from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.export import EXPORT, export_lines, export_notices
     from friction_audit.reporting.notices import notice_lines
 
@@ -100,7 +91,7 @@ def command(
         chain.warn_about(estimate.log, export_notices(export), voice)
     elif not json:
         voice.warn(notice_lines(export_notices(export)))
-    show(write_document(EXPORT.json(export)), lambda: export_lines(export), json=json)
+    show(lambda: EXPORT.json(export), lambda: export_lines(export), json=json)
     if estimate:
         chain.exit_if_damaged(estimate.log)
 

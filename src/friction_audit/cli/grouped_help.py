@@ -110,8 +110,12 @@ def _keyword(parameter: inspect.Parameter) -> inspect.Parameter:
     """Return a parameter as Typer wants it; the default may be a field with its option."""
     default, annotation = parameter.default, parameter.annotation
     if isinstance(default, Field):
-        if OPTION in default.metadata:
-            annotation = Annotated[annotation, default.metadata[OPTION]]
+        if info := default.metadata.get(OPTION):
+            # Typer holds the first name as the default of an option in ``Annotated``.
+            names = [one for one in (info.default, *info.param_decls) if isinstance(one, str)]
+            if default.default is False and not any(name.startswith("--") for name in names):
+                info.default, info.param_decls = f"--{parameter.name.replace('_', '-')}", tuple(names)
+            annotation = Annotated[annotation, info]
         default = default.default
     return parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 

@@ -8,8 +8,7 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import read_options
-from friction_audit.cli.choices import option
+from friction_audit.cli.choices import flag
 from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.grouped_help import READING
 from friction_audit.errors import FrictionAuditError
@@ -38,16 +37,14 @@ def command(
     torque: opt.TorqueOptions,
     cycles: opt.CycleOptions,
     general: opt.GeneralOptions,
-    full: bool = option(
-        READING, f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", "--full", default=False
-    ),
+    full: bool = flag(f"Read the whole of files above {LARGE_BYTES >> 20} MB, not {FIRST_S:g} s.", panel=READING),
 ) -> None:
     """Summarise logs: format, channels, clock, joints, cycles."""
     shared = opt.LogOptions(selection=selection, reading=reading, torque=torque, cycles=cycles, general=general)
     voice = general.voice
     if len(logs) > 1:
         chain.refuse_join(reading, "these are")
-    options, settings = read_options(reading, selection), chain.audit_settings(shared)
+    options, settings = chain.read_options(reading, selection), chain.audit_settings(shared)
     failures: list[FrictionAuditError] = []
     entries = [_entry(path, options, settings, voice, failures, full=full) for path in logs]
     _print(entries, voice, json=general.json)

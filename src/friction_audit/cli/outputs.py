@@ -78,9 +78,13 @@ class ResultFolder:
             with whole_file(self.folder / name, overwrite=self.overwrite) as draft:
                 draft.write_bytes(content) if isinstance(content, bytes) else content(draft)
 
-    def write_text(self, name: str, text: str) -> None:
-        """Write a text as UTF-8."""
+    def write_document(self, name: str, document: Callable[[], Mapping[str, Any]], *, json: bool) -> str:
+        """Write a document; return its text for who asks for it: that of a day has 200 000 cycles."""
+        from friction_audit.reporting.documents import write_document
+
+        text = write_document(document()) if json or self.folder else ""
         self.write(name, text.encode())
+        return text
 
     def write_csv(self, name: str, table: "TidyTable") -> None:
         """Write a table as CSV."""
@@ -166,19 +170,19 @@ def write_junit(path: Path | None, text: str, *, overwrite: bool) -> None:
 
 def show_written(document: Mapping[str, Any], paths: Iterable[Path], voice: Voice, *, json: bool) -> None:
     """Print the document of files that were written, or its warnings and the files."""
+    if not json:
+        voice.warn(warning["message"] for warning in document["warnings"])
+    show(lambda: document, lambda: map(str, paths), json=json)
+
+
+def show(document: str | Callable[[], Mapping[str, Any]], lines: Callable[[], Iterable[str]], *, json: bool) -> None:
+    """Print the document, or the table for people."""
+    if not json:
+        say("\n".join(lines()))
+        return
     from friction_audit.reporting.documents import write_document
 
-    if json:
-        say(write_document(document), nl=False)
-        return
-    voice.warn(warning["message"] for warning in document["warnings"])
-    for path in paths:
-        say(str(path))
-
-
-def show(document: str, lines: Callable[[], Iterable[str]], *, json: bool) -> None:
-    """Print the document, or the table for people."""
-    say(document if json else "\n".join(lines()), nl=not json)
+    say(document if isinstance(document, str) else write_document(document()), nl=False)
 
 
 def _content(

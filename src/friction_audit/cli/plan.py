@@ -1,6 +1,7 @@
 """``friction-audit plan``."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,8 +9,7 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import audit_settings
-from friction_audit.cli.choices import option, parse_joints, parse_numbers
+from friction_audit.cli.choices import group, option, parse_joints, parse_numbers
 from friction_audit.cli.grouped_help import GENERAL, MOTION
 from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.errors import InputError, UsageError
@@ -27,29 +27,23 @@ EXAMPLES = """Examples:
 DOCUMENT, TRAJECTORY = "plan.json", "trajectory"
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(MOTION)
 class MotionOptions:
     """What the motion may be."""
 
-    duration: float = option(MOTION, "Length of the motion of a joint.", default=120.0, metavar="SECONDS")
+    duration: float = option("Length of the motion of a joint.", default=120.0, metavar="SECONDS")
     range_: str | None = option(
-        MOTION,
-        "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.",
-        "--range",
-        metavar="LOW,HIGH",
+        "Positions relative to the start [rad]. Default: the log's, at least -0.8,0.8.", "--range", metavar="LOW,HIGH"
     )
-    speed: float | None = option(MOTION, "Highest speed. Default: that of the arm, or of a hand.", metavar="RAD_S")
-    acceleration: float | None = option(MOTION, "Highest acceleration. Default: likewise.", metavar="RAD_S2")
-    jerk: float | None = option(MOTION, "Highest jerk. Default: likewise.", metavar="RAD_S3")
+    speed: float | None = option("Highest speed. Default: that of the arm, or of a hand.", metavar="RAD_S")
+    acceleration: float | None = option("Highest acceleration. Default: likewise.", metavar="RAD_S2")
+    jerk: float | None = option("Highest jerk. Default: likewise.", metavar="RAD_S3")
     start: str | None = option(
-        MOTION,
         "Pose at the start [rad]. Default: the log's median pose; without one the Panda's ready pose.",
         metavar="Q1,Q2,...",
     )
-    check: bool = option(
-        MOTION, "Simulate the motion and what diagnose would answer.", "--check/--no-check", default=True
-    )
-    trajectory_rate: float = option(GENERAL, "Points of the trajectory per second.", default=100.0, metavar="HZ")
+    check: bool = option("Simulate the motion and what diagnose would answer.", "--check/--no-check", default=True)
+    trajectory_rate: float = option("Points of the trajectory per second.", default=100.0, metavar="HZ", panel=GENERAL)
 
 
 def command(
@@ -64,7 +58,6 @@ def command(
     from friction_audit.io.writers.topics import write_csv, write_mcap
     from friction_audit.planning.motion import limits_of
     from friction_audit.planning.plan import plan_task, trajectory_of
-    from friction_audit.reporting.documents import write_document
     from friction_audit.reporting.notices import notice_lines
     from friction_audit.reporting.plan import PLAN, PURPOSES, Recording, plan_lines, plan_notices
 
@@ -97,11 +90,11 @@ def command(
     settled = [one for one in tasks if one.purpose is None]
     warnings = list(plan_notices(recordings, known_start=arm.known_start))
     values = {"source": str(source or ""), "recordings": recordings, "settled": settled, "warnings": warnings}
-    document = write_document(PLAN.json(values))
-    out.write_text(DOCUMENT, document)
-    if not shared.general.json:
+    json = shared.general.json
+    text = out.write_document(DOCUMENT, partial(PLAN.json, values), json=json)
+    if not json:
         voice.warn(notice_lines(warnings))
-    show(document, lambda: plan_lines(recordings, settled), json=shared.general.json)
+    show(text, lambda: plan_lines(recordings, settled), json=json)
 
 
 def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -> "tuple[Arm, list[Task]]":
@@ -151,7 +144,7 @@ def _tasks_of_log(source: Path, start: "tuple[float, ...] | None", shared: opt.L
     voice, settings = shared.general.voice, DiagnosisSettings()
     log = chain.read_torque(source, shared, voice)
     with voice.step("diagnose"):
-        estimate = estimate_log(log, audit_settings(shared))
+        estimate = estimate_log(log, chain.audit_settings(shared))
         subjects = diagnosis_subjects(estimate, settings)
         found = Diagnosis(estimate=estimate, discrepancy=diagnose_subjects(subjects, settings), settings=settings)
     pose = np.median(log.q, axis=0).tolist() if start is None else start

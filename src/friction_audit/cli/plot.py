@@ -1,12 +1,11 @@
 """``friction-audit plot``."""
 
+from functools import partial
 from pathlib import Path
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.console import say
-from friction_audit.cli.outputs import ResultFolder
+from friction_audit.cli.outputs import ResultFolder, show
 
 EXAMPLES = """Examples:
   friction-audit plot run.mcap
@@ -26,11 +25,11 @@ def command(
 ) -> None:
     """Draw figures for a paper: all joints, and each joint alone."""
     voice = shared.general.voice
-    settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
-    kinds = choices.some_figures(figures, choices.PLOTTED)
-    out = ResultFolder(folder=folder, figures=kinds, formats=drawn.formats, overwrite=shared.overwrite)
+    settings, options = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
+    out = ResultFolder(folder=folder, figures=figures, formats=drawn.formats, overwrite=shared.overwrite)
     out.check(log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
+    from friction_audit.reporting.documents import plot_document
     from friction_audit.reporting.notices import estimate_notices
 
     warnings = estimate_notices(result)
@@ -39,13 +38,13 @@ def command(
 
     results: dict[str, object] = {"estimate": result}
     # Replay and diagnosis, where a figure draws them, with default settings otherwise.
-    if set(kinds) & set(choices.REPLAY_FIGURES):
+    if set(figures) & set(choices.REPLAY_FIGURES):
         from friction_audit.compensation.settings import ReplaySettings
         from friction_audit.pipeline import replay_estimate
 
         with voice.step("replay"):
             results["replay"] = replay_estimate(result, ReplaySettings())
-    if set(kinds) & set(choices.DIAGNOSIS_FIGURES):
+    if set(figures) & set(choices.DIAGNOSIS_FIGURES):
         from friction_audit.diagnosis.settings import DiagnosisSettings
         from friction_audit.pipeline import diagnose_estimate
 
@@ -53,12 +52,7 @@ def command(
             results["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
     joints, unit = result.interaction.joint_numbers, result.log.source.torque_unit
     files = out.write_figures(results, joints, unit, voice, each_joint=True)
-    if shared.general.json:
-        from friction_audit.reporting.documents import plot_document, write_document
-
-        figures_ = [(file.kind, file.joint, str(file.path)) for file in files]
-        say(write_document(plot_document(result, figures_, chain.reading_settings(options))), nl=False)
-    else:
-        for file in files:
-            say(str(file.path))
+    written = [(file.kind, file.joint, str(file.path)) for file in files]
+    document = partial(plot_document, result, written, chain.reading_settings(options))
+    show(document, lambda: [path for *_, path in written], json=shared.general.json)
     chain.conclude(result.log, warnings, strict=strict)

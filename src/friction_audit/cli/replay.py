@@ -1,14 +1,13 @@
 """``friction-audit replay``."""
 
-from dataclasses import dataclass
+from functools import partial
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option, parse_numbers
+from friction_audit.cli.choices import flag, group, option, parse_numbers
 from friction_audit.cli.console import Voice
 from friction_audit.cli.grouped_help import REPLAY, TUNING
 from friction_audit.cli.outputs import ResultFolder, show
@@ -16,7 +15,7 @@ from friction_audit.errors import UsageError
 from friction_audit.friction.settings import MODELS
 
 if TYPE_CHECKING:
-    from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
+    from friction_audit.compensation.compensators import Coefficients
     from friction_audit.compensation.settings import ModelFile, ReplaySettings
     from friction_audit.joint_log import JointLog
 
@@ -32,64 +31,58 @@ DOCUMENT, HISTORY = "replay.json", "replay.csv"
 MOMENTS = ("friction_step", "torque_drift")  # effects that hold for moments of the recording they were found on
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(TUNING)
 class ReplayOptions:
     """Compensator that is replayed, and what is assumed of the person."""
 
     assume: str = option(
-        REPLAY,
         "Assumption about the person: what stays as recorded.",
         default="same-motion",
         one_of=choices.ASSUMPTIONS,
+        panel=REPLAY,
     )
     compensator: str = option(
-        REPLAY,
         "energy: energy-based, as published; fixed: the coefficients of this log; model: the friction of "
         "--joint-model; others: baseline compensators.",
         default="energy",
         one_of=choices.COMPENSATORS,
+        panel=REPLAY,
     )
     joint_model: Path | None = opt.joint_model_option(
         REPLAY,
         "Joint model, e.g. model.toml of a diagnosis; it replaces the joint fitted to the log in same-torque and "
         "same-operator, and is what --compensator model compensates.",
     )
-    factor: float = option(REPLAY, "Scale factor on the estimated friction.", default=1.0, metavar="FACTOR")
+    factor: float = option("Scale factor on the estimated friction.", default=1.0, metavar="FACTOR", panel=REPLAY)
     model: str | None = option(
-        TUNING, "Friction model of the energy compensator. Default: combined.", "--compensator-model", one_of=MODELS
+        "Friction model of the energy compensator. Default: combined.", "--compensator-model", one_of=MODELS
     )
     window: int | None = option(
-        TUNING,
         "Cycles per estimate of the energy compensator. Default: 4 (2 with one coefficient); paper: 2.",
         "--compensator-window",
         metavar="K",
     )
     coefficients: str | None = option(
-        TUNING,
         "Constant coefficients of the energy compensator in place of its estimate [N m, N m s/rad].",
         metavar="coulomb=NM,viscous=NMS",
     )
-    no_passivity: bool = option(TUNING, "No passivity controller.", "--no-passivity", default=False)
+    no_passivity: bool = flag("No passivity controller.")
     max_damping: float | None = option(
-        TUNING, "Maximum damping of the passivity controller [N m s/rad]. Default: 5.", metavar="NMS"
+        "Maximum damping of the passivity controller [N m s/rad]. Default: 5.", metavar="NMS"
     )
     max_torque: float | None = option(
-        TUNING, "Maximum compensator torque [N m]. Default: Panda joint torque limits, or none.", metavar="NM"
+        "Maximum compensator torque [N m]. Default: Panda joint torque limits, or none.", metavar="NM"
     )
-    max_rate: float | None = option(
-        TUNING, "Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S"
-    )
-    observer_gain: float | None = option(TUNING, "Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
+    max_rate: float | None = option("Maximum torque rate [N m/s]. Default: 1000 for a Panda, or none.", metavar="NM/S")
+    observer_gain: float | None = option("Gain of disturbance_observer [1/s]. Default: 20.", metavar="1/S")
     motor_inertia: float | None = option(
-        TUNING,
         "Motor inertia of disturbance_observer and torque_regulation [kg m^2]. Default: fitted to the log.",
         metavar="KG_M2",
     )
     desired_inertia: float | None = option(
-        TUNING, "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.", metavar="KG_M2"
+        "Desired inertia of torque_regulation [kg m^2]. Default: half the motor inertia.", metavar="KG_M2"
     )
     operator: str | None = option(
-        TUNING,
         "Person's impedance at the joint with --assume same-operator [kg m^2, N m s/rad, N m/rad]. Default: fitted "
         "to the log.",
         metavar="MASS,DAMPING,STIFFNESS",
@@ -132,10 +125,9 @@ def command(
     """Replay a friction compensator with passivity controller."""
     voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
-    audit, reading = audit_settings(shared), read_options(shared.reading, shared.selection)
-    kinds, again = choices.some_figures(figures, choices.REPLAY_FIGURES), shared.overwrite
+    audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
     out = ResultFolder(
-        folder=folder, name="replay", figures=kinds, formats=drawn.formats, exports=export, overwrite=again
+        folder=folder, name="replay", figures=figures, formats=drawn.formats, exports=export, overwrite=shared.overwrite
     )
     out.check(log, (DOCUMENT, HISTORY), "replay")
     with voice.stages(3 + out.stages) as stages:
@@ -150,7 +142,6 @@ def command(
             chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
         estimated = chain.estimate(recorded, audit, stages)
         from friction_audit.pipeline import replay_estimate
-        from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.notices import replay_notices
         from friction_audit.reporting.replay import history_table, replay_document, replay_lines, replay_tables
 
@@ -161,8 +152,8 @@ def command(
             chain.warn_about(recorded, replay_notices(found), stages, marked=not all(one.reason for one in joints))
             _warn_of_moments(settings.joint_model, recorded, stages)
         chain.require_one(recorded, joints, "no joint can be replayed")
-        text = write_document(replay_document(found, chain.reading_settings(reading)))
-        out.write_text(DOCUMENT, text)
+        document = partial(replay_document, found, chain.reading_settings(reading))
+        text = out.write_document(DOCUMENT, document, json=json)
         out.write_csv(HISTORY, history_table(found))
         out.write_figures({"replay": found}, [joint.joint for joint in joints], recorded.source.torque_unit, stages)
         out.write_exports(replay_tables(found), recorded, stages)
@@ -184,55 +175,51 @@ def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -
 
 def replay_settings(options: ReplayOptions, cycles: opt.CycleOptions) -> "ReplaySettings":
     """Return the settings."""
-    from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
+    from friction_audit.compensation import settings as made
     from friction_audit.effects.joint_model import load_model
+
+    def given(**values: object) -> dict[str, Any]:
+        return {name: value for name, value in values.items() if value is not None}
 
     competitor = operator = None
     if options.compensator != "energy":
-        tuning = {
-            "observer_gain_per_s": options.observer_gain,
-            "motor_inertia_kg_m2": options.motor_inertia,
-            "desired_inertia_kg_m2": options.desired_inertia,
-        }
-        given: dict[str, Any] = {name: value for name, value in tuning.items() if value is not None}
-        competitor = Competitor(name=options.compensator, **given)
+        tuning = given(
+            observer_gain_per_s=options.observer_gain,
+            motor_inertia_kg_m2=options.motor_inertia,
+            desired_inertia_kg_m2=options.desired_inertia,
+        )
+        competitor = made.Competitor(name=options.compensator, **tuning)
     if options.operator is not None:
         mass, damping, stiffness = parse_numbers("--operator", options.operator, ("MASS", "DAMPING", "STIFFNESS"))
-        operator = OperatorImpedance(inertia_kg_m2=mass, damping_nms_per_rad=damping, stiffness_nm_per_rad=stiffness)
+        operator = made.OperatorImpedance(
+            inertia_kg_m2=mass, damping_nms_per_rad=damping, stiffness_nm_per_rad=stiffness
+        )
+    compensator = made.energy_compensator(
+        window=options.window,
+        factor=options.factor,
+        forced=None if options.coefficients is None else _parse_coefficients(options.coefficients),
+        forced_from_cycle=1,
+        forced_until_acted=False,
+        passivity=not options.no_passivity,
+        **given(
+            model=options.model,
+            minimum_path_rad=cycles.min_path if cycles.cycles_from == "hand" else None,
+            max_damping_nms_per_rad=options.max_damping,
+        ),
+    )
     path = options.joint_model
-    return ReplaySettings(
+    return made.ReplaySettings(
         assume=options.assume,
-        compensator=_compensator(options, cycles),
+        compensator=compensator,
         competitor=competitor,
-        joint_model=None if path is None else ModelFile(path=str(path), model=load_model(path)),
+        joint_model=None if path is None else made.ModelFile(path=str(path), model=load_model(path)),
         operator=operator,
         max_torque_nm=options.max_torque,
         max_torque_rate_nm_s=options.max_rate,
     )
 
 
-def _compensator(options: ReplayOptions, cycles: opt.CycleOptions) -> "EnergyCompensator":
-    from friction_audit.compensation.compensators import EnergyCompensator
-    from friction_audit.compensation.settings import DEFAULT_MODEL, energy_compensator
-
-    default = EnergyCompensator()
-    forced = None if options.coefficients is None else parse_coefficients(options.coefficients)
-    return energy_compensator(
-        model=options.model or DEFAULT_MODEL,
-        window=options.window,
-        factor=options.factor,
-        forced=forced,
-        forced_from_cycle=1,
-        forced_until_acted=False,
-        passivity=not options.no_passivity,
-        minimum_path_rad=cycles.min_path if cycles.cycles_from == "hand" else default.minimum_path_rad,
-        max_damping_nms_per_rad=(
-            default.max_damping_nms_per_rad if options.max_damping is None else options.max_damping
-        ),
-    )
-
-
-def parse_coefficients(text: str) -> "Coefficients":
+def _parse_coefficients(text: str) -> "Coefficients":
     """Return the coefficients of ``"coulomb=0.2,viscous=0.1"``; one left out is zero."""
     from friction_audit.compensation.compensators import Coefficients
 

@@ -1,19 +1,16 @@
 """``friction-audit report``."""
 
 import shlex
-from dataclasses import dataclass
 from pathlib import Path
 
 import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option
-from friction_audit.cli.console import say
+from friction_audit.cli.choices import group, option
 from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.grouped_help import OUTPUT, command_line
-from friction_audit.cli.outputs import ResultFolder
+from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.replay import ReplayOptions, replay_settings
 
 EXAMPLES = """Examples:
@@ -32,15 +29,12 @@ DRAWING, WRITING = 15.0, 2.0  # likewise: the first file has to wait for the fig
 NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config", "strict")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(OUTPUT)
 class ReportOptions:
     """What the report holds."""
 
-    formats: list[str] = option(
-        OUTPUT, "Formats of the report. Default: html.", "--format", default=(), some_of=FORMATS
-    )
+    formats: list[str] = option("Formats of the report. Default: html.", "--format", default=(), some_of=FORMATS)
     sections: list[str] = option(
-        OUTPUT,
         "Sections of the report; repeatable, or separated by commas. Without diagnosis it takes seconds. Default: all.",
         "--sections",
         default=(),
@@ -64,7 +58,7 @@ def command(
 ) -> None:
     """Write a report: friction, missing effects, compensator."""
     voice = shared.general.voice
-    settings, options = audit_settings(shared, friction), read_options(shared.reading, shared.selection)
+    settings, options = chain.audit_settings(shared, friction), chain.read_options(shared.reading, shared.selection)
     sections = wanted.sections or SECTIONS
     json, again = shared.general.json, shared.overwrite
     from friction_audit.reporting import report as made
@@ -87,7 +81,6 @@ def command(
         given = command_line(context, leave_out=NOT_PART_OF_IT)
         from friction_audit.diagnosis.settings import DiagnosisSettings
         from friction_audit.io.files import whole_file
-        from friction_audit.reporting.documents import write_document
         from friction_audit.reporting.html.log_page import REPORT_FORMATS
 
         report = made.report_estimate(
@@ -104,7 +97,7 @@ def command(
                 draft.write_bytes(REPORT_FORMATS[kind][1](report))
         exported = out.write_exports(made.report_tables(report), recorded, stages)
     lines = [made.lead_sentence(report), *map(str, (*files.values(), *exported))]
-    say(write_document(made.REPORT.json(report, report.unit)) if json else "\n".join(lines), nl=not json)
+    show(lambda: made.REPORT.json(report, report.unit), lambda: lines, json=json)
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
     chain.require_an_estimate(estimate)

@@ -1,6 +1,7 @@
 """``friction-audit reproduce``."""
 
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +9,7 @@ from friction_audit.cli import options as opt
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import SIMULATION
-from friction_audit.cli.outputs import ResultFolder
+from friction_audit.cli.outputs import ResultFolder, show
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Simulations
@@ -26,26 +27,25 @@ def command(
     drawing: opt.FigureOptions,
     general: opt.GeneralOptions,
     figures: list[str] = option(
-        SIMULATION,
         "Figures of the paper to draw. Default: all.",
         "--figures",
         default=PAPER_FIGURES,
         some_of=PAPER_FIGURES,
+        panel=SIMULATION,
     ),
     persons: int = option(
-        SIMULATION,
         "Simulated persons where a person moves the joint, at most 5 for the whole arm.",
         default=20,
         metavar="INT",
         min=1,
         max=1000,
+        panel=SIMULATION,
     ),
     folder: Path = opt.folder_option("Folder of the figures.", Path("reproduced")),
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate the paper's figures and measure its claims."""
     from friction_audit.reporting.compare import REPRODUCE, claim_lines, count_line
-    from friction_audit.reporting.documents import write_document
     from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 
     voice, json = general.voice, general.json
@@ -66,7 +66,5 @@ def command(
         if not json:
             say("\n".join(claim_lines(found)))
         rows += found
-    if json:
-        say(write_document(REPRODUCE.json({"seeds": persons, "claims": rows, "figures": files})), nl=False)
-    else:
-        say("\n".join([count_line(rows), *(path for *_, path in files)]))
+    document = partial(REPRODUCE.json, {"seeds": persons, "claims": rows, "figures": files})
+    show(document, lambda: [count_line(rows), *(path for *_, path in files)], json=json)

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,7 +10,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import option
+from friction_audit.cli.choices import flag, group, option
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
 from friction_audit.cli.outputs import show_written
@@ -36,35 +36,28 @@ def _finite(value: float | None) -> float | None:
     return value
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(SIMULATION)
 class SimulationOptions:
     """What is simulated."""
 
-    seed: int = option(
-        SIMULATION, "Seed; the same seed gives the same log, bit for bit.", default=0, metavar="INT", min=0
-    )
+    seed: int = option("Seed; the same seed gives the same log, bit for bit.", default=0, metavar="INT", min=0)
     duration: float | None = option(
-        SIMULATION, "Duration of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite
+        "Duration of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite
     )
-    rate: float | None = option(SIMULATION, "Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite)
+    rate: float | None = option("Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite)
     joint_model: Path | None = option(
-        SIMULATION,
         "Joint model that replaces the scenario's joints, e.g. model.toml of a diagnosis; --set and --effect apply "
         "to it.",
         metavar="FILE.toml",
     )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@group(SIMULATION)
 class ListOptions:
     """What is listed instead."""
 
-    scenarios: bool = option(
-        SIMULATION, "List the scenarios, or the settings of SCENARIO, and stop.", "--list", default=False
-    )
-    effects_there_are: bool = option(
-        SIMULATION, "List the effects with their parameters and stop.", "--list-effects", default=False
-    )
+    scenarios: bool = flag("List the scenarios, or the settings of SCENARIO, and stop.", "--list")
+    effects_there_are: bool = flag("List the effects with their parameters and stop.", "--list-effects")
 
 
 def command(
@@ -79,11 +72,13 @@ def command(
     change: opt.ChangeOptions,
     lists: ListOptions,
     general: opt.GeneralOptions,
-    out: Path | None = option(OUTPUT, "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE"),
+    out: Path | None = option(
+        "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE", panel=OUTPUT
+    ),
     dialect: str | None = opt.dialect_option(
         GENERAL, "One of convert --list-dialects. Default: the first one with FILE's suffix."
     ),
-    truth: Path | None = option(OUTPUT, "Also write the true settings and effects.", metavar="FILE.json"),
+    truth: Path | None = option("Also write the true settings and effects.", metavar="FILE.json", panel=OUTPUT),
     overwrite: opt.Overwrite = False,
 ) -> None:
     """Simulate a log whose friction and effects are known."""

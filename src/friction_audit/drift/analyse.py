@@ -8,7 +8,7 @@ from friction_audit.drift.change_test import Verdict, judge_family
 from friction_audit.drift.coefficient import describe_series, too_few
 from friction_audit.drift.covariates import choose_comparable, use_temperature, without_temperature
 from friction_audit.drift.regression import baseline_columns
-from friction_audit.drift.report import ArmDrift, DriftReport, JointDrift
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.joint_numbers import write_joint_numbers
@@ -28,32 +28,28 @@ def arms_of(sessions: Sequence[Session]) -> list[tuple[Session, ...]]:
 def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrift:
     """Find what changed between the sessions of one arm."""
     order = put_in_order(sessions)
-    alike = choose_comparable(order)
-    reference, odd = choose_reference(alike.compared, settings.baseline)
-    family, warnings = _collect(order, alike.compared)
+    compared, left_out, limits = choose_comparable(order)
+    reference, odd = choose_reference(compared, settings.baseline)
+    family, warnings = _collect(order, compared)
     verdicts = _judge([series.counted() for series in family], settings)
-    coefficients = [
-        too_few(series, order.sessions)
-        if verdict is None
-        else describe_series(series, verdict, reference, order.sessions, settings)
-        for series, verdict in zip(family, verdicts, strict=True)
-    ]
+    found: dict[int, list[CoefficientDrift]] = {}
+    for series, verdict in zip(family, verdicts, strict=True):
+        found.setdefault(series.joint, []).append(
+            too_few(series, order.sessions)
+            if verdict is None
+            else describe_series(series, verdict, reference, order.sessions, settings)
+        )
     names = {joint.joint: joint.name for session in reversed(order.sessions) for joint in session.joints}
-    found = list(zip((series.joint for series in family), coefficients, strict=True))
-    joints = tuple(
-        JointDrift(joint=number, name=names[number], coefficients=tuple(one for joint, one in found if joint == number))
-        for number in dict.fromkeys(series.joint for series in family)
-    )
     return ArmDrift(
         robot=order.sessions[0].robot,
         sessions=order.sessions,
-        compared=alike.compared,
+        compared=compared,
         reference=reference,
-        left_out=alike.left_out,
-        joints=joints,
+        left_out=tuple(left_out.items()),
+        joints=tuple(JointDrift(joint=n, name=names[n], coefficients=tuple(own)) for n, own in found.items()),
         ordered_by=order.by,
         autocorrelation=max((one.autocorrelation.first for one in verdicts if one is not None), default=0.0),
-        warnings=(*alike.warnings, *odd, *warnings),
+        warnings=(*limits, *odd, *warnings),
     )
 
 
@@ -83,17 +79,14 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
     for joint in joints:
         for coefficient in COEFFICIENTS:
             series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
-            like = use_temperature(replace(series, kept=~find_isolated(series.y, series.y_error)))
-            family.append(leave_outliers_out(like.series))
-            names = ", ".join(order.sessions[index].path for index in like.unknown)
-            unknown = f"not compared, since their temperature is not known: {names}" if names else ""
-            for text in filter(None, (like.warning, unknown)):
-                warnings.setdefault(text, set()).add(joint)
-    of = {
-        text: "" if len(some) == len(joints) else f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: "
-        for text, some in warnings.items()
-    }
-    return family, [f"{some}{text}" for text, some in of.items()]
+            series = replace(series, kept=~find_isolated(series.y, series.y_error))
+            like, warning = use_temperature(series, order.sessions)
+            family.append(leave_outliers_out(like))
+            warnings.setdefault(warning, set()).add(joint)
+    warnings.pop("", None)
+    of = [f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: " for some in warnings.values()]
+    every = [len(some) == len(joints) for some in warnings.values()]
+    return family, [text if all_ else f"{some}{text}" for text, some, all_ in zip(warnings, of, every, strict=True)]
 
 
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:
@@ -104,12 +97,11 @@ def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | 
         for i, series in enumerate(family)
         if len(series.y) >= FEWEST_SESSIONS and len(series.y) > baseline_columns(series).shape[1] + 1
     }
-    verdicts: list[Verdict | None] = [None] * len(family)
     if not testable:
-        return verdicts
+        return [None] * len(family)
     test = plain = judge_family([*testable.values()], settings)
     if any(series.temperature is not None for series in testable.values()):
         plain = judge_family([without_temperature(series) for series in testable.values()], settings)
-    for i, found, bare in zip(testable, test, plain, strict=True):
-        verdicts[i] = replace(found, p_without_temperature=bare.p_value)
-    return verdicts
+    pairs = zip(testable, test, plain, strict=True)
+    verdicts = {i: replace(found, p_without_temperature=bare.p_value) for i, found, bare in pairs}
+    return [verdicts.get(i) for i in range(len(family))]

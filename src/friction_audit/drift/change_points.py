@@ -8,17 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.drift.change_test import (
-    FEWEST_TO_PERMUTE,
     SHORTEST_SEGMENT,
     Directions,
-    draw_normal,
-    key_lots,
     make_directions,
     orthogonal,
     past_keys,
+    permute,
     step_places,
     studentise,
-    studentise_orders,
 )
 from friction_audit.drift.regression import baseline_columns, ramp_columns, robust_weight, steps_scatter
 from friction_audit.drift.session import Series
@@ -56,25 +53,25 @@ def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> 
     One step more is taken as long as a segment shows one by itself (as in Bai and Perron 1998, l + 1 against l), Holm's
     procedure over the segments; the places are those of the best segmentation of all (dynamic programming).
     """
-    y, weight = at_like_temperature(series), robust_weight(series)
+    y, weight = _at_like_temperature(series), robust_weight(series)
 
     def judged(first: int, last: int) -> Step:
         return _judge(_between(y, weight, first, last), first, settings, growth)
 
     most = max(1, min(MOST_CHANGES, len(y) // SESSIONS_PER_CHANGE))
-    places = _settle(y, weight, segmentation(y, 1))
+    places = _settle(y, weight, _segmentation(y, 1))
     for count in range(2, most + 1):
         ends = [0, *places, len(y)]
         alone = [judged(a, b).p_value for a, b in pairwise(ends) if b - a >= FEWEST_SESSIONS]
         if not alone or min(_holm(alone)) > settings.alpha:
             break
-        places = _settle(y, weight, segmentation(y, count))
+        places = _settle(y, weight, _segmentation(y, count))
     steps = [judged(*_span(places, k, len(y))) for k in range(len(places))]
     adjusted = _holm([step.p_value for step in steps])
     return tuple(replace(step, p_value=p) for step, p in zip(steps, adjusted, strict=True))
 
 
-def segmentation(y: Float, count: int) -> list[int]:
+def _segmentation(y: Float, count: int) -> list[int]:
     """Return the places of so many steps that leave the least squares."""
     from ruptures import KernelCPD
 
@@ -82,7 +79,7 @@ def segmentation(y: Float, count: int) -> list[int]:
     return [int(end) for end in KernelCPD(kernel="linear", min_size=SHORTEST_SEGMENT).fit(scaled).predict(count)[:-1]]
 
 
-def at_like_temperature(series: Series) -> Float:
+def _at_like_temperature(series: Series) -> Float:
     """Return y without the effect of the temperature, fitted jointly with the best single shape, shape (n,)."""
     if series.temperature is None:
         return series.y
@@ -126,13 +123,9 @@ def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
 
 def _judge(directions: Directions, first: int, settings: DriftSettings, growth: float) -> Step:
     """Return the best step with its p-value, by the largest statistic of random orders."""
-    length, orders, seed = len(directions.residual), settings.permutations, settings.seed
-    if length < FEWEST_TO_PERMUTE:
-        drawn = np.max(draw_normal(directions, orders, past_keys(orders, length, seed)), axis=1)
-    else:
-        lots = key_lots(orders, length, length, seed)
-        each = (np.abs(studentise_orders(directions, np.argsort(keys, axis=1))) for _, keys in lots)
-        drawn = np.concatenate([np.max(one, axis=1) for one in each])
+    length = len(directions.residual)
+    rng = past_keys(settings.permutations, length, settings.seed)
+    drawn, _ = permute([directions], [np.arange(length, dtype=float)], rng, length, settings)
     real = np.abs(studentise(directions.residual[None, :], directions))[0] / growth
     low, high = _moment(directions, growth)
     return Step(

@@ -138,7 +138,7 @@ def studentise(rows: Float, directions: Directions) -> Float:
     return directions.studentised(rows @ directions.direction, square[:, None])
 
 
-def studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float:
+def _studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float:
     """Return t of each direction with the sessions in other orders (m, n), shape (m, k).
 
     A session takes its error and its temperature along: an estimate that is worse than its error says stays as it is.
@@ -253,7 +253,7 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verd
         kind: estimate_autocorrelation([own for own, its in zip(every, kinds, strict=True) if its == kind], rng)
         for kind in dict.fromkeys(kinds)
     }
-    maxima, ramp_maxima = _permute(every, [series.place for series in family], rng, width, settings)
+    maxima, ramp_maxima = permute(every, [series.place for series in family], rng, width, settings)
     observed, ramp = np.empty(len(family)), np.empty(len(family))
     for k, (directions, kind) in enumerate(zip(every, kinds, strict=True)):
         real, freedom = np.abs(studentise(directions.residual[None, :], directions)), directions.freedom
@@ -269,7 +269,7 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verd
     ]
 
 
-def _permute(
+def permute(
     family: Sequence[Directions], places: Sequence[Float], rng: np.random.Generator, width: int, settings: DriftSettings
 ) -> tuple[Float, Float]:
     """Return the largest statistic without drift in each order, of all shapes and of the ramps, shape (orders, s) each.
@@ -285,18 +285,19 @@ def _permute(
 
     long = [k for k, directions in enumerate(family) if len(directions.residual) >= FEWEST_TO_PERMUTE]
     for k in sorted(set(range(len(family))).difference(long)):
-        keep(slice(None), k, draw_normal(family[k], orders, rng))
+        normal = rng.standard_normal((orders, len(family[k].residual)))
+        keep(slice(None), k, np.abs(studentise(normal, family[k])))
     most = max((len(places[k]) for k in long), default=1)
-    for rows, keys in key_lots(orders, width, most, seed):
+    for rows, keys in _key_lots(orders, width, most, seed):
         place, order = np.zeros(0), np.zeros((0, 0), dtype=np.int64)
         for k in long:
             if not np.array_equal(places[k], place):  # mostly all series have their sessions in the same places
                 place, order = places[k], np.argsort(keys[:, places[k].astype(np.int64)], axis=1)
-            keep(rows, k, np.abs(studentise_orders(family[k], order)))
+            keep(rows, k, np.abs(_studentise_orders(family[k], order)))
     return largest, largest_ramp
 
 
-def key_lots(orders: int, width: int, sessions: int, seed: int) -> Iterator[tuple[slice, Float]]:
+def _key_lots(orders: int, width: int, sessions: int, seed: int) -> Iterator[tuple[slice, Float]]:
     """Yield random numbers (rows, width) whose order is that of the sessions, as many at a time as memory bears."""
     rng = np.random.default_rng(seed)
     first = 0
@@ -308,11 +309,6 @@ def key_lots(orders: int, width: int, sessions: int, seed: int) -> Iterator[tupl
 def past_keys(orders: int, width: int, seed: int) -> np.random.Generator:
     """Return the generator that comes after all keys."""
     return np.random.Generator(np.random.PCG64(seed).advance(orders * width))
-
-
-def draw_normal(directions: Directions, orders: int, rng: np.random.Generator) -> Float:
-    """Return the size of the statistics of normal scatter, shape (orders, k)."""
-    return np.abs(studentise(rng.standard_normal((orders, len(directions.residual))), directions))
 
 
 def score(statistic: Float | float, freedom: int) -> Float:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,15 +39,6 @@ SPEED_CHANGE = 1.25  # a speed of motion that changes less with a drift does not
 CERTAIN = 30.0  # statistic beyond which the noise of the numerator of t is negligible against that of its denominator
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class _Described:
-    """The shape of a series, with the model that it was measured by."""
-
-    shape: str
-    model: Model
-    steps: tuple[Step, ...] = ()
-
-
 def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
     """Return what can be said of a series with too few sessions: its values."""
     own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
@@ -73,19 +63,19 @@ def describe_series(
 ) -> CoefficientDrift:
     """Return what became of a coefficient, its isolated sessions among the others."""
     warm, inflation, growth = series.counted(), verdict.autocorrelation.inflation, verdict.autocorrelation.growth
-    found = _find_shape(warm, verdict, reference, settings)
-    if found.shape == "temperature":
+    shape, model, steps = _find_shape(warm, verdict, reference, settings)
+    if shape == "temperature":
         series = without_temperature(series)
-        found = replace(found, model=ends_model(series.counted(), reference))
+        model = ends_model(series.counted(), reference)
     counted = series.counted()
-    fit = fit_model(counted, found.model.columns, inflation)
-    level = to_level(fit.interval(found.model.level), series)
+    fit = fit_model(counted, model.columns, inflation)
+    level = to_level(fit.interval(model.level), series)
     y = series.y
     if series.temperature is not None and counted.temperature is not None:
         y = y - fit.value[-1] * (series.temperature - np.mean(counted.temperature))
     # Where the model has the reference and the last sessions on one level, the sessions themselves give the change.
-    ends = found.model if np.any(found.model.change) else ends_model(counted, reference)
-    last = fit if ends is found.model else fit_model(counted, ends.columns, inflation)
+    ends = model if np.any(model.change) else ends_model(counted, reference)
+    last = fit if ends is model else fit_model(counted, ends.columns, inflation)
     change = last.interval(ends.change) if np.any(ends.change) else UNDETERMINED
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
     least = Coefficient(value=smallest, low=smallest, high=smallest)
@@ -93,14 +83,14 @@ def describe_series(
     return CoefficientDrift(
         **_shown(series, y, sessions),
         level=level,
-        shape=found.shape,
+        shape=shape,
         p_value=verdict.p_value,
         temperature_slope=temperature_slope(fit, counted, abs(level.value)),
         temperature_c=float("nan") if counted.temperature is None else float(np.mean(counted.temperature)),
         trend_per_session=slope_over(counted, counted.place, inflation),
         trend_per_day=slope_over(counted, counted.day, inflation),
         trend_p_value=verdict.ramp_p_value,
-        change_points=_change_points(counted, found, fit, verdict.p_value),
+        change_points=_change_points(counted, steps, fit, verdict.p_value),
         control=make_chart(series, y, fit, level, reference, settings.alpha),
         change=to_change(change, level, series),
         total=to_relative(change, level, series),
@@ -110,28 +100,31 @@ def describe_series(
         drift=verdict.p_value <= settings.alpha,
         warmer_k=_warming(warm),
         by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
-        speed_ratio=_speed_ratio(warm, found.model) if verdict.p_value <= settings.alpha else float("nan"),
+        speed_ratio=_speed_ratio(warm, model) if verdict.p_value <= settings.alpha else float("nan"),
     )
 
 
-def _find_shape(series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings) -> _Described:
+def _find_shape(
+    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings
+) -> tuple[str, Model, tuple[Step, ...]]:
+    """Return the shape of a series, the model that it is measured by, and its steps."""
     if verdict.p_value > settings.alpha:
         ends = ends_model(series, reference)
         confounded = follows(series, [series.place, *ends.columns.T[:-1]])
         with_temperature = verdict.p_without_temperature <= settings.alpha and confounded
-        return _Described(shape="temperature" if with_temperature else "none", model=ends)
+        return "temperature" if with_temperature else "none", ends, ()
     steps = find_steps(series, settings, verdict.autocorrelation.growth)
     stepped, ramp = steps_model(series, [step.place for step in steps], reference), ramp_model(series, reference)
     better = criterion(series, stepped) - criterion(series, ramp)  # of the ramp than of the steps
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
     if not abs(better) >= STRONG_EVIDENCE:
         shape = "step_or_ramp"
-    return _Described(shape=shape, model=ramp) if better > 0.0 else _Described(shape=shape, model=stepped, steps=steps)
+    return (shape, ramp, ()) if better > 0.0 else (shape, stepped, steps)
 
 
-def _change_points(series: Series, found: _Described, fit: Fit, p_value: float) -> tuple[ChangePoint, ...]:
+def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> tuple[ChangePoint, ...]:
     points = []
-    for k, step in enumerate(found.steps):
+    for k, step in enumerate(steps):
         before, after = np.eye(len(fit.value))[[k, k + 1]]
         level = to_level(fit.interval(before), series)
         points.append(

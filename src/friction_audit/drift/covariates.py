@@ -4,7 +4,6 @@ import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -31,25 +30,19 @@ LIKE: tuple[tuple[str, Callable[[Session], object]], ...] = (
 )
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Comparable:
-    """Which sessions are compared."""
+def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, str], list[str]]:
+    """Choose the largest group of sessions that are alike, the latest one of equal groups.
 
-    compared: tuple[int, ...]  # their indices
-    left_out: tuple[tuple[int, str], ...]  # index of each other one, with the reason
-    warnings: tuple[str, ...]  # what limits the comparison
-
-
-def choose_comparable(order: Order) -> Comparable:
-    """Choose the largest group of sessions that are alike, the latest one of equal groups."""
+    Return their indices, those of the others with the reason, and what limits the comparison.
+    """
     sessions, out, warnings = order.sessions, dict(order.left_out), []
     for find in (_repeated, _unlike, _other_rate):
         out |= find({i: session for i, session in enumerate(sessions) if i not in out})
     compared = tuple(i for i in range(len(sessions)) if i not in out)
     if order.by != "start" and len(sessions) > 1:
         warnings.append("the starts of most sessions are not known: they are in the order of their names")
-    warnings += speed_warnings([sessions[i] for i in compared])
-    return Comparable(compared=compared, left_out=tuple(sorted(out.items())), warnings=tuple(warnings))
+    warnings += _speed_warnings([sessions[i] for i in compared])
+    return compared, dict(sorted(out.items())), warnings
 
 
 def _repeated(sessions: dict[int, Session]) -> dict[int, str]:
@@ -73,20 +66,13 @@ def _repeated(sessions: dict[int, Session]) -> dict[int, str]:
 def _unlike(sessions: dict[int, Session]) -> dict[int, str]:
     """Find the sessions outside of the largest group that is alike."""
     keys = {i: tuple(of(session) for _, of in LIKE) for i, session in sessions.items()}
-    if not keys:
-        return {}
-    latest = {key: i for i, key in keys.items()}
-    group = max(Counter(keys.values()).items(), key=lambda item: (item[1], latest[item[0]]))[0]
-    names = [name for name, _ in LIKE]
-    return {
-        i: "; ".join(
-            f"{name} {mine}, of the others {theirs}"
-            for name, mine, theirs in zip(names, key, group, strict=True)
-            if mine != theirs
-        )
-        for i, key in keys.items()
-        if key != group
-    }
+    latest, count = {key: i for i, key in keys.items()}, Counter(keys.values())
+    group = max(count, key=lambda key: (count[key], latest[key]), default=())
+    unlike: dict[int, list[str]] = {i: [] for i, key in keys.items() if key != group}
+    for i, said in unlike.items():
+        each = zip(LIKE, keys[i], group, strict=True)
+        said += [f"{name} {mine}, of the others {theirs}" for (name, _), mine, theirs in each if mine != theirs]
+    return {i: "; ".join(said) for i, said in unlike.items()}
 
 
 def _other_rate(sessions: dict[int, Session]) -> dict[int, str]:
@@ -97,7 +83,7 @@ def _other_rate(sessions: dict[int, Session]) -> dict[int, str]:
     return {i: f"{rate:.4g} samples a second, of the others {usual:.4g}" for i, rate in far.items()}
 
 
-def speed_warnings(sessions: Sequence[Session]) -> list[str]:
+def _speed_warnings(sessions: Sequence[Session]) -> list[str]:
     """Warn of joints that some sessions moved at speeds that the usual one does not reach."""
     warnings = []
     for number in sorted({joint.joint for session in sessions for joint in session.joints}):
@@ -115,33 +101,27 @@ def speed_warnings(sessions: Sequence[Session]) -> list[str]:
     return warnings
 
 
-class LikeTemperature(NamedTuple):
-    """A series with what can be done about its temperature."""
+def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series, str]:
+    """Decide whether a temperature is taken out of a series; return it, and what limits the comparison.
 
-    series: Series  # without the sessions that cannot be compared; its temperature is None where it is not taken out
-    unknown: tuple[int, ...] = ()  # sessions set aside, indices into all sessions of the arm
-    warning: str = ""  # what limits the comparison; empty if nothing
-
-
-def use_temperature(series: Series) -> LikeTemperature:
-    """Decide whether a temperature is taken out of a series."""
+    Its temperature is None where it is not taken out; else sessions without a temperature are set aside.
+    """
     bare = without_temperature(series)
     if series.temperature is None or not len(series.value):
-        return LikeTemperature(bare)
+        return bare, ""
     known = np.isfinite(series.temperature)
     count, every = int(np.count_nonzero(known)), len(known)
-    if not count:
-        return LikeTemperature(bare, warning="temperature is not known: not compared at like temperature")
     if count < ENOUGH_KNOWN * every or count < FEWEST:
-        why = f"temperature is known in {count} of {every} sessions only: not compared at like temperature"
+        why = f"temperature is known in {count} of {every} sessions only" if count else "temperature is not known"
         if count == every:
-            why = f"{count} sessions with a temperature, {FEWEST} are needed: not compared at like temperature"
-        return LikeTemperature(bare, warning=why)
+            why = f"{count} sessions with a temperature, {FEWEST} are needed"
+        return bare, f"{why}: not compared at like temperature"
     kept = series.take(known)
     counted = kept.counted().temperature
     varies = counted is not None and len(counted) >= FEWEST and float(np.ptp(counted)) >= LEAST_RANGE_K
-    unknown = tuple(int(index) for index in series.session[~known])
-    return LikeTemperature(kept if varies else without_temperature(kept), unknown)
+    names = ", ".join(sessions[index].path for index in series.session[~known])
+    unknown = f"not compared, since their temperature is not known: {names}" if names else ""
+    return kept if varies else without_temperature(kept), unknown
 
 
 def without_temperature(series: Series) -> Series:

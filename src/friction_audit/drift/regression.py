@@ -48,10 +48,10 @@ def residual_scatter(residual: Float, error: Float, freedom: int) -> float:
 
 def baseline_columns(series: Series) -> Float:
     """Return what is no drift: the level and, where it can be used, the temperature, shape (n, b)."""
-    level = np.ones(len(series.place))
-    if series.temperature is None:
-        return level[:, None]
-    return np.column_stack([level, series.temperature - np.mean(series.temperature)])
+    columns = [np.ones(len(series.place))]
+    if series.temperature is not None:
+        columns.append(series.temperature - np.mean(series.temperature))
+    return np.column_stack(columns)
 
 
 def ramp_columns(series: Series) -> Float:
@@ -98,14 +98,15 @@ def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
     from statsmodels.robust.norms import HuberT
     from statsmodels.robust.robust_linear_model import RLM  # the whole of statsmodels.api takes longer to load
 
-    freedom, scatter = len(series.y) - columns.shape[1], 0.0
-    for _ in range(SETTLED):
+    freedom = len(series.y) - columns.shape[1]
+    value: Float = np.zeros(columns.shape[1])
+    scatter = 0.0
+    for turn in range(SETTLED + 1):
+        if turn:
+            scatter = residual_scatter(series.y - columns @ value, series.y_error, freedom)
         weight = 1.0 / np.sqrt(series.y_error**2 + scatter**2)
-        value = np.linalg.lstsq(columns * weight[:, None], series.y * weight, rcond=None)[0]
-        scatter = residual_scatter(series.y - columns @ value, series.y_error, freedom)
-    weight = 1.0 / np.sqrt(series.y_error**2 + scatter**2)
-    design, whitened = columns * weight[:, None], series.y * weight
-    value = np.linalg.lstsq(design, whitened, rcond=None)[0]
+        design, whitened = columns * weight[:, None], series.y * weight
+        value = np.asarray(np.linalg.lstsq(design, whitened, rcond=None)[0], dtype=float)
     left = whitened - design @ value
     scale = float(np.sqrt(np.sum(left**2) / freedom)) if freedom > 0 else 1.0
     if freedom < FEWEST_FOR_HUBER or scale < max(EXACT, ROUNDING * float(np.abs(whitened).max())):
@@ -113,13 +114,8 @@ def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
     else:
         robust = RLM(whitened, design, M=HuberT()).fit()
         value, covariance = robust.params, robust.bcov_scaled * max(1.0, 1.0 / max(robust.scale, 1e-3)) ** 2
-    return Fit(
-        value=np.asarray(value),
-        covariance=np.asarray(covariance) * inflation,
-        freedom=freedom,
-        scatter=scatter,
-        scale=scale,
-    )
+    spread = np.asarray(covariance) * inflation
+    return Fit(value=np.asarray(value), covariance=spread, freedom=freedom, scatter=scatter, scale=scale)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -144,7 +140,7 @@ def ends_model(series: Series, reference: Collection[int]) -> Model:
     later = np.flatnonzero(~inside)[-max(int(np.count_nonzero(inside)), 1) :]
     segment = np.where(inside, 0, 1)
     segment[later] = 2
-    return _levels(series, np.unique(segment, return_inverse=True)[1], reference, free=0)
+    return _levels(series, segment, reference, free=0)
 
 
 def ramp_model(series: Series, reference: Collection[int]) -> Model:
@@ -155,8 +151,7 @@ def ramp_model(series: Series, reference: Collection[int]) -> Model:
 
 
 def _levels(series: Series, segment: NDArray[np.int64], reference: Collection[int], free: int) -> Model:
-    levels = (segment[:, None] == np.arange(int(np.max(segment)) + 1)[None, :]).astype(float)
-    return _model(series, levels, reference, free)
+    return _model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free)
 
 
 def _model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:

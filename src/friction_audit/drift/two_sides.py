@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -19,7 +20,7 @@ from friction_audit.joint_log import Float
 from friction_audit.joint_numbers import write_joint_numbers
 
 SETTINGS = DriftSettings()  # the level of the tests and the power of the smallest change, as in a batch
-UNITS = ((1.0, 0.0), (0.0, 1.0))  # combinations that are one coefficient alone
+UNITS = dict(zip(COEFFICIENTS, ((1.0, 0.0), (0.0, 1.0)), strict=True))  # combinations that are one coefficient alone
 SPEEDS = 25  # points of the friction law
 TOP_SPEED_RAD_S = 1.0  # of the law where no side has a curve: that of a hand
 
@@ -156,11 +157,10 @@ def _compare_joint(number: int, before: Sequence[Recording], after: Sequence[Rec
     ]
     reasons = dict.fromkeys(found.reason for side in own for _, found in side if found.reason)
     curves = [tuple(found.curve for _, found in side) for side in own]
-    tested = [_test(name, _sides(own, parts)) for name, parts in zip(COEFFICIENTS, UNITS, strict=True)]
     return JointChange(
         joint=number,
         name=own[0][0][1].name,
-        coefficients=tuple(tested),
+        coefficients=tuple(_test(name, _sides(own, parts)) for name, parts in UNITS.items()),
         law=_law(own, curves),
         curves=(curves[0], curves[1]),
         reason="; ".join(reasons),
@@ -179,17 +179,13 @@ def _sides(own: Sequence[Sequence[tuple[Recording, JointSummary]]], parts: tuple
 def _combined(recording: Recording, joint: JointSummary, parts: tuple[float, float]) -> _Mean:
     """Return a combination of the two coefficients of a joint, with the covariance of their errors."""
     freedom = max(joint.cycles - 1, 1)  # of the jackknife over cycles
-    value = variance = 0.0
-    errors = []
-    for part, name in zip(parts, COEFFICIENTS, strict=True):
-        one = joint.coefficients[name]
-        # An interval that covers a second method is not symmetric: its longer side counts.
-        errors.append(part * max(one.high - one.value, one.value - one.low) / _critical(freedom) if part else 0.0)
-        value += part * one.value if part else 0.0
-        variance += errors[-1] ** 2
+    some = [(part, joint.coefficients[name]) for part, name in zip(parts, COEFFICIENTS, strict=True) if part]
+    # An interval that covers a second method is not symmetric: its longer side counts.
+    errors = [part * max(one.high - one.value, one.value - one.low) / _critical(freedom) for part, one in some]
+    variance = sum(error**2 for error in errors)
     if all(parts):
         variance += 2.0 * recording.correlation.get(joint.joint, NAN) * errors[0] * errors[1]
-    return _Mean(value=value, variance=variance, freedom=freedom)
+    return _Mean(value=sum(part * one.value for part, one in some), variance=variance, freedom=freedom)
 
 
 def _random_effects(found: Sequence[_Mean]) -> _Mean:
@@ -297,9 +293,11 @@ def _adjusted(joints: Sequence[JointChange]) -> list[JointChange]:
     every = [change for joint in joints for change in joint.coefficients]
     tested = [k for k, change in enumerate(every) if np.isfinite(change.single_p_value)]
     p_values = [every[k].single_p_value for k in tested]
-    adjusted = dict(zip(tested, multipletests(p_values, method="holm")[1] if tested else (), strict=True))
+    adjusted = np.full(len(every), NAN)
+    if tested:
+        adjusted[tested] = multipletests(p_values, method="holm")[1]
     level = 1.0 - SETTINGS.alpha / max(len(tested), 1)
-    found = iter([_concluded(change, float(adjusted.get(k, NAN)), level) for k, change in enumerate(every)])
+    found = map(partial(_concluded, level=level), every, adjusted.tolist())
     return [replace(joint, coefficients=tuple(next(found) for _ in joint.coefficients)) for joint in joints]
 
 

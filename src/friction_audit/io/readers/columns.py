@@ -144,7 +144,7 @@ def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
 ) -> dict[str, Group]:
     """Group the columns by channel and template, and keep the first of the best templates of each channel."""
-    found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
+    found: dict[str, dict[tuple[tuple[int, int, int], str], dict[int, ForeignName]]] = {}
     for cell, parsed in names.items():
         if parsed is not None and parsed.channel not in stated:
             key = (parsed.rank, parsed.template)
