@@ -30,7 +30,6 @@ LOADED = (
     "friction_audit.friction.estimate",
     "friction_audit.diagnosis.diagnose",
     "scipy.ndimage",
-    "scipy.interpolate",
     "friction_audit.reporting.diagnosis",
 )
 
@@ -115,14 +114,18 @@ def command(
 
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
     from friction_audit.diagnosis.settings import DiagnosisSettings
-    from friction_audit.effects.joint_model import load_model
 
+    model = None
+    if options.joint_model is not None:
+        from friction_audit.effects.joint_model import load_model
+
+        model = load_model(options.joint_model)
     return DiagnosisSettings(
         candidates=tuple(options.candidates) or None,
         min_effect_nm=options.min_effect,
         seed=options.seed,
         at_most_s=60.0 * options.at_most,
-        model=None if options.joint_model is None else load_model(options.joint_model),
+        model=model,
     )
 
 

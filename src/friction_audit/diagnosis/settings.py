@@ -2,10 +2,13 @@
 
 from dataclasses import dataclass
 from math import inf
+from typing import TYPE_CHECKING
 
-from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES
 from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:  # it loads compiled loops, which a command does while it reads the log
+    from friction_audit.effects.joint_model import ArmModel
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -28,7 +31,7 @@ class DiagnosisSettings:
     min_effect_nm: float = 0.0
     seed: int = 0
     at_most_s: float = 300.0
-    model: ArmModel | None = None
+    model: "ArmModel | None" = None
 
     def __post_init__(self) -> None:
         """Check names and numbers."""
