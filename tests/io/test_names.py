@@ -5,10 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rosbags.typesys import get_types_from_msg
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import arm_of_log, read_log
@@ -182,6 +184,39 @@ def test_columns_that_are_not_there() -> None:
 def test_commands_and_poses_are_no_joint_states(paths: str) -> None:
     assert match_kind(["header.stamp", *paths.split()]) is None
     assert all(set(kind.fields) <= set(JOINT_CHANNELS) for kind in KINDS)
+
+
+@pytest.mark.parametrize(
+    ("paths", "fields"),
+    [
+        ("commanded_torque external_torque ipo_joint_position measured_joint_position measured_torque",  # KUKA LBRState
+         {"q": "measured_joint_position", "tau_J": "measured_torque", "tau_ext_hat_filtered": "external_torque"}),
+        ("tick motor_state[].q motor_state[].ddq motor_state[].dq motor_state[].tau_est",  # Unitree LowState
+         {"q": "motor_state[].q", "dq": "motor_state[].dq", "tau_J": "motor_state[].tau_est"}),
+        ("joint_names error.positions desired.positions actual.positions actual.velocities actual.effort error.effort",
+         {"q": "actual.positions", "dq": "actual.velocities", "tau_J": "actual.effort"}),
+    ],
+)  # fmt: skip
+def test_other_messages_by_the_names_of_their_fields(paths: str, fields: dict[str, str]) -> None:
+    kind = match_kind(["header.stamp", *paths.split()])
+    assert kind is not None
+    assert kind.fields == fields
+    assert kind.names == ("joint_names" if "joint_names" in paths else None)
+
+
+def test_a_state_of_an_arm_without_velocity(tmp_path: Path) -> None:
+    """A LBRState of KUKA's FRI."""
+    store, values = ros2_store(), samples(400)
+    text = "float64[7] commanded_torque\nfloat64[7] measured_joint_position\nfloat64[7] measured_torque\n"
+    store.register(get_types_from_msg(text, "lbr_fri_idl/msg/LBRState"))
+    kind = store.types["lbr_fri_idl/msg/LBRState"]
+    angle = 0.01 * np.arange(400)[:, np.newaxis] + np.arange(7)
+    values["q"] = np.sin(angle)
+    sent = [(i * 10_000_000, kind(0 * q, q, tau)) for i, (q, tau) in enumerate(zip(values["q"], values["tau_J"]))]  # noqa: B905
+    log = read_log(write_mcap(tmp_path / "run.mcap", store, [("/state", "lbr_fri_idl/msg/LBRState", sent)]))
+    np.testing.assert_array_equal(log.tau_J, values["tau_J"])
+    np.testing.assert_allclose(log.dq, np.cos(angle), atol=1e-4)
+    assert log.source.channels["dq"] == "derivative"
 
 
 ROOT = Path(__file__).parents[2]

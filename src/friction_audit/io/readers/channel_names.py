@@ -115,11 +115,12 @@ def _channel(words: Sequence[str], head: str) -> str | None:
     found = {"dq"} if {"q", "dot"} <= own else found or ({"tau_J"} if own & _CURRENT and not is_desired else set())
     made = {_TORQUES[word] for word in own & _TORQUES.keys()}
     made |= {"tau_ext_hat_filtered"} if context & {"ext", "external"} else set()
-    if {"motor", "state"} <= context or words[0] == "d" or ("qd" in own and not own & _MEASURED):  # qd: or q desired
+    is_other_side = {"joint", "motor", "state"} <= context or bool(context & {"error", "output"})
+    if is_other_side or words[0] == "d" or ("qd" in own and not own & _MEASURED):  # qd may be q desired
         return None
     if own & {"f", "friction"}:  # a friction torque is no measured one
         return None if is_desired else _WHOLE_NAMES.get("_".join(words))
-    if found == {"tau_J"} and is_desired:  # a target or command beside the measured one may hold gravity
+    if found == {"tau_J"} and is_desired:  # a target or command may hold gravity
         return None if made or own & _COMMANDED - {"desired"} else "tau_J_d"
     if not is_desired and len(made) == 1 and (found == {"tau_J"} or (not found and made == {"gravity"})):
         return made.pop()

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.errors import InputError
+from friction_audit.io.readers.channel_names import parse_name
 from friction_audit.io.readers.joint_names import (
     DRIVER_NODES,
     UNNAMED_ARM,
@@ -90,7 +91,9 @@ def match_kind(paths: Iterable[str]) -> MessageKind | None:
     """Find the kind that a message with these fields belongs to, its paths spelled as the message spells them."""
     spelled = {path.lower(): path for path in paths}
     kind = next((kind for kind in KINDS if all(path.lower() in spelled for path in kind.required)), None)
-    if kind is None or kind is KINDS[-1]:  # the first message's list may be empty
+    if kind is None:
+        return _kind_by_names(spelled.values())
+    if kind is KINDS[-1]:  # the first message's list may be empty
         return kind
     return replace(
         kind,
@@ -98,6 +101,23 @@ def match_kind(paths: Iterable[str]) -> MessageKind | None:
         names=spelled.get((kind.names or "").lower()),
         robot_time=spelled.get((kind.robot_time or "").lower()),
         stamps=tuple(spelled[path] for path in kind.stamps if path in spelled),
+    )
+
+
+def _kind_by_names(paths: Iterable[str]) -> MessageKind | None:
+    """Take any other message whose fields have names of a position and of a torque, as columns of tables have them."""
+    found: dict[str, list[tuple[tuple[int, ...], str]]] = {}
+    for path in paths:
+        name = parse_name(path)
+        if name is not None and name.index is None and name.joint is None:
+            found.setdefault(name.channel, []).append((name.rank, path))
+    if "q" not in found or not found.keys() & {*TORQUE_CHANNELS}:
+        return None
+    return MessageKind(
+        rank=2,
+        fields={channel: min(named, key=lambda one: one[0])[1] for channel, named in found.items()},
+        names=next((path for path in paths if path.split(".")[-1] in ("name", "names", "joint_names")), None),
+        stamps=tuple(path for path in ("header.stamp", "stamp", "timestamp") if path in paths),
     )
 
 
