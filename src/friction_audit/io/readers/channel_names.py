@@ -121,10 +121,7 @@ def is_label(name: str) -> bool:
 
 
 def labels_of(names: Sequence[str], joints: Mapping[str, str]) -> dict[int, str]:
-    """Return position of a column -> its joint, where joint names stand next to the numbers as in a JointState.
-
-    ``field.position3`` is of the joint whose name ``field.name3`` holds: ``joints`` has the content of such elements.
-    """
+    """Return position of a column -> its joint: ``field.position3`` is of the joint that ``field.name3`` holds."""
     labels = {_place(name): joint for name, joint in joints.items()}
     labels.pop(None, None)
     places = [_place(name) for name in names]

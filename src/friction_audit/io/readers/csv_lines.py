@@ -80,10 +80,7 @@ class Dialect:
 
 
 def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401
-    """Return what a field holds, None if it is not what its column holds.
-
-    NaN is one of the usual ways to write that there is no number; a stamp kept as an integer cannot be missing.
-    """
+    """Return what a field holds, None if it is not what its column holds; NaN where it says that there is no number."""
     text = field.strip()
     if kind is str:
         return text
@@ -224,10 +221,7 @@ def count_lines(path: Path, dialect: Dialect) -> int:
 def without_cut_line(
     dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]
 ) -> tuple[bytes, Finding | None]:
-    """Leave out a last line that a killed logger did not finish; NUL bytes are what a power cut leaves.
-
-    A last line without a line feed may lack digits even where its fields are complete.
-    """
+    """Leave out a last line that was not finished; NUL bytes are what a power cut leaves."""
     text = block.rstrip(b"\0")
     body = text.rstrip(b"\r\n")
     before, newline, last = body.rpartition(b"\n")

@@ -54,10 +54,7 @@ def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def choose_arm(names: Sequence[str], wanted: str, *, path: str, topic: str = "") -> tuple[str, ...]:
-    """Return the joints of the arm to read, in their order, from the joints of a table or of a topic.
-
-    SeveralLogsError if there are several arms and the user named none.
-    """
+    """Return the joints of the arm to read, in their order; SeveralLogsError if there are several to choose from."""
     arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
     choices = " or ".join(f"--topic '{topic}#{arm}'" for arm in arms)
     where = f"on topic {topic}" if topic else "in this table"

@@ -1,7 +1,4 @@
-"""MATLAB .mat -> Recording: versions 5 to 7 by SciPy, version 7.3, which is HDF5, by h5py.
-
-Variables are found by name as everywhere; the fields of structures have dotted names, ``log.q``.
-"""
+"""MATLAB .mat -> Recording: versions 5 to 7 by SciPy, 7.3 (HDF5) by h5py; fields of structures have dotted names."""
 
 import struct
 import zlib

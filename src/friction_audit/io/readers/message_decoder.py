@@ -138,10 +138,7 @@ def _parse(connection: Connection) -> "Typesdict":
 
 
 def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()) -> int:
-    """Return how many fields a message has at least, arrays of numbers counted once.
-
-    BrokenError if it contains itself, or arrays of messages that a decoder would not come to an end of.
-    """
+    """Count fields, arrays of numbers as one; BrokenError for a message that a decoder would not come to an end of."""
     if typename in above or len(above) > _DEEPEST:
         raise BrokenError(f"{typename} contains itself, or is nested more than {_DEEPEST} deep")
     count = 1

@@ -141,6 +141,8 @@ def _row_of(message: object, kind: MessageKind) -> Row:
 
 def _value_at(message: object, path: str | None) -> Any:  # noqa: ANN401
     """Return the value of a field by its path, or None if the message does not have it."""
+    if isinstance(message, dict) and path in message:  # JSON, in a fraction of the time
+        return message[path]
     if path is None:
         return None
     head, entries, inner = path.partition("[].")
@@ -226,10 +228,7 @@ class Candidate:
 def choose_topic(
     path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str | None
 ) -> tuple[Candidate, tuple[str, ...], tuple[Finding, ...]]:
-    """Return the topic to read, the joints of the arm to read, and what to say about the choice.
-
-    SeveralLogsError if the file holds several arms and the user named none.
-    """
+    """Return the topic, the joints of the arm, and what to say about it; SeveralLogsError if the user has to choose."""
     name, _, arm = (wanted or "").partition("#")
     measured = [c for c in candidates if c.choices and not _NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
     if wanted is not None:

@@ -1,7 +1,4 @@
-"""Write a log in any format, Parquet and NumPy archives here; of the writers of an ending, the first is its default.
-
-A format is added by writing one file and naming its records in WRITERS.
-"""
+"""Write a log in any format, Parquet and NumPy archives here; of the writers of an ending, the first is its default."""
 
 import json
 from difflib import get_close_matches
