@@ -136,8 +136,7 @@ def sniff_csv(path: Path) -> Dialect:
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
         raise InputError(
-            f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm while it "
-            "moves"
+            f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm in motion"
         )
     return Dialect(
         separator=separator,
@@ -182,8 +181,7 @@ def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...]
     trailing = rows[0][-1].strip() == "" if width == len(names) + 1 else names[-1].strip() == ""
     if width != len(names) and not (abs(width - len(names)) == 1 and trailing) and len(rows) > 1:
         raise InputError(
-            f"{path}: line {line} has {width} fields, the header has {len(names)}; expected the same number "
-            "in every line; repair the header"
+            f"{path}: line {line} has {width} fields; expected {len(names)} as in the header; repair the header"
         )
     return width if len(rows) > 1 else len(names)
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.joint_names import (
+from friction_audit.io.readers.channel_names import (
     DRIVER_NODES,
     UNNAMED_ARM,
     arm_name,
@@ -270,10 +270,7 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
         hint = f"did you mean {' or '.join(near)}? " if near else ""
         raise InputError(f"{path}: no topic {wanted}; {hint}{_listed(topics)}; choose one with --topic")
     what = f"of type {there.type} holds no joint state that can be read; {_EXPECTED}"
-    raise InputError(
-        f"{path}: topic {there.name} {what if there.messages else 'has no messages'}; {_listed(topics)}; choose "
-        "another one with --topic"
-    )
+    raise InputError(f"{path}: topic {there.name} {what if there.messages else 'has no messages'}; {_listed(topics)}")
 
 
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:

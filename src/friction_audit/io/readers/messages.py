@@ -14,9 +14,8 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import stamp_of
-from friction_audit.io.readers.channel_names import serial_in
+from friction_audit.io.readers.channel_names import robot_of, serial_in
 from friction_audit.io.readers.columns import MOST_JOINTS
-from friction_audit.io.readers.joint_names import robot_of
 from friction_audit.io.readers.message_decoder import MessageDecoder, decoder_for
 from friction_audit.io.readers.message_kinds import Candidate, MessageKind, choose_topic, match_kind, rows_of
 from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
@@ -77,8 +76,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     if not samples.count:
         raise InputError(
-            f"{path}: none of the messages on topic {chosen.topic} can be decoded as {chosen.type}; choose another "
-            "topic with --topic"
+            f"{path}: no message on topic {chosen.topic} can be decoded as {chosen.type}; choose another with --topic"
         )
     clock = choose_clock(samples.times)
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
@@ -171,8 +169,7 @@ def _readable(
         if topic.strip("/") != wanted:
             return None
         raise InputError(
-            f"{path}: topic {topic} of type {connection.type} cannot be read: {error}; choose another topic with "
-            "--topic, or convert the log"
+            f"{path}: topic {topic} of type {connection.type} cannot be read: {error}; choose another with --topic"
         ) from error
     own = stated if wanted in (None, topic.strip("/")) else {}
     kind = _kind(path, connection, decoder.paths, own) if decoder else None
@@ -188,8 +185,7 @@ def _candidate(path: Path, group: Sequence[_Readable], *, is_wanted: bool) -> Ca
     joints = max((len(row.names) for row in rows), default=0)
     if joints > MOST_JOINTS and is_wanted:
         raise InputError(
-            f"{path}: a message on topic {first.topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
-            "choose another topic with --topic"
+            f"{path}: {joints} joints on topic {first.topic}; expected at most {MOST_JOINTS}; choose another --topic"
         )
     decoders = {connection.key: decoder for connection, decoder, *_ in same}
     messages = sum(connection.messages for connection, *_ in same)

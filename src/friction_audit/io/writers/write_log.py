@@ -94,7 +94,5 @@ def check_fit(log: JointLog, writer: Writer) -> None:
     if not lacks:
         return
     able = [other.name for other in WRITERS if set(other.needs) <= set(channels) and other.joints in (None, joints)]
-    raise UsageError(
-        f"{log.source.path}: the dialect {writer.name} needs {' and '.join(lacks)}; choose one that can hold the log: "
-        f"{', '.join(able)}"
-    )
+    needs = f"{log.source.path}: the dialect {writer.name} needs {' and '.join(lacks)}"
+    raise UsageError(f"{needs}; choose one that can hold the log: {', '.join(able)}")
