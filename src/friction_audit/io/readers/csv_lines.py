@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -189,13 +190,10 @@ def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...]
 def blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
     """Yield (number of the first line, whole lines, is it the end of the file)."""
     line, rest = dialect.line, b""
-    chunks = _chunks(path, dialect)
-    chunk = next(chunks, b"")
-    while chunk:
-        following = next(chunks, b"")
+    for chunk, following in pairwise(chain(_chunks(path, dialect), [b""])):
         block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
         yield line, block + newline, not following
-        line, rest, chunk = line + block.count(b"\n") + len(newline), tail, following
+        line, rest = line + block.count(b"\n") + len(newline), tail
 
 
 def _chunks(path: Path, dialect: Dialect) -> Iterator[bytes]:
