@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.settings import limits_of as compensator_limits
-from friction_audit.io.readers.joint_names import arm_name, robot_of
+from friction_audit.io.readers.channel_names import arm_name, robot_of
 from friction_audit.presets import BUILT_IN, PRESETS, TORQUES, candidates
 from friction_audit.robot.arm import read_urdf
 from friction_audit.robot.urdf import limits_in

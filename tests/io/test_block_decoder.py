@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.io.readers.message_layout import Layout, find_layout
+from friction_audit.io.readers.message_decoder import Layout, find_layout
 from friction_audit.io.readers.message_stream import Block, block_of_payloads
 from tests.io.bag_writing import JOINT_STATE, header, ros1_store, ros2_store
 

@@ -58,7 +58,8 @@ def test_unit_from_the_median_step(step: float, unit: str) -> None:
 @pytest.mark.parametrize(("per_second", "unit"), [(1.0, "s"), (1e3, "ms"), (1e6, "us"), (1e9, "ns")])
 def test_unit_from_a_unix_time(per_second: float, unit: str) -> None:
     clock = to_clock((1.7e9 + np.arange(5, dtype=np.float64) * 0.5) * per_second, None, path="log")
-    assert (clock.unit, clock.start_s) == (unit, pytest.approx(1.7e9))
+    assert clock.unit == unit
+    assert clock.start_s == pytest.approx(1.7e9)
 
 
 def chosen(log_time: Any, **others: Any) -> MessageClock:
@@ -79,7 +80,8 @@ def test_nanoseconds_since_1970_keep_their_last_digit() -> None:
 )
 def test_robot_time_comes_first_in_any_unit_and_takes_its_date_from_the_log(factor: float, unit: str) -> None:
     clock = chosen(LOG, header_stamp=LOG, robot_time=SECONDS * factor)
-    assert (clock.name, clock.start_s) == ("robot_time", pytest.approx(START_NS / 1e9))
+    assert clock.name == "robot_time"
+    assert clock.start_s == pytest.approx(START_NS / 1e9)
     np.testing.assert_allclose(clock.t, np.arange(1000) * 1e-3)
     assert [finding.code for finding in clock.findings if unit in finding.message] == ["robot_time_unit"] * bool(unit)
 

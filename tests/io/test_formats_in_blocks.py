@@ -1,6 +1,5 @@
 """A log of every format whose reader has blocks gives in blocks what it gives in memory, whatever the blocks."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,10 @@ from friction_audit.io.readers.reader import InBlocks
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog, Source
 from friction_audit.log_in_blocks import LogInBlocks
-from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.pipeline import AuditSettings
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-from friction_audit.reporting.estimate import estimate_document
 from tests.io.synthetic_recordings import motion
-from tests.io.test_in_blocks import assert_same
+from tests.io.test_in_blocks import assert_same_log
 
 FORMS = {
     "csv": "run.csv",
@@ -51,18 +49,9 @@ def cut_into(rows: int, patch: pytest.MonkeyPatch) -> None:
 
 
 def assert_in_blocks(path: Path, blocks: int) -> None:
-    usual, log = read_log(path), read_log(path, InBlocks())
-    assert isinstance(log, LogInBlocks)
-    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
-    assert replace(log.source, clock_windows=0) == replace(usual.source, clock_windows=0)
-    parts = list(log.blocks())
-    assert len(parts) >= blocks
-    np.testing.assert_allclose(np.concatenate([part.t for part in parts]), usual.t, rtol=0, atol=1e-9)
-    for channel, array in usual.channels().items():
-        np.testing.assert_array_equal(np.concatenate([part.channels()[channel] for part in parts]), array)
     settings = AuditSettings(torque=TorqueSettings(gravity="removed"), cycles=CycleSettings(thresholds="auto"))
-    found, expected = (estimate_document(estimate_log(one, settings)) for one in (log, usual))
-    assert_same(found, expected)
+    # The clock is compared with the motion on means of the samples, which may begin or end a window otherwise.
+    assert len(list(assert_same_log(path, {}, settings, clock_windows=0).blocks())) >= blocks
 
 
 @pytest.mark.parametrize(("dialect", "rows"), [*((dialect, 333) for dialect in FORMS), ("mcap", 3001), ("csv", 3001)])
@@ -70,7 +59,8 @@ def test_blocks_are_the_whole(
     log: JointLog, tmp_path: Path, dialect: str, rows: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cut_into(rows, monkeypatch)
-    write_log(log, tmp_path / FORMS[dialect], dialect=dialect)
+    shorter = log.take_window(0.0, 4.0) if dialect == "mcap-json" else log  # decoded one by one
+    write_log(shorter, tmp_path / FORMS[dialect], dialect=dialect)
     assert_in_blocks(tmp_path / FORMS[dialect], blocks=2)
 
 

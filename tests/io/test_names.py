@@ -14,9 +14,8 @@ from rosbags.typesys import get_types_from_msg
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import arm_of_log, read_log
-from friction_audit.io.readers.channel_names import parse_name, serial_in, torque_unit
+from friction_audit.io.readers.channel_names import arms_in, parse_name, robot_of, serial_in, torque_unit
 from friction_audit.io.readers.columns import ColumnMap, map_columns
-from friction_audit.io.readers.joint_names import arms_in, robot_of
 from friction_audit.io.readers.message_kinds import KINDS, match_kind
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JOINT_CHANNELS, Source

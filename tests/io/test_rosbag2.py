@@ -12,7 +12,7 @@ import pytest
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import list_topics, read_log, rosbag2
-from friction_audit.io.readers.message_decoder import _ERRORS, _FRANKA_GENERATIONS, _franka_definitions
+from friction_audit.io.readers.message_decoder import _FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.io.readers.reader import ReadOptions
 from tests.io.bag_writing import (
     JOINT_STATE,
@@ -100,8 +100,10 @@ def test_messages_that_lack_joints(tmp_path: Path) -> None:
 
 
 NO_DEFINITIONS = ("DROP TABLE message_definitions",)  # as recorded before Iron
-GENERATIONS = [("FrankaRobotState", 2), *((name, 2 * i + f) for i, name in enumerate(
-    name.partition("_")[0] for name in _FRANKA_GENERATIONS) for f in range(len(_ERRORS)))]  # fmt: skip
+GENERATIONS = [("FrankaRobotState", 2)]
+GENERATIONS += [
+    (name.partition("_")[0], 2 * i + flags) for i, name in enumerate(_FRANKA_GENERATIONS) for flags in (0, 1)
+]
 
 
 @pytest.mark.parametrize(("name", "generation"), GENERATIONS)

@@ -103,9 +103,8 @@ def read_toml(path: Path) -> dict[str, Any]:
 def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Yield a path that does not exist yet; what is made there becomes ``path`` if the block succeeds.
 
-    The temporary path has the same suffix and lies in a private folder next to ``path``, so that the rename stays on
-    one file system; a writer may make a file or a directory there. Where ``path`` is a link, all of this concerns the
-    file that it points to, and the link stays.
+    It has the same suffix and lies in a private folder next to ``path``, on the same file system, for a file or a
+    directory. Where ``path`` is a link, all of this concerns the file that it points to.
     """
     check_place(path, overwrite=overwrite)
     target = Path(os.path.realpath(path))

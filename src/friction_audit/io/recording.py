@@ -22,18 +22,12 @@ class WholeLogError(Exception):
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Blocks:
-    """A recording that is read block by block, anew for every pass.
+    """A recording that is read block by block, anew for every pass; what the checks found is as in ``LogInBlocks``."""
 
-    Attributes:
-        rows: Number of samples.
-        read: Yields the clock of each block, and those of its channels that are asked for.
-        since: Returns a number of a row at or before a given one, and how the rows from that one on are read; None
-            where all is to be read to come to a row.
-        clock, gaps, mean_of, numbers, listener: What the checks found, as in ``LogInBlocks``.
-    """
-
-    rows: int
-    read: Callable[[Collection[str]], Iterator[Block]]
+    rows: int  # number of samples
+    read: Callable[[Collection[str]], Iterator[Block]]  # yields the clock and the channels that are asked for
+    # Returns a number of a row at or before a given one, and how the rows from that one on are read; None where all is
+    # to be read to come to a row.
     since: Callable[[int], tuple[int, Callable[[Collection[str]], Iterator[Block]]]] | None = None
     clock: tuple[int, float, float] = (0, 0.0, 0.0)
     gaps: Float = field(default_factory=lambda: np.zeros((0, 3)))
@@ -68,45 +62,24 @@ class Marks:
 
 @dataclass(eq=False, kw_only=True, slots=True)
 class Recording:
-    """What a reader returns: names and units translated, faults not yet looked for.
+    """What a reader returns: names and units translated, faults not yet looked for; the receiver may work in place."""
 
-    The arrays belong to the receiver, which may work in place.
-
-    Attributes:
-        t: Time since an origin of the reader's choice, shape (n,); any order, repeats allowed. [s]
-        channels: Channel of JointLog -> array of shape (n, j), Fortran order, NaN where nothing was recorded.
-        joint_names: One name per joint.
-        clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
-        start_s: Unix time of t = 0, or None when the clock does not say. [s]
-        origin_s: Reading of the clock at t = 0. [s]
-        guessed_unit: Unit of the clock where neither its name nor its size says it.
-        first_s: Time of the log's first sample on the clock of t where only a part was read, else None. [s]
-        robot: Robot by joint names or message types, or ``"unknown"``.
-        serial: Serial number of the arm as the file states it, empty if it does not.
-        topic: Topic read, or None.
-        mapping: Channel -> name in the file, with ``{i}``.
-        torque_unit: Unit of the torque where it was converted; empty where its name decides.
-        clock_windows: Windows of time on which the clock was checked against the motion.
-        findings: What the reader itself noticed (a truncated file, a topic without content).
-        blocks: How it is read block by block; ``t`` and the channels are then empty, or means of the blocks.
-    """
-
-    t: Float
-    channels: dict[str, Float]
+    t: Float  # time since an origin of the reader's choice, shape (n,); any order, repeats allowed [s]
+    channels: dict[str, Float]  # channel -> array of shape (n, j), Fortran order, NaN where nothing was recorded
     joint_names: tuple[str, ...]
-    clock: str = "column"
-    start_s: float | None = None
-    origin_s: float = 0.0
-    guessed_unit: str = ""
-    first_s: float | None = None
-    robot: str = "unknown"
-    serial: str = ""
-    topic: str | None = None
-    mapping: Mapping[str, str] = field(default_factory=dict)
-    torque_unit: str = ""
-    clock_windows: int = 0
-    findings: tuple[Finding, ...] = ()
-    blocks: Blocks | None = None
+    clock: str = "column"  # or "robot_time", "header_stamp", "log_time"
+    start_s: float | None = None  # Unix time of t = 0, or None when the clock does not say [s]
+    origin_s: float = 0.0  # reading of the clock at t = 0 [s]
+    guessed_unit: str = ""  # of the clock where neither its name nor its size says it
+    first_s: float | None = None  # time of the log's first sample on the clock of t where only a part was read [s]
+    robot: str = "unknown"  # by joint names or message types
+    serial: str = ""  # number of the arm as the file states it
+    topic: str | None = None  # read
+    mapping: Mapping[str, str] = field(default_factory=dict)  # channel -> name in the file, with {i}
+    torque_unit: str = ""  # of a torque that was converted; empty where its name decides
+    clock_windows: int = 0  # windows of time on which the clock was checked against the motion
+    findings: tuple[Finding, ...] = ()  # what the reader itself noticed (a truncated file, a topic without content)
+    blocks: Blocks | None = None  # how it is read in blocks; t and the channels are then empty, or means of the blocks
 
     def with_findings(self, *findings: Finding | None) -> "Recording":
         """Return the recording with findings added."""
@@ -133,9 +106,7 @@ class Recording:
     def mended(self, mend: Callable[[Iterator[Block]], Iterator[Block]], rows: int | None = None) -> "Recording":
         """Return the recording with every block mended: one in memory at once and in place, else when it is read.
 
-        Args:
-            mend: From blocks to blocks, one for one or fewer at last; any of the channels may be asked for.
-            rows: Number of samples that are left, if that changes.
+        ``mend`` goes from blocks to blocks, one for one or fewer at last; ``rows`` are left, if that changes.
         """
         ((t, channels),) = mend(iter([(self.t, self.channels)]))
         blocks = self.blocks

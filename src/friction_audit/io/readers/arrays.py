@@ -48,8 +48,8 @@ class ArrayTable(ColumnTable):
         for name in sorted(names):
             if (shape := self._arrays[name].shape)[0] != samples:
                 raise InputError(
-                    f"{self.path}: {name} has shape {shape}, {columns.time.name} has {samples} samples; expected one "
-                    "row per sample; save it transposed or cut to the same length"
+                    f"{self.path}: {name} has shape {shape}, {columns.time.name} has {samples} samples; "
+                    "expected one row per sample; save it transposed or cut to the same length"
                 )
         return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
@@ -160,15 +160,14 @@ def _array(path: Path) -> NDArray[Any]:
     except (ValueError, OSError, EOFError, OverflowError, SyntaxError, TokenError) as error:
         if "allow_pickle" in str(error) or "Python objects" in str(error):
             raise InputError(
-                f"{path}: Python objects, which could run foreign code when they are read; expected an array of "
-                "numbers; save a dictionary of arrays with numpy.savez(file, **log)"
+                f"{path}: Python objects, which could run foreign code if read; save numpy.savez(file, **log)"
             ) from error
         raise InputError(f"{path}: a damaged NumPy array: {error}; copy or save it again") from error
     is_plane = array.ndim == _PLANE and array.dtype.kind in "fiu"
     if not array.size or not (array.ndim == 1 if array.dtype.names else is_plane):
         raise InputError(
             f"{path}: an array of shape {array.shape} {array.dtype}; expected numbers of shape (samples, columns); "
-            "stack the signals with numpy.column_stack and save that, or save them by name with numpy.savez"
+            "save numpy.column_stack of the signals, or the signals by name with numpy.savez"
         )
     if array.dtype.names is None and array.shape[0] < array.shape[1]:
         raise InputError(

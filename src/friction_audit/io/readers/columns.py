@@ -11,13 +11,15 @@ from friction_audit.io.readers.channel_names import (
     ForeignName,
     Group,
     JointKey,
+    arms_in,
+    choose_arm,
     parse_name,
     refuse_absent,
+    robot_of,
     shorten,
     stated_group,
     stated_time,
 )
-from friction_audit.io.readers.joint_names import arms_in, choose_arm, robot_of
 from friction_audit.io.readers.time_column import TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 

@@ -164,14 +164,12 @@ class CsvTable(Table):
             text = raw.strip("\r")
             if "\r" in text:
                 raise InputError(
-                    f"{self.path}: line {number} has a carriage return within it; expected one at its end or none; "
-                    "repair or remove the line"
+                    f"{self.path}: line {number} has a carriage return within it; expected none there; repair the line"
                 )
             fields = split_line(text, dialect.separator) if text.strip() else ()
             if fields and len(fields) != dialect.width:
                 raise InputError(
-                    f"{self.path}: line {number} has {len(fields)} fields; expected {dialect.width} as in the lines "
-                    "before; repair or remove the line"
+                    f"{self.path}: line {number} has {len(fields)} fields; expected {dialect.width}; repair the line"
                 )
             values = {c: value_of(fields[c], kind, dialect.decimal) for c, kind in self._kinds.items() if fields}
             wrong = [cell for cell, value in values.items() if value is None]
@@ -189,8 +187,7 @@ class CsvTable(Table):
         self._bad += [what] if len(self._bad) < _SHOWN_CELLS else []
         if self._bad_lines > _MOST_BAD * self._lines:
             raise InputError(
-                f"{self.path}: {self._bad[0]}; expected a number in every line, and at least in "
-                f"{1.0 - _MOST_BAD:.0%} of them; repair or remove the line"
+                f"{self.path}: {self._bad[0]}; expected numbers, in {1.0 - _MOST_BAD:.0%} of the lines; repair them"
             )
 
     def _refuse_moving_label(self, words: NDArray[Any], label: str, line: int) -> None:
@@ -309,9 +306,8 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
     rows, duration_s = len(recording.t), float(recording.t[-1])
     if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
         raise InputError(
-            f"{path}: {rows} rows, {duration_s:.2f} s: looks like a libfranka exception log (its ring buffer holds "
-            "50 rows and is written when a motion fails); expected a recording of several movements; "
-            "log the robot state continuously, or read it all the same with --allow-short"
+            f"{path}: {rows} rows, {duration_s:.2f} s: looks like a libfranka exception log (50 rows, of a motion that "
+            "failed); expected several movements; log the state continuously, or read it with --allow-short"
         )
     if recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown":  # the header of libfranka <= 0.9.0
         recording = replace(recording, robot="panda")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import chain, pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -80,10 +81,7 @@ class Dialect:
 
 
 def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401
-    """Return what a field holds, None if it is not what its column holds.
-
-    NaN is one of the usual ways to write that there is no number; a stamp kept as an integer cannot be missing.
-    """
+    """Return what a field holds, None if it is not what its column holds; NaN where it says that there is no number."""
     text = field.strip()
     if kind is str:
         return text
@@ -139,8 +137,7 @@ def sniff_csv(path: Path) -> Dialect:
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
         raise InputError(
-            f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm while it "
-            "moves"
+            f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm in motion"
         )
     return Dialect(
         separator=separator,
@@ -185,8 +182,7 @@ def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...]
     trailing = rows[0][-1].strip() == "" if width == len(names) + 1 else names[-1].strip() == ""
     if width != len(names) and not (abs(width - len(names)) == 1 and trailing) and len(rows) > 1:
         raise InputError(
-            f"{path}: line {line} has {width} fields, the header has {len(names)}; expected the same number "
-            "in every line; repair the header"
+            f"{path}: line {line} has {width} fields; expected {len(names)} as in the header; repair the header"
         )
     return width if len(rows) > 1 else len(names)
 
@@ -194,13 +190,10 @@ def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...]
 def blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
     """Yield (number of the first line, whole lines, is it the end of the file)."""
     line, rest = dialect.line, b""
-    chunks = _chunks(path, dialect)
-    chunk = next(chunks, b"")
-    while chunk:
-        following = next(chunks, b"")
+    for chunk, following in pairwise(chain(_chunks(path, dialect), [b""])):
         block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
         yield line, block + newline, not following
-        line, rest, chunk = line + block.count(b"\n") + len(newline), tail, following
+        line, rest = line + block.count(b"\n") + len(newline), tail
 
 
 def _chunks(path: Path, dialect: Dialect) -> Iterator[bytes]:
@@ -224,10 +217,7 @@ def count_lines(path: Path, dialect: Dialect) -> int:
 def without_cut_line(
     dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]
 ) -> tuple[bytes, Finding | None]:
-    """Leave out a last line that a killed logger did not finish; NUL bytes are what a power cut leaves.
-
-    A last line without a line feed may lack digits even where its fields are complete.
-    """
+    """Leave out a last line that was not finished; NUL bytes are what a power cut leaves."""
     text = block.rstrip(b"\0")
     body = text.rstrip(b"\r\n")
     before, newline, last = body.rpartition(b"\n")

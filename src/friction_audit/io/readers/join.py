@@ -129,8 +129,7 @@ def _joints_in_order(first_path: Path, first: Recording, path: Path, other: Reco
     if len(first.joint_names) != len(other.joint_names):
         raise InputError(
             f"{path}: has {len(other.joint_names)} joints ({', '.join(other.joint_names)}), {first_path} has "
-            f"{len(first.joint_names)} ({', '.join(first.joint_names)}); expected the same joints; name their columns "
-            "with --map"
+            f"{len(first.joint_names)} ({', '.join(first.joint_names)}); expected the same; name columns with --map"
         )
     return list(range(len(other.joint_names)))
 

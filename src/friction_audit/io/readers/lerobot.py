@@ -47,7 +47,7 @@ def read(path: Path, options: ReadOptions) -> Recording:
         first, last = next(iter(episodes)), next(reversed(episodes))
         raise SeveralLogsError(
             f"{path}: {len(episodes)} episodes in one data set; choose one with --topic {first} ... --topic {last}, or "
-            "take all of them as sessions with batch-report",
+            "take all with batch-report",
             list(episodes),
         )
     name = wanted or next(iter(episodes))
@@ -105,8 +105,7 @@ def _features(path: Path) -> dict[str, Any]:
         return {name: one for name, one in features.items() if isinstance(one, dict)}
     except (ValueError, LookupError, AttributeError, TypeError, RecursionError) as error:
         raise InputError(
-            f"{path}: {DATA_SET} is no description of a LeRobot data set ({error}); expected its features; copy the "
-            "data set again"
+            f"{path}: {DATA_SET} does not hold the features of a LeRobot data set ({error}); copy the data set again"
         ) from error
 
 
@@ -122,8 +121,7 @@ def _episodes(path: Path) -> dict[str, tuple[Path, int]]:
                 found |= {int(number): (file, int(count)) for number, count in counted}
     if not any(frames for _, frames in found.values()):
         raise InputError(
-            f"{path}: a LeRobot data set with 0 frames; expected episodes in data/*/*.parquet; record some, or fetch "
-            "the files of the data set"
+            f"{path}: a LeRobot data set with 0 frames; expected episodes in data/*/*.parquet; fetch or record them"
         )
     return {f"episode_{number:06d}": found[number] for number in sorted(found)}
 

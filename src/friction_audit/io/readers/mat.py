@@ -1,7 +1,4 @@
-"""MATLAB .mat -> Recording: versions 5 to 7 by SciPy, version 7.3, which is HDF5, by h5py.
-
-Variables are found by name as everywhere; the fields of structures have dotted names, ``log.q``.
-"""
+"""MATLAB .mat -> Recording: versions 5 to 7 by SciPy, 7.3 (HDF5) by h5py; fields of structures have dotted names."""
 
 import struct
 import zlib
@@ -63,8 +60,8 @@ def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], tuple[Finding, ...]]:
         held = ", ".join(f"{name} {_size(array)}" for name, array in whole.items())
         raise InputError(
             f"{path}: no array of numbers with several samples; found {held or 'none'}; expected time, q, dq and a "
-            "torque as arrays or fields of a structure (MATLAB objects such as timeseries and table cannot be read: "
-            "save their Time and Data); save them with save('log.mat', 't', 'q', 'dq', 'tau_J')"
+            "torque as arrays or fields of a structure; save them with save('log.mat', 't', 'q', 'dq', 'tau_J'), of "
+            "objects such as timeseries and table their Time and Data"
         )
     others = [name for name in plain.keys() - found.keys() if parse_name(f"{name}[0]") or find_time([name])]
     text = ", ".join(f"{name} of {_size(whole[name])}" for name in sorted(others))
@@ -117,8 +114,7 @@ def _flat(values: Mapping[str, Any], head: str) -> Iterator[tuple[str, NDArray[A
 def _from_hdf5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
     if find_spec("h5py") is None:
         raise InputError(
-            f"{path}: MATLAB version 7.3, which is HDF5; reading it needs h5py: pip install 'friction-audit[hdf5]' (or "
-            "save it with save(..., '-v7'))"
+            f"{path}: MATLAB version 7.3 needs h5py: pip install 'friction-audit[hdf5]' (or save it with '-v7')"
         )
     import h5py
 

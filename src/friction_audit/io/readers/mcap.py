@@ -43,8 +43,7 @@ _LOOSE_BYTES = 1 << 20
 class McapStream(MessageStream):
     """The messages in one MCAP file.
 
-    The records are walked one after another, which needs neither an index nor a footer; the messages within a chunk
-    are found here too, and not by the mcap library, since that is where the time would go.
+    The records are walked here, which needs no index; in the mcap library, that is where the time would go.
     """
 
     def __init__(self, path: Path) -> None:
@@ -62,10 +61,7 @@ class McapStream(MessageStream):
         self.connections = tuple(map(self._connection, self._channels.values()))
 
     def blocks(self, keys: Collection[int] | None, window: Window | None = None) -> Iterator[Block]:
-        """Yield the messages of some channels, chunk by chunk; chunks outside the window are passed over.
-
-        With None of all, and their channels and schemas are noted.
-        """
+        """Yield the messages of some channels, or of all that are found, but for chunks outside the window."""
         for offset, data in self._records(window):
             collector, position = BlockCollector(data, keys), 0
             while position + _RECORD_START.size <= len(data):
@@ -87,10 +83,7 @@ class McapStream(MessageStream):
             yield from collector.finish()
 
     def _records(self, window: Window | None) -> Iterator[tuple[int, bytes]]:
-        """Yield offset and records of each chunk, and those between chunks; up to a break.
-
-        Index records are passed over unread: the stream reader of the mcap library spends half its time on them.
-        """
+        """Yield offset and records of each chunk, and those between chunks; up to a break. Indices are not read."""
         offset, loose, begin = len(MAGIC), bytearray(), 0
         with open_log(self._path) as file:
             while True:

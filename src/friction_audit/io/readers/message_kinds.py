@@ -14,8 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.channel_names import parse_name
-from friction_audit.io.readers.joint_names import (
+from friction_audit.io.readers.channel_names import (
     DRIVER_NODES,
     UNNAMED_ARM,
     arm_name,
@@ -23,6 +22,7 @@ from friction_audit.io.readers.joint_names import (
     choose_arm,
     namespace,
     numbered_joints,
+    parse_name,
 )
 from friction_audit.io.readers.message_decoder import MessageDecoder
 from friction_audit.io.readers.message_stream import Block
@@ -161,6 +161,8 @@ def _row_of(message: object, kind: MessageKind) -> Row:
 
 def _value_at(message: object, path: str | None) -> Any:  # noqa: ANN401
     """Return the value of a field by its path, or None if the message does not have it."""
+    if isinstance(message, dict) and path in message:  # JSON, in a fraction of the time
+        return message[path]
     if path is None:
         return None
     head, entries, inner = path.partition("[].")
@@ -246,10 +248,7 @@ class Candidate:
 def choose_topic(
     path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str | None
 ) -> tuple[Candidate, tuple[str, ...], tuple[Finding, ...]]:
-    """Return the topic to read, the joints of the arm to read, and what to say about the choice.
-
-    SeveralLogsError if the file holds several arms and the user named none.
-    """
+    """Return the topic, the joints of the arm, and what to say about it; SeveralLogsError if the user has to choose."""
     name, _, arm = (wanted or "").partition("#")
     measured = [c for c in candidates if c.choices and not _NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
     if wanted is not None:
@@ -291,10 +290,7 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
         hint = f"did you mean {' or '.join(near)}? " if near else ""
         raise InputError(f"{path}: no topic {wanted}; {hint}{_listed(topics)}; choose one with --topic")
     what = f"of type {there.type} holds no joint state that can be read; {_EXPECTED}"
-    raise InputError(
-        f"{path}: topic {there.name} {what if there.messages else 'has no messages'}; {_listed(topics)}; choose "
-        "another one with --topic"
-    )
+    raise InputError(f"{path}: topic {there.name} {what if there.messages else 'has no messages'}; {_listed(topics)}")
 
 
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.io.readers.channel_names import numbered_joints
 from friction_audit.io.readers.columns import MOST_JOINTS
-from friction_audit.io.readers.joint_names import numbered_joints
+from friction_audit.io.readers.message_decoder import Layout, Records
 from friction_audit.io.readers.message_kinds import Candidate, Row, rows_of
-from friction_audit.io.readers.message_layout import Layout, Records
 from friction_audit.io.readers.message_stream import Block, BrokenError, Int
 from friction_audit.joint_log import Finding, Float
 

@@ -182,7 +182,7 @@ class MessageStream(AbstractContextManager["MessageStream"]):
         if self._damage and not found:
             raise InputError(
                 f"{self._path}: breaks off at byte {min(map(int, self._damage))} of {self._bytes} before the first "
-                f"whole {first}; nothing can be saved; copy it again or record again"
+                f"whole {first}; copy it again or record again"
             )
 
     def _unpack(self, offset: int, compression: str, packed: bytes, claimed: int, *, cut: bool) -> bytes | None:

@@ -14,10 +14,9 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import stamp_of
-from friction_audit.io.readers.channel_names import serial_in
+from friction_audit.io.readers.channel_names import robot_of, serial_in
 from friction_audit.io.readers.columns import MOST_JOINTS
-from friction_audit.io.readers.joint_names import robot_of
-from friction_audit.io.readers.message_decoder import MessageDecoder, decoder_for
+from friction_audit.io.readers.message_decoder import decoder_for
 from friction_audit.io.readers.message_kinds import Candidate, MessageKind, choose_topic, match_kind, rows_of
 from friction_audit.io.readers.message_samples import JointDecoder, JointSamples, MessageClock, choose_clock
 from friction_audit.io.readers.message_stream import (
@@ -42,7 +41,6 @@ _MOST_CLOCKS = 1 << 22  # messages whose clocks are compared where a log is read
 _BLOCK_ROWS = 1 << 16
 
 Open = Callable[[Path], AbstractContextManager[MessageStream]]
-_Readable = tuple[Connection, MessageDecoder, MessageKind, Block]  # with its first messages
 
 
 def read_messages(open_stream: Open, path: Path, options: ReadOptions) -> Recording:
@@ -77,8 +75,7 @@ def _read(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
         missing = _missing(stream, chosen, _collect(stream, decoder, samples))
     if not samples.count:
         raise InputError(
-            f"{path}: none of the messages on topic {chosen.topic} can be decoded as {chosen.type}; choose another "
-            "topic with --topic"
+            f"{path}: no message on topic {chosen.topic} can be decoded as {chosen.type}; choose another with --topic"
         )
     clock = choose_clock(samples.times)
     t, channels = clock.t[skipped:], {name: array[skipped:] for name, array in samples.channels.items()}
@@ -147,23 +144,33 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
     wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
     # actual.velocities[{i}] names the array actual.velocities
     stated = {c: _UNIT.sub("", text).replace("[{i}]", "").replace(".{i}", "") for c, text in options.mapping.items()}
-    found = defaultdict[str, list[_Readable]](list)
+    found = defaultdict[str, list[Candidate]](list)
     refusals: list[InputError] = []
     for connection in stream.connections:
         try:
-            if connection.messages and (readable := _readable(path, stream, connection, stated, wanted)):
-                found[connection.topic].append(readable)
+            if connection.messages and (candidate := _candidate(path, stream, connection, stated, wanted)):
+                found[connection.topic].append(candidate)
         except InputError as error:
             refusals.append(error)
     if refusals and (wanted is not None or not found):
         raise refusals[0]
-    return [_candidate(path, own, is_wanted=wanted in (None, topic.strip("/"))) for topic, own in found.items()]
+    return [_joined([one for one in group if one.kind == group[0].kind]) for group in found.values()]
 
 
-def _readable(
+def _joined(group: Sequence[Candidate]) -> Candidate:
+    """Return the candidate of all connections of a topic."""
+    return replace(
+        group[0],
+        messages=sum(one.messages for one in group),
+        decoders={key: decoder for one in group for key, decoder in one.decoders.items()},
+        rows=[row for one in group for row in one.rows],
+    )
+
+
+def _candidate(
     path: Path, stream: MessageStream, connection: Connection, stated: Mapping[str, str], wanted: str | None
-) -> _Readable | None:
-    """Find out what a connection's messages hold; None if these are no joint states."""
+) -> Candidate | None:
+    """Find out what a connection's messages hold, and decode the first ones; None if these are no joint states."""
     topic, first = connection.topic, map(_first_block, [stream], [connection])  # read when it is asked for
     try:
         decoder = decoder_for(connection, (payload for block in first if block for payload in block.payloads()))
@@ -171,29 +178,23 @@ def _readable(
         if topic.strip("/") != wanted:
             return None
         raise InputError(
-            f"{path}: topic {topic} of type {connection.type} cannot be read: {error}; choose another topic with "
-            "--topic, or convert the log"
+            f"{path}: topic {topic} of type {connection.type} cannot be read: {error}; choose another with --topic"
         ) from error
-    own = stated if wanted in (None, topic.strip("/")) else {}
-    kind = _kind(path, connection, decoder.paths, own) if decoder else None
+    is_wanted = wanted in (None, topic.strip("/"))
+    kind = _kind(path, connection, decoder.paths, stated if is_wanted else {}) if decoder else None
     block = _first_block(stream, connection) if kind else None
-    return (connection, decoder, kind, block) if decoder and kind and block else None
-
-
-def _candidate(path: Path, group: Sequence[_Readable], *, is_wanted: bool) -> Candidate:
-    """Decode the first messages of a topic's connections of the kind of the first one."""
-    first, _, kind, _ = group[0]
-    same = [one for one in group if one[2] == kind]
-    rows = [row for _, decoder, _, block in same for row in rows_of(block, decoder, kind) if row]
+    if decoder is None or kind is None or block is None:
+        return None
+    rows = [row for row in rows_of(block, decoder, kind) if row]
     joints = max((len(row.names) for row in rows), default=0)
     if joints > MOST_JOINTS and is_wanted:
         raise InputError(
-            f"{path}: a message on topic {first.topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
-            "choose another topic with --topic"
+            f"{path}: {joints} joints on topic {topic}; expected at most {MOST_JOINTS}; choose another --topic"
         )
-    decoders = {connection.key: decoder for connection, decoder, *_ in same}
-    messages = sum(connection.messages for connection, *_ in same)
-    return Candidate(topic=first.topic, type=first.type, messages=messages, kind=kind, decoders=decoders, rows=rows)
+    decoders = {connection.key: decoder}
+    return Candidate(
+        topic=topic, type=connection.type, messages=connection.messages, kind=kind, decoders=decoders, rows=rows
+    )
 
 
 def _first_block(stream: MessageStream, connection: Connection) -> Block | None:

@@ -49,8 +49,8 @@ def refuse_bomb(path: Path, unpacked: int, packed: int) -> None:
     """Refuse more content than a recording can be packed to, both in bytes."""
     if unpacked > max(_BOMB_BYTES, _BOMB_RATIO * packed):
         raise InputError(
-            f"{path}: {unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that "
-            f"were measured, which do not shrink to less than a hundredth; the file is damaged or no recording"
+            f"{path}: {unpacked / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; measured numbers do not "
+            "shrink to less than a hundredth; the file is damaged or no recording"
         )
 
 

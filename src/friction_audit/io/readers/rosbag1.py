@@ -48,8 +48,7 @@ class Chunk(NamedTuple):
 class Rosbag1Stream(MessageStream):
     """The messages in a ROS 1 bag of version 2.0.
 
-    The records are walked from the start of the file instead of through the index at its end: that reads bags that
-    were never closed, and finds equally long messages by the row.
+    The records are walked from the start of the file, not through the index at its end, which bags may lack.
     """
 
     def __init__(self, path: Path) -> None:

@@ -120,8 +120,7 @@ def _decompress_file(path: Path, folder: Path) -> Path:
                     )
     except (zstandard.ZstdError, OSError) as error:
         raise InputError(
-            f"{path}: cannot be decompressed into {folder} ({error}); copy or record it again, or, if there is no "
-            "room, set TMPDIR to a larger place"
+            f"{path}: cannot be decompressed into {folder} ({error}); copy it again, or set TMPDIR to a larger place"
         ) from error
     return target
 

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.channel_names import absent
+from friction_audit.io.readers.channel_names import absent, choose_arm, robot_of
 from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, doubt_torque, map_columns
-from friction_audit.io.readers.joint_names import choose_arm, robot_of
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, take_part, to_clock
 from friction_audit.io.recording import Blocks, Recording, WholeLogError
@@ -208,8 +207,7 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     codes, labels = coded.indices.fill_null(-1).to_numpy(), coded.dictionary.to_pylist()
     if len(labels) > MOST_JOINTS:
         raise InputError(
-            f"{path}: the column of joints holds {len(labels)} names; expected at most {MOST_JOINTS} joints; "
-            "name another column as the joint's"
+            f"{path}: {len(labels)} names in the column of joints; expected at most {MOST_JOINTS}; name another column"
         )
     texts = [_WHOLE.sub(r"\1", str(label).strip()) for label in labels]
     kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]

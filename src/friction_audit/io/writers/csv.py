@@ -1,7 +1,4 @@
-"""JointLog -> text tables: tidy, long, as bags are exported to CSV, and as libfranka's ``logToCSV`` writes them.
-
-The dialects differ in their columns; numbers are written in one way, those of libfranka in six digits.
-"""
+"""JointLog -> text tables: tidy, long, as bags are exported to CSV, and as libfranka's ``logToCSV`` writes them."""
 
 import re
 from collections.abc import Callable
@@ -54,10 +51,7 @@ def _names(log: JointLog) -> list[str]:
 
 
 def _write(columns_of: Callable[[JointLog], dict[str, ColumnOf]], log: JointLog, path: Path) -> None:
-    """Write columns of numbers and names, numbers in the shortest form that reads back to the bit.
-
-    Names are written as they are, unlike in tables of results: a log is read back, with the same names.
-    """
+    """Write numbers in the shortest form that reads back to the bit, and names as they are, to be read back."""
     import pyarrow as pa
     from pyarrow import csv
 

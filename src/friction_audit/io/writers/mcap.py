@@ -1,8 +1,9 @@
 """MCAP files: channels of messages, and JointLog -> ROS 1, ROS 2 and foxglove.JointStates messages."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -79,7 +80,6 @@ def _write_ros(message: MessageType, log: JointLog, path: Path) -> None:
 
 
 _SCHEMA = "foxglove.JointStates"
-_HOLDS = tuple(JOINT_STATE)
 _NUMBER = {"type": "number"}
 _JOINT = {"name": {"type": "string"}, **dict.fromkeys(("position", "velocity", "acceleration", "effort"), _NUMBER)}
 _TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
@@ -115,31 +115,6 @@ file {
 """
 
 
-def _write_json(log: JointLog, path: Path) -> None:
-    """Write JSON messages; numbers in the shortest form that reads back to the bit."""
-
-    def encoded(stamp: int, joints: list[dict[str, Any]]) -> bytes:
-        time = {"sec": stamp // NANOSECONDS, "nsec": stamp % NANOSECONDS}
-        return json.dumps({"timestamp": time, "joints": joints}, separators=(",", ":")).encode()
-
-    _write_foxglove(log, path, ("jsonschema", json.dumps(_JSON_SCHEMA).encode()), "json", encoded)
-
-
-def _write_protobuf(log: JointLog, path: Path) -> None:
-    """Write protobuf messages with their descriptors."""
-    from google.protobuf.message_factory import GetMessages
-
-    descriptors = _descriptors()
-    joint_states: Any = GetMessages(descriptors.file)[_SCHEMA]
-
-    def encoded(stamp: int, joints: list[dict[str, Any]]) -> bytes:
-        time = {"seconds": stamp // NANOSECONDS, "nanos": stamp % NANOSECONDS}
-        message: bytes = joint_states(timestamp=time, joints=joints).SerializeToString()
-        return message
-
-    _write_foxglove(log, path, ("protobuf", descriptors.SerializeToString()), "protobuf", encoded)
-
-
 def _descriptors() -> "FileDescriptorSet":
     from google.protobuf import text_format, timestamp_pb2
     from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -157,22 +132,36 @@ def _descriptors() -> "FileDescriptorSet":
     return found
 
 
-def _write_foxglove(
-    log: JointLog, path: Path, schema: tuple[str, bytes], encoding: str,
-    encoded: Callable[[int, list[dict[str, Any]]], bytes],
-) -> None:  # fmt: skip
-    language, data = schema
-    channel = Channel(
-        topic="/joint_states", schema=_SCHEMA, schema_encoding=language, schema_data=data, encoding=encoding
-    )
+def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:
+    """Write messages with their schema, in JSON or protobuf; numbers read back to the bit from either."""
+    from google.protobuf.message_factory import GetMessages
+
+    descriptors = _descriptors()
+    joint_states: Any = GetMessages(descriptors.file)[_SCHEMA]
+    is_json, channels = encoding == "json", log.channels()
 
     def messages() -> Iterator[tuple[int, int, bytes]]:
-        channels = log.channels()
-        for stamp, q, dq, effort in zip(stamps_ns(log).tolist(), *(channels[name] for name in _HOLDS), strict=True):
-            numbers = zip(log.joint_names, q.tolist(), dq.tolist(), effort.tolist(), strict=True)
-            joints = [{"name": n, "position": p, "velocity": v, "effort": e} for n, p, v, e in numbers]
-            yield stamp, 0, encoded(stamp, joints)
+        for stamp, *rows in zip(stamps_ns(log).tolist(), *(channels[name] for name in JOINT_STATE), strict=True):
+            numbers = zip(log.joint_names, *(row.tolist() for row in rows), strict=True)
+            joints = [{"name": name, "position": p, "velocity": v, "effort": e} for name, p, v, e in numbers]
+            sec, nsec = divmod(stamp, NANOSECONDS)
+            if is_json:
+                message = {"timestamp": {"sec": sec, "nsec": nsec}, "joints": joints}
+                yield stamp, 0, json.dumps(message, separators=(",", ":")).encode()
+            else:
+                yield (
+                    stamp,
+                    0,
+                    joint_states(timestamp={"seconds": sec, "nanos": nsec}, joints=joints).SerializeToString(),
+                )
 
+    channel = Channel(
+        topic="/joint_states",
+        schema=_SCHEMA,
+        schema_encoding="jsonschema" if is_json else encoding,
+        schema_data=json.dumps(_JSON_SCHEMA).encode() if is_json else descriptors.SerializeToString(),
+        encoding=encoding,
+    )
     write_channels(path, (channel,), messages())
 
 
@@ -185,6 +174,8 @@ MCAP_DIALECTS = (
     ros_writer("mcap-franka-state", ".mcap", _write_ros, FRANKA_STATE,
                "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)"),
     ros_writer("mcap-ros1", ".mcap", _write_ros, JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
-    Writer("mcap-json", ".mcap", _write_json, "MCAP of foxglove.JointStates as JSON", holds=_HOLDS),
-    Writer("mcap-protobuf", ".mcap", _write_protobuf, "MCAP of foxglove.JointStates as protobuf", holds=_HOLDS),
+    Writer("mcap-json", ".mcap", partial(_write_foxglove, encoding="json"),
+           "MCAP of foxglove.JointStates as JSON", holds=tuple(JOINT_STATE)),
+    Writer("mcap-protobuf", ".mcap", partial(_write_foxglove, encoding="protobuf"),
+           "MCAP of foxglove.JointStates as protobuf", holds=tuple(JOINT_STATE)),
 )  # fmt: skip

@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.io.readers.message_decoder import franka_types
+from friction_audit.io.readers.message_decoder import find_layout, franka_types
 from friction_audit.io.readers.message_kinds import JOINT_STATE, ROBOT_STATE
-from friction_audit.io.readers.message_layout import find_layout
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
 from friction_audit.joint_log import JointLog
 

@@ -72,13 +72,9 @@ def write_table(table: TidyTable, path: Path, kind: str) -> None:
 
 
 def write_rows(types: Mapping[str, type], lots: Iterable[Lot], path: Path, kind: str) -> None:
-    """Write columns of numbers, words and flags, None where there is nothing, as CSV or Parquet.
+    """Write lots of rows, numbers, words and flags, None where there is nothing; ``kind`` is "csv" or "parquet".
 
-    Args:
-        types: What is in each column: ``str``, ``int``, ``float`` or ``bool``.
-        lots: The rows, lot by lot.
-        path: Where to.
-        kind: ``"csv"``: numbers in the shortest form that reads back to the bit, an empty cell for none; ``"parquet"``.
+    CSV has numbers in the shortest form that reads back to the bit, and an empty cell for none.
     """
     from pyarrow.csv import CSVWriter
     from pyarrow.parquet import ParquetWriter

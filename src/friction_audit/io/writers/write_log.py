@@ -1,7 +1,4 @@
-"""Write a log in any format, Parquet and NumPy archives here; of the writers of an ending, the first is its default.
-
-A format is added by writing one file and naming its records in WRITERS.
-"""
+"""Write a log in any format, Parquet and NumPy archives here; of the writers of an ending, the first is its default."""
 
 import json
 from difflib import get_close_matches
@@ -97,7 +94,5 @@ def check_fit(log: JointLog, writer: Writer) -> None:
     if not lacks:
         return
     able = [other.name for other in WRITERS if set(other.needs) <= set(channels) and other.joints in (None, joints)]
-    raise UsageError(
-        f"{log.source.path}: the dialect {writer.name} needs {' and '.join(lacks)}; choose one that can hold the log: "
-        f"{', '.join(able)}"
-    )
+    needs = f"{log.source.path}: the dialect {writer.name} needs {' and '.join(lacks)}"
+    raise UsageError(f"{needs}; choose one that can hold the log: {', '.join(able)}")
