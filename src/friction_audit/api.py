@@ -158,10 +158,7 @@ def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[Reading
     Args:
         frame: A pandas or polars DataFrame, or a dict of arrays by name, of shape (n,) or (n, joints).
         name: What messages and results call it.
-        options: Those of ``read_log``.
-
-    Raises:
-        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+        options: Those of ``read_log``, whose errors it has too.
     """
     _check_names("log_from_frame", options, ReadingOptions)
     return ingest.log_from_frame(frame, ingest.ReadOptions(**options), name=name)

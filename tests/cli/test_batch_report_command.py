@@ -1,4 +1,4 @@
-"""``batch-report`` from words to files and exit codes; what is sound is reported where names or the ledger are broken."""
+"""``batch-report`` from words to files and exit codes, also where files, names or the ledger are broken."""
 
 import json
 import os
