@@ -22,7 +22,6 @@ from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.simulation import BenchSettings, simulate
 from tests.cli.conftest import Run
-from tests.in_this_process import in_this_process
 
 DAYS, STEP, FEW = 8, 5, 4
 LEDGER = Path("friction-drift/ledger.sqlite")
@@ -47,13 +46,6 @@ def rig(written: Path, run: Run, tmp_path: Path) -> Path:
     assert run("--version").code == 0
     shutil.copytree(written / "rig", tmp_path / "rig")
     return Path("rig")
-
-
-@pytest.fixture
-def here(sketched: None) -> Iterator[None]:  # noqa: ARG001 - it takes effect by being there
-    """Start no processes for the logs and the figures, and paint no figure: they take longest."""
-    with in_this_process():
-        yield
 
 
 @pytest.fixture
