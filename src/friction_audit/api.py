@@ -6,7 +6,6 @@ Every call raises ``UsageError`` for an option or a value that it cannot use; th
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import nullcontext
 from dataclasses import replace
-from difflib import get_close_matches
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypedDict, Unpack
@@ -17,7 +16,7 @@ from friction_audit.compensation.settings import Competitor, ModelFile, Operator
 from friction_audit.compensation.settings import energy_compensator as energy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io import readers as ingest
 from friction_audit.io.files import whole_file
@@ -129,9 +128,7 @@ def _check_names(call: str, given: Mapping[str, Any], known: type) -> None:
     names = tuple(known.__annotations__)
     for name in given:
         if name not in names:
-            near = get_close_matches(name, names, n=2)
-            hint = f"; did you mean {' or '.join(near)}?" if near else ""
-            raise UsageError(f"{call}: no option {name}; expected some of {', '.join(names)}{hint}")
+            raise UsageError(f"{call}: no option {name}; expected some of {', '.join(names)}{near_misses(name, names)}")
 
 
 def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
@@ -161,10 +158,7 @@ def log_from_frame(frame: Any, *, name: str = "frame", **options: Unpack[Reading
     Args:
         frame: A pandas or polars DataFrame, or a dict of arrays by name, of shape (n,) or (n, joints).
         name: What messages and results call it.
-        options: Those of ``read_log``.
-
-    Raises:
-        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+        options: Those of ``read_log``, whose errors it has too.
     """
     _check_names("log_from_frame", options, ReadingOptions)
     return ingest.log_from_frame(frame, ingest.ReadOptions(**options), name=name)

@@ -4,6 +4,8 @@ A message says: where, what was found, what was expected, what to do.
 """
 
 import re
+from collections.abc import Collection
+from difflib import get_close_matches
 from traceback import format_exception
 
 
@@ -61,6 +63,12 @@ def shortened(text: str, most: int) -> str:
     """Return text in one line of at most so many characters."""
     line = " ".join(text[: 4 * most].split())
     return line if len(line) <= most and len(text) <= 4 * most else f"{line[: most - 3]}..."
+
+
+def near_misses(word: str, names: Collection[str]) -> str:
+    """Return ``"; did you mean ...?"`` for a misspelt name, or nothing."""
+    near = get_close_matches(word, names, n=2)
+    return f"; did you mean {' or '.join(near)}?" if near else ""
 
 
 def csv_text(text: str) -> str:

@@ -7,7 +7,7 @@ from datetime import UTC, datetime
 import pytest
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
-from friction_audit.batch.identity import Recorded, identify, parse_time, robot_folder, time_in_name
+from friction_audit.batch.identity import identify, parse_time, robot_folder, time_in_name
 from friction_audit.drift.session import Session
 from tests.drift.made_sessions import make_joint, make_session
 
@@ -19,11 +19,11 @@ def file(path: str, row: ManifestRow | None = None) -> LogFile:
 
 def recorded(
     told: str = "", *, start: float | None = None, joints: int = 7, kind: str = "panda", topic: str = ""
-) -> Recorded:
+) -> Session:
     made = make_session(0, [make_joint(n, 0.3) for n in range(1, joints + 1)], start=start, robot=told)
     known = "nothing" if start is None else "log"
-    session = replace(made, sha256=f"{told}{start}{joints}", start_s=start, start_from=known)
-    return Recorded(session=session, topic=topic, kind=kind)
+    sha256 = f"{told}{start}{joints}"
+    return replace(made, sha256=sha256, start_s=start, start_from=known, topic=topic, kind=kind)
 
 
 def robots(sessions: Sequence[Session]) -> dict[str, list[str]]:

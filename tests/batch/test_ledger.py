@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.batch.find_logs import LogFile
-from friction_audit.batch.identity import Fault, Recorded, Worked
+from friction_audit.batch.identity import Fault, Worked
 from friction_audit.batch.ledger import SCHEMA_VERSION, Ledger, move_aside
 from friction_audit.batch.manifest import RESULTS_VERSION, BatchSettings
 from friction_audit.drift.session import SpeedCurve
@@ -43,8 +43,9 @@ SESSION = replace(
     sha256="f00",
     warnings=("one", Caution(code="dq_late", joint=2, numbers={"joints": [2], "lags_s": [THIRD]})),
     damaged=True,
+    kind="panda",
+    named_by_serial=True,
 )
-RECORDED = Recorded(session=SESSION, topic="", kind="panda", named_by_serial=True)
 
 
 @pytest.fixture
@@ -54,20 +55,20 @@ def path(tmp_path: Path) -> Path:
 
 def test_numbers_come_back_to_the_bit(path: Path) -> None:
     with Ledger(path) as ledger:
-        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,)))
     with Ledger(path) as ledger:
-        assert repr(ledger.recorded(["f00"], KEY)) == repr({"f00": (RECORDED,)})
-        assert ledger.recorded(["f00"], "other settings") == {}
-        assert ledger.recorded([f"{n:x}" for n in range(2000)] + ["f00"], KEY).keys() == {"f00"}
+        assert repr(ledger.sessions(["f00"], KEY)) == repr({"f00": (SESSION,)})
+        assert ledger.sessions(["f00"], "other settings") == {}
+        assert ledger.sessions([f"{n:x}" for n in range(2000)] + ["f00"], KEY).keys() == {"f00"}
 
 
 def test_a_log_is_done_when_nothing_new_would_come_of_it(path: Path) -> None:
     bad, odd = Fault(message="no column"), Fault(message="killed", topic="/r", lasting=False)
     with Ledger(path) as ledger:
         assert not ledger.is_done("f00", KEY)
-        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,), faults=(odd,)))
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,), faults=(odd,)))
         assert not ledger.is_done("f00", KEY)
-        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,)))
         assert ledger.is_done("f00", KEY)
         assert not ledger.is_done("f00", "other settings")
         ledger.save(LOG, SETTINGS, Worked(sha256="bad", faults=(bad,)))
@@ -78,9 +79,9 @@ def test_a_log_is_done_when_nothing_new_would_come_of_it(path: Path) -> None:
 def test_names_are_written_with_the_numbers(path: Path) -> None:
     named = replace(SESSION, path="b.csv", robot="R1", start_s=5.0)
     with Ledger(path) as ledger:
-        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
-        ledger.name_sessions([(named, "")], KEY)
-        assert repr(ledger.recorded(["f00"], KEY)["f00"]) == repr((RECORDED,))
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,)))
+        ledger.name_sessions([named], KEY)
+        assert repr(ledger.sessions(["f00"], KEY)["f00"]) == repr((SESSION,))
     with closing(sqlite3.connect(path)) as opened:
         rows = opened.execute("SELECT * FROM friction").fetchall()
     assert rows[0] == ("R1", "1970-01-01 00:00:05", "b.csv", 1, "coulomb_nm", THIRD, 0.1 + 0.2, 5e-324)
@@ -88,11 +89,11 @@ def test_names_are_written_with_the_numbers(path: Path) -> None:
 
 
 def test_a_transaction_that_breaks_leaves_nothing(path: Path) -> None:
-    broken = replace(RECORDED, session=replace(SESSION, joints=(JOINTS[0], object())))  # type: ignore[arg-type]
+    broken = replace(SESSION, joints=(JOINTS[0], object()))  # type: ignore[arg-type]
     with Ledger(path) as ledger:
         with pytest.raises(TypeError):
-            ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(broken,)))
-        assert ledger.recorded(["f00"], KEY) == {}
+            ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(broken,)))
+        assert ledger.sessions(["f00"], KEY) == {}
         assert ledger.known_hash(LOG) is None
 
 
@@ -131,7 +132,7 @@ def test_an_old_ledger_is_moved_aside_and_never_lost(path: Path) -> None:
     assert move_aside(path) is None
     for number in (1, 2):
         with Ledger(path) as ledger:
-            ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+            ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,)))
         assert move_aside(path) == path.with_name(f"ledger-{number}.sqlite")
         assert not path.exists()
     with Ledger(path.with_name("ledger-1.sqlite")) as old:

@@ -1,7 +1,7 @@
 """Small logs with known friction, and the command line as a function."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import pytest
 from friction_audit.cli import main
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.reporting.schemas import load_schema
+from tests.in_this_process import in_this_process
 from tests.reporting.conftest import build_estimate
 
 
@@ -51,6 +52,13 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
         return Answer(code, *capsys.readouterr())
 
     return call
+
+
+@pytest.fixture
+def here(sketched: None) -> Iterator[None]:  # noqa: ARG001 - it takes effect by being there
+    """Start no processes for logs and figures of a batch, and paint no figure: they take longest."""
+    with in_this_process():
+        yield
 
 
 @pytest.fixture(scope="session")

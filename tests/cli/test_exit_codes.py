@@ -57,7 +57,7 @@ REFUSED = [
     ("estimate {logs}/moved1.csv --window 1", 2, "needs at least 4 cycles"),
     ("convert {logs}/moved1.csv out.xyz", 2, "ending .xyz"),
     ("convert {logs}/moved1.csv {logs}/moved1.csv --overwrite", 2, "is the log itself"),
-    ("convert {logs}/moved1.csv out.parquet --joints 3", 2, "error: --joints 3: not in"),
+    ("convert {logs}/moved1.csv out.parquet --joints 3", 2, "moved1.csv: no joint 3; there is only joint 1"),
     ("estimate {logs}/absent.csv -o {logs}/empty.csv/deep", 2, "cannot be written to"),
     ("replay {logs}/moved1.csv --coefficients coulomb=0.2 --compensator-window 3", 2, "nothing is estimated"),
     ("replay {logs}/moved1.csv --coefficients coulomb=0.2 --factor 2", 2, "remove --factor"),

@@ -73,12 +73,12 @@ def test_the_user_s_file_and_older_ones_stay(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "arm.xml").read_text() == arm
 
 
-@pytest.mark.usefixtures("sketched")
+@pytest.mark.usefixtures("here")
 def test_the_reference_of_a_batch_is_exported(run: Run) -> None:
     for seed in range(5):
         words = ("--duration", 20, "--rate", 200, "--seed", seed, "-o", f"arm/{seed}.parquet", "-q")
         assert run("simulate", "joint", *words).code == 0
-    assert run("batch-report", "arm", "-o", "drift", "-q", "--workers", "1").code == 0
+    assert run("batch-report", "arm", "-o", "drift", "-q").code == 0
     batch = json.loads(Path("drift/batch.json").read_text())
     levels = [one["coefficients"]["coulomb_nm"]["level"]["value"] for one in batch["joints"]]
     for source, out in (("drift", "a.csv"), ("drift/batch.json", "b.csv"), ("drift/ledger.sqlite", "c.csv")):

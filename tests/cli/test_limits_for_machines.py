@@ -36,13 +36,14 @@ def test_a_warning_about_the_recording_is_none_of_physics(run: Run, logs: Path) 
     assert (answer.code, "a torque from a motor current" in answer.err + answer.out) == (0, True)  # as the user asked
 
 
+@pytest.mark.usefixtures("here")
 def test_strict_holds_for_each_session_of_a_batch_and_is_remembered(run: Run, logs: Path) -> None:
     Path("days").mkdir()
     for name in ("a", "b"):
         shutil.copy(logs / "moved1.csv", Path("days") / f"{name}.csv")
         with (Path("days") / f"{name}.csv").open("a") as file:
             file.write("\n" * (name == "b"))  # other content
-    words = ["batch-report", "days", *AMPERE, "-q", "--workers", "1"]
+    words = ["batch-report", "days", *AMPERE, "-q"]
     assert run(*words).code == 0
     for _ in range(2):  # the second time from the note in the ledger
         answer = run(*words, "--strict")
@@ -107,8 +108,9 @@ def test_junit_is_not_replaced_unasked_and_needs_a_limit(run: Run, tmp_path: Pat
     assert [one is not None and one.tag for one in cases(Path("limits.xml")).values()] == ["system-out"]
 
 
+@pytest.mark.usefixtures("here")
 def test_junit_of_a_batch_that_is_known_is_the_same(run: Run, logs: Path) -> None:
-    words = ["batch-report", logs / "moved1.csv", "-q", "--workers", "1", "--fail-on", "coulomb=15%"]
+    words = ["batch-report", logs / "moved1.csv", "-q", "--fail-on", "coulomb=15%"]
     assert run(*words, "--junit", "first.xml").code == 7
     assert run(*words, "--junit", "second.xml").code == 7
     assert Path("first.xml").read_text() == Path("second.xml").read_text()

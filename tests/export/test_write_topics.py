@@ -39,8 +39,10 @@ def tables() -> tuple[TidyTable, ...]:
     )
 
 
-def made(name: str, types: dict[str, type], time: str | None, columns: dict[str, Any]) -> TidyTable:
-    rows = (JointRows(joint=4, name="elbow", columns=columns),)
+def made(
+    name: str, types: dict[str, type], time: str | None, columns: dict[str, Any], joints: tuple[str, ...] = ("elbow",)
+) -> TidyTable:
+    rows = tuple(JointRows(joint=number, name=joint, columns=columns) for number, joint in enumerate(joints, start=4))
     return TidyTable(name=name, summary=f"of {name}", types=types, time=time, rows=rows)
 
 
@@ -113,35 +115,18 @@ def test_no_rows_make_a_file_without_topics(tmp_path: Path) -> None:
 NAMES = ('a,"b"\n', "knee \udce9")
 
 
-def table(rows: tuple[JointRows, ...] | None = None) -> TidyTable:
-    made = tuple(
-        JointRows(
-            joint=number,
-            name=name,
-            columns={
-                "stop_s": np.array([0.1, 1 / 3]),
-                "energy_j": np.array([np.nan, 2.0]),
-                "cycle": np.array([1.0, 2.0]),
-                "steps": [None, 7],
-                "open": np.array([True, False]),
-                "left_out": ["", "gap"],
-            },
-        )
-        for number, name in enumerate(NAMES, start=2)
-    )
-    return TidyTable(
-        name="cycles",
-        summary="a cycle",
-        types={"stop_s": float, "energy_j": float, "cycle": int, "steps": int, "open": bool, "left_out": str},
-        time="stop_s",
-        rows=made if rows is None else rows,
-    )
+TYPES = {"stop_s": float, "energy_j": float, "cycle": int, "steps": int, "open": bool, "left_out": str}
+COLUMNS = {
+    "stop_s": np.array([0.1, 1 / 3]), "energy_j": np.array([np.nan, 2.0]), "cycle": np.array([1.0, 2.0]),
+    "steps": [None, 7], "open": np.array([True, False]), "left_out": ["", "gap"],
+}  # fmt: skip
+TABLE = made("cycles", TYPES, "stop_s", COLUMNS, NAMES)
 
 
 def test_a_frame_has_joint_and_name_in_front() -> None:
-    frame = to_frame(table())
+    frame = to_frame(TABLE)
     assert list(frame.columns[:3]) == ["joint", "name", "stop_s"]
-    assert list(frame["joint"]) == [2, 2, 3, 3]
+    assert list(frame["joint"]) == [4, 4, 5, 5]
     assert frame["name"][2] == "knee \\udce9"
     assert list(frame["stop_s"][:2]) == [0.1, 1 / 3]
     assert list(frame["energy_j"].isna()) == [True, False, True, False]
@@ -150,16 +135,16 @@ def test_a_frame_has_joint_and_name_in_front() -> None:
 
 
 def test_csv_and_parquet_read_back_to_the_bit(tmp_path: Path) -> None:
-    write_table(table(), tmp_path / "cycles.csv", "csv")
-    write_table(table(), tmp_path / "cycles.parquet", "parquet")
-    frame = to_frame(table())
+    for kind in ("csv", "parquet"):
+        write_table(TABLE, tmp_path / f"cycles.{kind}", kind)
+    frame = to_frame(TABLE)
     pd.testing.assert_frame_equal(pq.read_table(tmp_path / "cycles.parquet").to_pandas(), frame, check_exact=True)
     again = pd.read_csv(tmp_path / "cycles.csv", keep_default_na=False, na_values={"energy_j": [""], "steps": [""]})
     pd.testing.assert_frame_equal(again, frame, check_exact=True, check_dtype=False)
 
 
 def test_a_table_without_rows_keeps_its_columns(tmp_path: Path) -> None:
-    write_table(table(()), tmp_path / "none.csv", "csv")
-    write_table(table(()), tmp_path / "none.parquet", "parquet")
-    assert list(pd.read_csv(tmp_path / "none.csv").columns) == list(to_frame(table()).columns)
+    for kind in ("csv", "parquet"):
+        write_table(replace(TABLE, rows=()), tmp_path / f"none.{kind}", kind)
+    assert list(pd.read_csv(tmp_path / "none.csv").columns) == list(to_frame(TABLE).columns)
     assert pq.read_table(tmp_path / "none.parquet").num_rows == 0

@@ -12,23 +12,11 @@ _EPISODE = re.compile(r"^episode_\d+")  # of a data set: its episodes are of the
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Recorded:
-    """One arm of a log, estimated."""
-
-    # its summary. ``robot`` is what the log itself calls the arm, empty if nothing; ``start_s`` is that of the log's
-    # clock; nothing of a manifest is in it.
-    session: Session
-    topic: str  # what ``--topic`` would have to say to read this arm of several; empty where the log holds one
-    kind: str  # name of a preset, or ``"unknown"``
-    named_by_serial: bool = False  # True if the log's name for the arm is a serial number, which no other arm has
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Fault:
     """One arm of a log, or the whole of it, that no summary could be made of."""
 
     message: str  # why; printed after the name of the log
-    topic: str = ""  # which arm, as in ``Recorded``
+    topic: str = ""  # which arm, as in ``Session``
     lasting: bool = True  # True if the log itself is to blame: the same log with the same settings will fail again
     detail: str = ""  # where in the program it happened, if the program is to blame
 
@@ -38,7 +26,8 @@ class Worked:
     """What came of a log."""
 
     sha256: str  # hash of its content; empty where it could not be read at all
-    recorded: tuple[Recorded, ...] = ()  # its arms
+    # Its arms, each from the content alone: ``robot`` is what the log itself calls it, ``start_s`` that of its clock.
+    sessions: tuple[Session, ...] = ()
     faults: tuple[Fault, ...] = ()  # arms without a summary
 
 
@@ -48,7 +37,6 @@ _ZONE = r"(?P<zone>Z|[+-]\d\d:?\d\d)?"
 _MOMENT = re.compile(rf"(?<!\d){_DATE}(?:[T _.-]+{_CLOCK}{_ZONE})?(?!\d)", re.IGNORECASE)
 # Seconds since 1970, from 2001 to 2033, as they are or in thousandths, millionths or billionths.
 _EPOCH = re.compile(r"(?<!\d)(1\d{9})(?:(\d{3}|\d{6}|\d{9})|\.(\d+))?(?!\d)")
-_DATE_ONLY = re.compile(rf"(?<!\d){_DATE}(?!\d)")
 
 
 def parse_time(text: str) -> float | None:
@@ -87,17 +75,16 @@ def _unix_time(found: re.Match[str]) -> float | None:
     return moment.timestamp() + float(f"0.{found['part'] or 0}")
 
 
-def identify(found: Sequence[tuple[LogFile, Recorded]]) -> tuple[tuple[Session, ...], tuple[str, ...]]:
+def identify(found: Sequence[tuple[LogFile, Session]]) -> tuple[tuple[Session, ...], tuple[str, ...]]:
     """Return sessions with arm and start, and warnings.
 
     They are by robot, each robot's in the order of their starts, or of their names where starts are not known.
     """
-    named = [(recorded, _session(file, recorded)) for file, recorded in found]
+    named = [_session(file, session) for file, session in found]
     sessions: list[Session] = []
     warnings = list(_shared_names(found))
-    for robot in sorted({session.robot for _, session in named}, key=natural):
-        own = [(recorded, session) for recorded, session in named if session.robot == robot]
-        groups = _alike_arms(own)
+    for robot in sorted({session.robot for session in named}, key=natural):
+        groups = _alike_arms([session for session in named if session.robot == robot])
         if len(groups) > 1:
             warnings.append(
                 f"robot {robot}: its logs are of unlike arms ({'; '.join(groups)}), which are not compared with each "
@@ -109,16 +96,16 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> tuple[tuple[Session, 
     return tuple(sessions), tuple(warnings)
 
 
-def _session(file: LogFile, recorded: Recorded) -> Session:
-    row, session, known = file.row or ManifestRow(path=""), recorded.session, recorded.session.robot
+def _session(file: LogFile, session: Session) -> Session:
+    row, known = file.row or ManifestRow(path=""), session.robot
     start_s, start_from = _start(file, row, session)
-    if arm := _EPISODE.sub("", recorded.topic):  # one of several arms of a log
+    if arm := _EPISODE.sub("", session.topic):  # one of several arms of a log
         robot = f"{row.robot}/{known or arm}" if row.robot else known or arm
     else:
         robot = row.robot or known or robot_folder(file.folders)
     return replace(
         session,
-        path=name_of(file, recorded.topic),
+        path=name_of(file, session.topic),
         robot=robot,
         start_s=start_s,
         start_from=start_from,
@@ -136,7 +123,7 @@ def name_of(file: LogFile, topic: str) -> str:
 def robot_folder(folders: Sequence[str]) -> str:
     """Return the name of the nearest folder that is not called after a day."""
     names = [name for name in folders if name]
-    others = (name for name in names if not (_DATE_ONLY.search(name) or _EPOCH.search(name)))
+    others = (name for name in names if not (_MOMENT.search(name) or _EPOCH.search(name)))
     return next(others, names[-1] if names else "robot")
 
 
@@ -149,26 +136,26 @@ def _start(file: LogFile, row: ManifestRow, session: Session) -> tuple[float | N
     return (named, "name") if named is not None else (None, "nothing")
 
 
-def _alike_arms(pairs: Sequence[tuple[Recorded, Session]]) -> dict[str, list[Session]]:
+def _alike_arms(sessions: Sequence[Session]) -> dict[str, list[Session]]:
     """Group sessions by number of joints and make; a log without its make is of the only one that is known."""
     makes: dict[int, set[str]] = {}
-    for recorded, session in pairs:
-        makes.setdefault(len(session.joints), set()).add(recorded.kind)
+    for session in sessions:
+        makes.setdefault(len(session.joints), set()).add(session.kind)
     groups: dict[str, list[Session]] = {}
-    for recorded, session in pairs:
+    for session in sessions:
         joints = len(session.joints)
         known = makes[joints] - {"unknown"}
-        make = next(iter(known)) if len(known) == 1 else recorded.kind
+        make = next(iter(known)) if len(known) == 1 else session.kind
         groups.setdefault(f"{joints} joint{'' if joints == 1 else 's'}, {make}", []).append(session)
     return dict(sorted(groups.items()))
 
 
-def _shared_names(found: Sequence[tuple[LogFile, Recorded]]) -> list[str]:
+def _shared_names(found: Sequence[tuple[LogFile, Session]]) -> list[str]:
     """Warn of each name that logs of several folders give their arm: there may be two called ``left``."""
     places: dict[str, set[str]] = {}
-    for file, recorded in found:
-        if recorded.session.robot and not (file.row and file.row.robot) and not recorded.named_by_serial:
-            places.setdefault(recorded.session.robot, set()).add(robot_folder(file.folders))
+    for file, session in found:
+        if session.robot and not (file.row and file.row.robot) and not session.named_by_serial:
+            places.setdefault(session.robot, set()).add(robot_folder(file.folders))
     return [
         f"robot {name}: logs in {len(folders)} folders ({', '.join(sorted(folders, key=natural))}) call their arm "
         "so and are taken for the same arm; if they are not, name the robots in a manifest"

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from friction_audit.batch.find_logs import LogFile
-from friction_audit.batch.identity import Fault, Recorded, Worked
+from friction_audit.batch.identity import Fault, Worked
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError, encodable
@@ -24,7 +24,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.preprocessing.interaction import Caution
 
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
-SCHEMA_VERSION = 4  # in user_version; raised with every change below
+SCHEMA_VERSION = 5  # in user_version; raised with every change below
 # A session is kept whole as JSON, which alone is read back. The columns ``path``, ``robot`` and ``start_s`` are written
 # anew with every manifest; they and the coefficients are for people who open the file.
 TABLES = (
@@ -142,18 +142,18 @@ class Ledger:
             if worked.sha256:
                 self._database.execute("DELETE FROM failed WHERE settings = ? AND sha256 = ?", (key, worked.sha256))
                 self.remember(log, worked.sha256)
-            for recorded in worked.recorded:
-                self._save_session(recorded, key)
+            for session in worked.sessions:
+                self._save_session(session, key)
             for fault in worked.faults:
                 own = (fault.topic, worked.sha256, log.path, fault.message, fault.lasting, fault.detail)
                 values = (encodable(log.place), key, *own)
                 self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
 
-    def recorded(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Recorded, ...]]:
+    def sessions(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Session, ...]]:
         """Return what is known of logs, by the hash of their content; of several arms in the order of their topics."""
-        found: dict[str, tuple[Recorded, ...]] = defaultdict(tuple)
+        found: dict[str, tuple[Session, ...]] = defaultdict(tuple)
         for row in self._of_logs("sessions", hashes, settings):
-            found[row["sha256"]] += (_recorded(json.loads(row["content"])),)
+            found[row["sha256"]] += (_session(json.loads(row["content"])),)
         return dict(found)
 
     def faults(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Fault, ...]]:
@@ -172,15 +172,15 @@ class Ledger:
             where = f"settings = ? AND sha256 IN ({', '.join('?' * len(some))})"
             yield from self._ask(f"SELECT * FROM {table} WHERE {where} ORDER BY topic", (settings, *some))  # noqa: S608
 
-    def name_sessions(self, named: Iterable[tuple[Session, str]], settings: str) -> None:
-        """Write which arm sessions are of, and when they were, with their numbers; each with its topic."""
+    def name_sessions(self, named: Iterable[Session], settings: str) -> None:
+        """Write which arm sessions are of, and when they were, with their numbers."""
         query = """UPDATE sessions SET path = :path, robot = :robot, start_s = :start
             WHERE sha256 = :sha256 AND settings = :settings AND topic = :topic
             AND (path, robot, start_s) IS NOT (:path, :robot, :start)"""
         values = [
-            {"path": one.path, "robot": one.robot, "start": one.start_s, "sha256": one.sha256, "topic": topic}
+            {"path": one.path, "robot": one.robot, "start": one.start_s, "sha256": one.sha256, "topic": one.topic}
             | {"settings": settings}
-            for one, topic in named
+            for one in named
         ]
         with self._transaction():
             self._database.executemany(query, values)
@@ -225,9 +225,9 @@ class Ledger:
     def _pragma(self, name: str) -> int:
         return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
 
-    def _save_session(self, recorded: Recorded, settings: str) -> None:
-        session, content = recorded.session, json.dumps(asdict(recorded), default=list, ensure_ascii=False)
-        names = (None, session.sha256, settings, recorded.topic, session.path, session.robot, session.start_s)
+    def _save_session(self, session: Session, settings: str) -> None:
+        content = json.dumps(asdict(session), default=list, ensure_ascii=False)
+        names = (None, session.sha256, settings, session.topic, session.path, session.robot, session.start_s)
         query = "INSERT OR IGNORE INTO sessions VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"
         cursor = self._database.execute(query, (*names, content, _digest(content)))
         if cursor.rowcount:  # else another run was faster
@@ -288,18 +288,14 @@ def _digest(content: object) -> str:
     return hashlib.sha256(str(content).encode("utf-8", "surrogateescape")).hexdigest()
 
 
-def _recorded(held: dict[str, Any]) -> Recorded:
+def _session(held: dict[str, Any]) -> Session:
     """Return what was kept, as the log says it."""
-    session = held["session"]
-    session |= {
-        "warnings": tuple(one if isinstance(one, str) else Caution(**one) for one in session["warnings"]),
-        "codes": tuple(session["codes"]),
-        "conditions": Conditions(**session["conditions"]),
-    }
-    for joint in session["joints"]:
+    held["warnings"] = tuple(one if isinstance(one, str) else Caution(**one) for one in held["warnings"])
+    held |= {"codes": tuple(held["codes"]), "conditions": Conditions(**held["conditions"])}
+    for joint in held["joints"]:
         joint |= {name: tuple(joint[name]) for name in ("speed_rad_s", "effects")}
         for key in ("coefficients", "within"):
             joint[key] = {name: Coefficient(**one) for name, one in joint[key].items()}
         joint["curve"] = SpeedCurve(**joint["curve"])
-    session["joints"] = tuple(JointSummary(**joint) for joint in session["joints"])
-    return Recorded(**held | {"session": Session(**session)})
+    held["joints"] = tuple(JointSummary(**joint) for joint in held["joints"])
+    return Session(**held)

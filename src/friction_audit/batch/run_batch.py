@@ -14,7 +14,7 @@ from pathlib import Path
 
 from friction_audit.batch.executor import Executor, Lost
 from friction_audit.batch.find_logs import LogFile
-from friction_audit.batch.identity import Fault, Recorded, Worked, identify, name_of, time_in_name
+from friction_audit.batch.identity import Fault, Worked, identify, name_of, time_in_name
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.batch.work import work_on
@@ -129,17 +129,16 @@ def catch_up(
 def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> BatchResult:
     """Return the sessions of a batch, each of its arm and with its start."""
     key, hashes = settings.key(), standing.hashes
-    recorded, faults = ledger.recorded(hashes.values(), key), ledger.faults(hashes.values(), key)
-    pairs: list[tuple[LogFile, Recorded]] = []
+    known, faults = ledger.sessions(hashes.values(), key), ledger.faults(hashes.values(), key)
+    pairs: list[tuple[LogFile, Session]] = []
     failed: list[Failed] = []
     for log in standing.logs:
         sha256 = hashes.get(log.place, "")
-        pairs += [(log, one) for one in recorded.get(sha256, ())]
+        pairs += [(log, one) for one in known.get(sha256, ())]
         every = (*faults.get(sha256, ()), *standing.passing.get(log.place, ()))
         failed += [Failed(name_of(log, one.topic), one.message) for one in every]
     sessions, warnings = identify(pairs)
-    topics = {name_of(log, one.topic): one.topic for log, one in pairs}
-    ledger.name_sessions(((session, topics[session.path]) for session in sessions), key)
+    ledger.name_sessions(sessions, key)
     warnings = (*standing.warnings, *warnings)
     return BatchResult(sessions, failed=tuple(failed), new=standing.new, known=standing.known, warnings=warnings)
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from friction_audit.batch.find_logs import LogFile, fetched
-from friction_audit.batch.identity import Fault, Recorded, Worked
+from friction_audit.batch.identity import Fault, Worked
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.drift.covariates import Recording
 from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, Session
@@ -84,7 +84,7 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
         arms = [_arms(settings, path, one) for one in several.topics]
         return Worked(
             sha256=arms[0].sha256,
-            recorded=tuple(one for arm in arms for one in arm.recorded),
+            sessions=tuple(one for arm in arms for one in arm.sessions),
             faults=tuple(one for arm in arms for one in arm.faults),
         )
 
@@ -96,9 +96,7 @@ def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
         estimate = estimate_log(log, settings.audit)
         asked = settings.diagnosis
         session = session_of(estimate, None if asked is None else diagnose_estimate(estimate, asked).discrepancy)
-        by_serial, kind = bool(log.source.serial), log.source.robot
-        recorded = Recorded(session=session, topic=topic, kind=kind, named_by_serial=by_serial)
-        return Worked(sha256=session.sha256, recorded=(recorded,))
+        return Worked(sha256=session.sha256, sessions=(replace(session, topic=topic),))
     except SeveralLogsError:
         raise
     except FrictionAuditError as error:
@@ -141,6 +139,8 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
         warnings=(*dict.fromkeys(findings), *interaction.warnings),
         codes=tuple(dict.fromkeys((*unit, *codes))),
         damaged=any(finding.damaged for finding in source.findings),
+        kind=source.robot,
+        named_by_serial=bool(source.serial),
     )
 
 
@@ -154,9 +154,9 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
         warnings = tuple(said(one) if isinstance(one, str) else one.renamed(here, name) for one in session.warnings)
         return replace(session, path=name, warnings=warnings)
 
-    recorded = tuple(replace(one, session=named(one.session)) for one in worked.recorded)
+    sessions = tuple(map(named, worked.sessions))
     faults = tuple(replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults)
-    return replace(worked, recorded=recorded, faults=faults)
+    return replace(worked, sessions=sessions, faults=faults)
 
 
 def recording_of(estimate: Estimate) -> Recording:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import parse_joints, parse_list, parse_mapping, parse_numbers
+from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice, remark
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.settings import FrictionSettings
@@ -149,9 +149,9 @@ def is_damaged(log: "JointLog") -> bool:
     return any(found.damaged for found in log.source.findings)
 
 
-def exit_if_damaged(*logs: "JointLog") -> None:
+def exit_if_damaged(log: "JointLog") -> None:
     """Exit with the code for a result that part of the input is missing from."""
-    if any(map(is_damaged, logs)):
+    if is_damaged(log):
         raise typer.Exit(DAMAGED)
 
 
@@ -207,20 +207,15 @@ def read_options(reading: opt.ReadingOptions, selection: opt.SelectionOptions) -
     """Return how the log is read, and which part of it."""
     from friction_audit.io.readers import ReadOptions
 
-    return ReadOptions(
-        topic=reading.topic,
-        mapping=parse_mapping(reading.mapping),
-        robot=None if reading.robot in ("auto", "none") else reading.robot,
-        time_scale=reading.time_scale,
-        allow_short=reading.allow_short,
-        torque_constant=parse_list("--torque-constant", reading.torque_constant),
-        gear_ratio=parse_list("--gear-ratio", reading.gear_ratio),
-        torque_scale=parse_list("--torque-scale", reading.torque_scale),
-        flip=parse_joint_numbers(reading.flip, f"--flip {reading.flip}") if reading.flip is not None else (),
-        join=tuple(map(str, reading.join or ())),
-        t_start_s=selection.t_start,
-        t_end_s=selection.t_end,
-    )
+    given = asdict(reading)
+    for name in ("torque_constant", "gear_ratio", "torque_scale"):
+        text = given[name]
+        each = ("X",) * len((text or "").split(","))
+        given[name] = () if text is None else parse_numbers(f"--{name.replace('_', '-')}", text, each)
+    given["mapping"], given["join"] = parse_mapping(reading.mapping), tuple(map(str, reading.join or ()))
+    given["robot"] = None if reading.robot in ("auto", "none") else reading.robot
+    given["flip"] = () if reading.flip is None else parse_joint_numbers(reading.flip, f"--flip {reading.flip}")
+    return ReadOptions(**given, t_start_s=selection.t_start, t_end_s=selection.t_end)
 
 
 def audit_settings(options: opt.LogOptions, estimate: opt.EstimateOptions | None = None) -> "AuditSettings":

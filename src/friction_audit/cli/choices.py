@@ -4,7 +4,6 @@ Names come from the registries and settings that they belong to; those whose mod
 shell completes them.
 """
 
-import difflib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, TypeVar, dataclass_transform
@@ -12,7 +11,7 @@ from typing import Any, TypeVar, dataclass_transform
 import typer
 
 from friction_audit.effects import registry
-from friction_audit.errors import UsageError, printable
+from friction_audit.errors import UsageError, near_misses, printable
 from friction_audit.joint_numbers import parse_joint_numbers
 from friction_audit.reporting.figures import style as figure_style
 from friction_audit.reporting.figures.registry import figure_names
@@ -129,12 +128,6 @@ def some_of_figures(names: Sequence[str]) -> Callable[[Any], list[str]]:
     return chosen
 
 
-def near_misses(word: str, names: Sequence[str]) -> str:
-    """Return ``"; did you mean ...?"`` for a misspelt name, or nothing."""
-    near = difflib.get_close_matches(word, names, n=2)
-    return f"; did you mean {' or '.join(near)}?" if near else ""
-
-
 def parse_joints(text: str | None) -> tuple[int, ...] | None:
     """Return the joints of ``"1,3-5"``, in order and each once, or None for all."""
     return None if text is None else parse_joint_numbers(text, f"--joints {text}")
@@ -150,11 +143,6 @@ def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float
     if len(numbers) != len(names):
         raise UsageError(f"{option} {text}: {len(numbers)} numbers; expected {len(names)}: {','.join(names)}")
     return numbers
-
-
-def parse_list(option: str, text: str | None) -> tuple[float, ...]:
-    """Return the numbers of ``"0.1,0.2"``, as many as there are; none for None."""
-    return () if text is None else parse_numbers(option, text, ("X",) * len(text.split(",")))
 
 
 def parse_mapping(entries: list[str] | None) -> dict[str, str]:

@@ -11,7 +11,7 @@ from friction_audit.cli.choices import flag, parse_joints
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show_written
-from friction_audit.errors import UsageError
+from friction_audit.joint_numbers import require_joints
 
 EXAMPLES = """Examples:
   friction-audit convert run.bag run.parquet
@@ -55,11 +55,9 @@ def command(
     for one in (log, *(reading.join or ())):
         chain.check_outputs([out], overwrite=overwrite, log=one, folder=not writer.suffix)
     kept = chain.read(log, options, voice)
-    count = len(kept.joint_names)
-    absent = [str(joint) for joint in joints or () if joint > count]
-    if absent:
-        raise UsageError(f"--joints {','.join(absent)}: not in {kept.source.path}; its joints are 1 to {count}")
-    kept = kept if joints is None else kept.take_joints([joint - 1 for joint in joints])
+    if joints is not None:
+        require_joints(joints, len(kept.joint_names), f"--joints {selection.joints}: {kept.source.path}")
+        kept = kept.take_joints([joint - 1 for joint in joints])
     with voice.step(f"write {out}"):
         write_log(kept, out, dialect=writer.name, overwrite=overwrite)
     document = convert_document(kept, str(out), writer.name, left_out=writer.left_out(kept))

@@ -11,9 +11,9 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from friction_audit.cli.choices import OPTION, near_misses
+from friction_audit.cli.choices import OPTION
 from friction_audit.cli.console import say
-from friction_audit.errors import printable, shortened
+from friction_audit.errors import near_misses, printable, shortened
 from friction_audit.io.files import read_toml
 from friction_audit.preprocessing.settings import GIVEN, TorqueSettings
 

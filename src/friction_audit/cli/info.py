@@ -45,36 +45,24 @@ def command(
     if len(logs) > 1:
         chain.refuse_join(reading, "these are")
     options, settings = chain.read_options(reading, selection), chain.audit_settings(shared)
-    failures: list[FrictionAuditError] = []
-    entries = [_entry(path, options, settings, voice, failures, full=full) for path in logs]
-    _print(entries, voice, json=general.json)
-    if len(failures) == len(entries):
-        raise typer.Exit(max(error.exit_code for error in failures))
-    if failures or any(entry.summary is not None and chain.is_damaged(entry.summary.log) for entry in entries):
-        raise typer.Exit(DAMAGED)
-
-
-def _entry(
-    path: Path,
-    options: "ReadOptions",
-    settings: "AuditSettings",
-    voice: Voice,
-    failures: list[FrictionAuditError],
-    *,
-    full: bool,
-) -> "InfoEntry":
-    """Look at one file; a file that cannot be read becomes an entry with its message, and one more failure."""
     from friction_audit.io.readers import list_topics
     from friction_audit.reporting.info import InfoEntry
 
-    topics: tuple[Topic, ...] = ()
-    try:
-        topics = tuple(list_topics(path)[1])
-        log = chain.read(path, options, voice) if full else _read(path, options, topics, voice)
-        return InfoEntry(path=str(path), topics=topics, summary=_summary(log, settings))
-    except FrictionAuditError as error:
-        failures.append(error)
-        return InfoEntry(path=str(path), topics=topics, message=str(error))
+    entries, codes = [], []
+    for path in logs:  # one that cannot be read becomes an entry with its message
+        topics: tuple[Topic, ...] = ()
+        try:
+            topics = tuple(list_topics(path)[1])
+            log = chain.read(path, options, voice) if full else _read(path, options, topics, voice)
+            entries.append(InfoEntry(path=str(path), topics=topics, summary=_summary(log, settings)))
+        except FrictionAuditError as error:
+            codes.append(error.exit_code)
+            entries.append(InfoEntry(path=str(path), topics=topics, message=str(error)))
+    _print(entries, voice, json=general.json)
+    if len(codes) == len(entries):
+        raise typer.Exit(max(codes))
+    if codes or any(entry.summary is not None and chain.is_damaged(entry.summary.log) for entry in entries):
+        raise typer.Exit(DAMAGED)
 
 
 def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice: Voice) -> "JointLog":

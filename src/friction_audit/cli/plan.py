@@ -12,7 +12,8 @@ from friction_audit.cli import options as opt
 from friction_audit.cli.choices import group, option, parse_joints, parse_numbers
 from friction_audit.cli.grouped_help import GENERAL, MOTION
 from friction_audit.cli.outputs import ResultFolder, show
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import InputError
+from friction_audit.joint_numbers import require_joints
 
 if TYPE_CHECKING:
     from friction_audit.planning.plan import JointPlan
@@ -114,8 +115,7 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -
         joints = len(PRESETS[robot].joints if robot else start or ())
         arm = arm_of(robot, joints, start or (READY_RAD if robot == BUILT_IN else None), {})
         number = (wanted or (1,))[0]
-        if number > len(arm.names):
-            raise UsageError(f"--joints {number}: the arm has {len(arm.names)} joints; choose one of them")
+        require_joints([number], len(arm.names), f"--joints {number}")
         tasks = [Task(joint=Joint(number=number, name=arm.names[number - 1]), why="there is no log")]
     elif source.suffix.lower() == ".json":
         arm, tasks = tasks_of(read_document(source, ("diagnose", "estimate")), source, start, wanted=wanted)

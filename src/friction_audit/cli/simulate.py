@@ -14,7 +14,7 @@ from friction_audit.cli.choices import flag, group, option
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import GENERAL, OUTPUT, SIMULATION
 from friction_audit.cli.outputs import show_written
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.io.files import sha256_of, whole_file
 
 if TYPE_CHECKING:
@@ -118,7 +118,7 @@ def _find_scenario(name: str | None) -> "Scenario":
     named = {scenario.name: scenario for scenario in SCENARIOS}
     if name not in named:
         found = "SCENARIO: missing" if name is None else f"{name}: no such scenario"
-        near = choices.near_misses(name or "", list(named))
+        near = near_misses(name or "", list(named))
         raise UsageError(f"{found}; expected one of {', '.join(named)}{near}")
     return named[name]
 

@@ -78,7 +78,7 @@ class Session:
 
     path: str  # as found
     sha256: str  # content hash
-    robot: str  # which arm, as distinguished by serial, namespace, manifest or folder
+    robot: str  # which arm, as distinguished by serial, namespace, manifest or folder; empty where nothing names it
     start_s: float | None  # Unix time of the start, or None where it is not known [s]
     start_from: str  # ``"manifest"``, ``"log"``, ``"name"`` or ``"nothing"``
     duration_s: float  # length [s]
@@ -89,6 +89,9 @@ class Session:
     warnings: tuple[str | Caution, ...] = ()  # findings of the reader as sentences, and cautions
     codes: tuple[str, ...] = ()  # their codes, and those of what was noticed while the friction was estimated
     damaged: bool = False  # whether part of the file was left out
+    topic: str = ""  # what ``--topic`` would have to say to read this arm of several; empty where the log holds one
+    kind: str = "unknown"  # name of a preset, or ``"unknown"``
+    named_by_serial: bool = False  # whether the log's name for the arm is a serial number, which no other arm has
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

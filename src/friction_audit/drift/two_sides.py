@@ -1,8 +1,7 @@
 """Recordings before and after -> the change of each joint's friction: coefficients, friction law, conditions."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -113,14 +112,21 @@ class _Mean:
         return Coefficient(value=self.value, low=self.value - half, high=self.value + half)
 
 
+_Pairs = Sequence[Sequence[tuple[Recording, JointSummary]]]  # recordings of each side that have a joint, with that
 NO_MEAN = _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)
 
 
 def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> TwoSides:
     """Compare the friction of every joint that both sides have."""
     _check_alike([*before, *after])
-    numbers = [{joint.joint for one in side for joint in one.session.joints} for side in (before, after)]
-    joints = _adjusted([_compare_joint(number, before, after) for number in sorted(numbers[0] & numbers[1])])
+    sides = (before, after)
+    numbers = [{joint.joint for one in side for joint in one.session.joints} for side in sides]
+    own = {
+        number: [[(one, own) for one in side for own in one.session.joints if own.joint == number] for side in sides]
+        for number in sorted(numbers[0] & numbers[1])
+    }
+    changes = _tested({(n, name): _sides(own[n], parts) for n in own for name, parts in UNITS.items()})
+    joints = [_joint_change(number, pairs, changes) for number, pairs in own.items()]
     if not any(np.isfinite(change.found.change.value) for joint in joints for change in joint.coefficients):
         reasons = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints if joint.reason)
         held = " and ".join(write_joint_numbers(side) or "none" for side in numbers)
@@ -150,24 +156,20 @@ def _check_alike(recordings: Sequence[Recording]) -> None:
             raise UsageError(f"{paths}: {first.joints} and {second.joints} joints; expected recordings of one arm")
 
 
-def _compare_joint(number: int, before: Sequence[Recording], after: Sequence[Recording]) -> JointChange:
-    own = [
-        [(one, found) for one in side for found in one.session.joints if found.joint == number]
-        for side in (before, after)
-    ]
+def _joint_change(number: int, own: _Pairs, changes: Mapping[tuple[int, str], CoefficientChange]) -> JointChange:
     reasons = dict.fromkeys(found.reason for side in own for _, found in side if found.reason)
     curves = [tuple(found.curve for _, found in side) for side in own]
     return JointChange(
         joint=number,
         name=own[0][0][1].name,
-        coefficients=tuple(_test(name, _sides(own, parts)) for name, parts in UNITS.items()),
+        coefficients=tuple(changes[number, name] for name in UNITS),
         law=_law(own, curves),
         curves=(curves[0], curves[1]),
         reason="; ".join(reasons),
     )
 
 
-def _sides(own: Sequence[Sequence[tuple[Recording, JointSummary]]], parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
+def _sides(own: _Pairs, parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
     """Return the mean of a combination of the coefficients on each side.
 
     One recording alone shows nothing of the variance between recordings: it takes that of the other side.
@@ -258,62 +260,54 @@ def _difference(first: _Mean, second: _Mean) -> _Mean:
     return _Mean(value=second.value - first.value, variance=first.variance + second.variance, freedom=freedom)
 
 
-def _test(name: str, sides: tuple[_Mean, _Mean]) -> CoefficientChange:
-    """Test one coefficient by Welch's t test; ``_adjusted`` allows for the others."""
+def _tested(every: Mapping[tuple[int, str], tuple[_Mean, _Mean]]) -> dict[tuple[int, str], CoefficientChange]:
+    """Test each coefficient by Welch's t test, adjusted over all joints and coefficients (Holm).
+
+    The smallest detectable change is at the level of the adjusted test.
+    """
+    from statsmodels.stats.multitest import multipletests
+
+    p_values = {key: _p_value(_difference(*sides)) for key, sides in every.items()}
+    known = {key: p for key, p in p_values.items() if np.isfinite(p)}
+    adjusted = multipletests([*known.values()], method="holm")[1].tolist() if known else []
+    holm, level = dict(zip(known, adjusted, strict=True)), 1.0 - SETTINGS.alpha / max(len(known), 1)
+    return {key: _change(key[1], sides, p_values[key], holm.get(key, NAN), level) for key, sides in every.items()}
+
+
+def _p_value(change: _Mean) -> float:
+    if not np.isfinite(change.variance):
+        return NAN
+    score = abs(change.value) / change.variance**0.5 if change.variance > 0.0 else np.inf * abs(change.value)
+    return float(2.0 * stdtr(change.freedom, -score)) if change.value else 1.0
+
+
+def _change(name: str, sides: tuple[_Mean, _Mean], single: float, p_value: float, level: float) -> CoefficientChange:
     first, second = sides
     change, before = _difference(first, second), first.interval()
     total = UNDETERMINED
     if first.value > 0.0 and not before.low <= 0.0:  # of an estimate without an interval the ratio is known
         total = relative_change(*(replace(one, freedom=change.freedom).interval() for one in sides))
-    p_value = NAN
-    if np.isfinite(change.variance):
-        score = abs(change.value) / change.variance**0.5 if change.variance > 0.0 else np.inf * abs(change.value)
-        p_value = float(2.0 * stdtr(change.freedom, -score)) if change.value else 1.0
-    known = sum(one.recordings for one in sides if np.isfinite(one.value))
+    quantiles = _critical(change.freedom, level) + float(stdtrit(change.freedom, SETTINGS.power))
+    smallest = quantiles * change.variance**0.5
     found = CoefficientDrift(
         coefficient=name,
-        sessions=tuple(range(known)),
+        sessions=tuple(range(sum(one.recordings for one in sides if np.isfinite(one.value)))),
         values=(),
         level=before,
-        shape="none" if np.isfinite(p_value) else "too_few",
+        shape="none" if np.isfinite(single) else "too_few",
         p_value=p_value,
         change=change.interval(),
         total=total,
-        drift=False,
+        smallest_change=smallest,
+        smallest_drift=smallest / before.value if np.isfinite(total.value) else NAN,
+        drift=p_value <= SETTINGS.alpha,
     )
     return CoefficientChange(
-        before=before, after=second.interval(), freedom=change.freedom, single_p_value=p_value, found=found
+        before=before, after=second.interval(), freedom=change.freedom, single_p_value=single, found=found
     )
 
 
-def _adjusted(joints: Sequence[JointChange]) -> list[JointChange]:
-    """Adjust the p values over all joints and coefficients (Holm); the smallest detectable change is at that level."""
-    from statsmodels.stats.multitest import multipletests
-
-    every = [change for joint in joints for change in joint.coefficients]
-    tested = [k for k, change in enumerate(every) if np.isfinite(change.single_p_value)]
-    p_values = [every[k].single_p_value for k in tested]
-    adjusted = np.full(len(every), NAN)
-    if tested:
-        adjusted[tested] = multipletests(p_values, method="holm")[1]
-    level = 1.0 - SETTINGS.alpha / max(len(tested), 1)
-    found = map(partial(_concluded, level=level), every, adjusted.tolist())
-    return [replace(joint, coefficients=tuple(next(found) for _ in joint.coefficients)) for joint in joints]
-
-
-def _concluded(change: CoefficientChange, p_value: float, level: float) -> CoefficientChange:
-    half = change.found.change.high - change.found.change.value
-    error = half / _critical(change.freedom)
-    smallest = (_critical(change.freedom, level) + float(stdtrit(change.freedom, SETTINGS.power))) * error
-    relative = smallest / change.before.value if np.isfinite(change.found.total.value) else NAN
-    drift = p_value <= SETTINGS.alpha
-    found = replace(change.found, p_value=p_value, drift=drift, smallest_change=smallest, smallest_drift=relative)
-    return replace(change, found=found)
-
-
-def _law(
-    own: Sequence[Sequence[tuple[Recording, JointSummary]]], curves: Sequence[Sequence[SpeedCurve]]
-) -> LawChange | None:
+def _law(own: _Pairs, curves: Sequence[Sequence[SpeedCurve]]) -> LawChange | None:
     """Return the change of Coulomb plus viscous friction over the speeds that both sides reach."""
     reached = [
         max((max(map(abs, curve.speed_rad_s)) for curve in side if len(curve.speed_rad_s)), default=NAN)

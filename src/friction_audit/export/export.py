@@ -168,6 +168,8 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate |
     """Simulate a log in MuJoCo: the whole arm where a model of it made the torque, else each joint alone."""
     if estimate is None:
         return ()
+    import mujoco
+
     choice, log, seen = estimate.interaction.choice, estimate.log, estimate.interaction
     friction = {law.joint: law.fit(CUBIC) for law in laws}
     found: dict[int, tuple[float, float, int]] = {}
@@ -184,20 +186,14 @@ def _simulated(laws: Sequence[FrictionLaw], joints: Joints, estimate: Estimate |
         for number, fitted in ((law, one) for law, one in friction.items() if inertias[law] > 0.0):
             k = [seen.joint_numbers.index(number)]
             q, dq, torque = (signal[:, k] for signal in (seen.q, seen.dq, seen.torque))
-            without, rubbing, windows = simulated_gaps(hinge(inertias[number]), seen.t, q, dq, torque, [fitted])
+            hinge = mujoco.MjModel.from_xml_string(HINGE.format(inertias[number]))
+            without, rubbing, windows = simulated_gaps(hinge, seen.t, q, dq, torque, [fitted])
             found[number] = without[0], rubbing[0], windows
     return tuple(
         SimulatedGap(joint=number, without_rad=float(without), with_rad=float(rubbing), windows=windows)
         for number, (without, rubbing, windows) in sorted(found.items())
         if windows
     )
-
-
-def hinge(inertia_kg_m2: float) -> "MjModel":
-    """Return a model of one joint with nothing but an inertia."""
-    import mujoco
-
-    return mujoco.MjModel.from_xml_string(HINGE.format(inertia_kg_m2))
 
 
 def simulated_gaps(
