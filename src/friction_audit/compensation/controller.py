@@ -253,7 +253,7 @@ def command(settings: Record, memory: Record, dq: float) -> float:
 
 @compiled()
 def _trace(
-    settings: Record, memory: Record, words: Float, t: Float, dq: Float, torque: Float, cut: Float, seen: Float
+    settings: Record, memory: Record, words: Record, t: Float, dq: Float, torque: Float, cut: Record, seen: Record
 ) -> None:
     """Run a compensator over n samples, and keep the first words of its memory after each."""
     for i in range(len(t)):

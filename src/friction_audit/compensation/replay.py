@@ -1,7 +1,7 @@
 """Interaction, EnergyCycles, FrictionHistory -> Replay."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import isnan
 from typing import Any
 
@@ -180,7 +180,7 @@ class _JointRun:
         joint = self._joint
         if joint.reason:
             return joint
-        run, rows = self._run, self._run.rows
+        run, rows = self._run, np.concatenate(self._run.rows)
         columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
         history = ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
         reason = measures.missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
@@ -194,7 +194,7 @@ class _JointRun:
             joint,
             **self._changes,
             history=history,
-            last=run.last,
+            last=Coefficients(**{one.name: float(run.memory[one.name]) for one in fields(Coefficients)}),
             numbers=measures.measure(self._recorded, without, run, history),
             passivity=measures.measure_passivity(history, run.tally),
             recovery=measures.find_recovery(history),
@@ -202,11 +202,7 @@ class _JointRun:
 
 
 def tune(competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None) -> Compensator:
-    """Return a compensator for one joint.
-
-    Raises:
-        AnalysisError: If it cannot be tuned.
-    """
+    """Return a compensator for one joint."""
     if competitor.name == MODEL:
         return _modelled(model)
     if competitor.name in FEED_BACK:
