@@ -32,7 +32,7 @@ def test_the_same_operator_is_foretold(operator: Operator) -> None:
     joint = replay(
         log_of(bench), ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=COMPENSATOR)
     ).replay.joints[0]
-    happened = log_of(replace(bench, compensator=COMPENSATOR))
+    happened: Any = log_of(replace(bench, compensator=COMPENSATOR))
     assert joint.model_error < 1e-3
     np.testing.assert_allclose(joint.replayed.dq, happened.dq[:, 0], atol=5e-3)
     np.testing.assert_allclose(joint.replayed.compensation_nm, happened.tau_compensation[:, 0], atol=0.03)
@@ -93,7 +93,7 @@ def test_competitors_are_tuned_from_the_log(name: str) -> None:
 
 
 def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
-    log = log_of(MINUTE)
+    log: Any = log_of(MINUTE)
     ddq = np.gradient(log.dq[:, 0], log.t)
     massless = replace(log, tau_interaction=log.tau_interaction - 0.3 * ddq[:, None])
     joint = replay(massless, ReplaySettings(assume="same-torque")).replay.joints[0]

@@ -10,8 +10,8 @@ import pytest
 from friction_audit.compensation.compensators import JointModelCompensation
 from friction_audit.compensation.counterfactual import tables_of_file
 from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of
-from friction_audit.compensation.measures import dissipation_removed
 from friction_audit.compensation.records import fresh_memory
+from friction_audit.compensation.result import dissipation_removed
 from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
@@ -171,7 +171,13 @@ def test_a_joint_that_cannot_be_simulated_says_why(model: JointModel | None, mes
 
 
 @pytest.mark.parametrize(
-    ("model", "message"), [(None, "no model of it"), (JointModel(inertia_kg_m2=0.3), "no term of friction")]
+    ("model", "message"),
+    [
+        (None, "no model of it"),
+        (JointModel(inertia_kg_m2=0.3), "no term of friction"),
+        # Longer than the strokes of the recording: it had ended the replay of all joints.
+        (replace(SIMPLE, terms=(FittedTerm("presliding", (0.3, 0.5, 1.0, 0.0)),)), "presliding: along this recording"),
+    ],
 )
 def test_a_joint_without_friction_to_apply_says_why(model: JointModel | None, message: str) -> None:
     assert message in run(log_of(SIMPLE), "same-motion", model, applied=True).reason

@@ -47,7 +47,7 @@ def friction_of(joint: JointParameters, history: ReplayHistory) -> Float:
     return joint.coulomb_nm + joint.viscous_nms_per_rad * history.square_speed_rad2_s / history.path_rad
 
 
-def estimated_friction(joint: Any) -> Float:
+def estimated_friction(joint: Any) -> Any:
     """Return the mean friction torque over the path of each cycle, by the estimate that its end made known. [N m]"""
     history = joint.history
     speed = history.square_speed_rad2_s / history.path_rad

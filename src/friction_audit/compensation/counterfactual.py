@@ -64,9 +64,8 @@ class Run:
         self._feed = feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
         self.memory, self.rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
         self.tally, self.felt = np.zeros(1, TALLY)[0], np.zeros(1, SUMS)[0]
-        self.tally["activation_s"] = nan
+        self.tally["activation_s"] = self.tally["diverged_s"] = nan
         self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0))
-        self.diverged_s = nan
 
     def take(self, scene: Scene) -> Signals:
         """Run on through a scene; return what happens in it, up to where it diverges."""
@@ -76,14 +75,14 @@ class Run:
         if motion is not None and isinstance(self._compensator, JointModelCompensation):
             self._feed = feed_of(self._compensator.terms, motion)
         control = Control(self._settings, self.memory, self.tally, self._feed, scene.cuts, torques, rows)
-        if isnan(self.diverged_s):
+        if isnan(self.tally["diverged_s"]):
             if scene.loop is None:
                 samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
             else:
                 dq = np.empty(len(recorded.t))
                 samples = run_closed_loop(control, recorded, scene.loop, dq)
             if samples < len(recorded.t):
-                self.diverged_s = float(recorded.t[samples])
+                self.tally["diverged_s"] = recorded.t[samples]
         self.rows.append(rows[: int(self.tally["cycles"])].copy())
         self.tally["cycles"] = 0
         signals = Signals(recorded.t[:samples], *map(read_only, (dq[:samples], *torques[:, :samples])))

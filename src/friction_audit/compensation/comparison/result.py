@@ -29,7 +29,7 @@ def mean_interval(values: Sequence[float]) -> Interval:
 
     known = [value for value in values if isfinite(value)]
     if len(known) < 2:  # noqa: PLR2004
-        return Interval(*known or [nan], nan, nan)
+        return Interval(known[0] if known else nan, nan, nan)
     mean = float(np.mean(known))
     half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * np.std(known, ddof=1) / sqrt(len(known)))
     return Interval(mean, mean - half, mean + half)
