@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation import records
-from friction_audit.compensation.compensators import Compensator, energy, feedback, law, model_based
+from friction_audit.compensation.compensators import Compensator, feedback, law, model_based
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float, read_only
 
@@ -217,9 +217,11 @@ def choose(settings: Record, memory: Record) -> None:
 def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
     """Return the torque that the law of the compensator asks for. [N m]"""
     if settings.kind == law.FIXED:
-        return float(model_based.fixed_nm(settings, memory, dq))
-    if settings.kind == law.ENERGY:
-        return float(energy.energy_nm(settings, memory, dq))
+        share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
+        return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
+    if settings.kind == law.ENERGY:  # (9) with the sign that Figs 6 and 10 need
+        sign = law.soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)
+        return float(memory.coulomb_nm * sign + memory.viscous_nms_per_rad * dq)
     if settings.kind == law.SIGMOID:
         return float(model_based.sigmoid_nm(settings.sigmoid, dq))
     if settings.kind == law.LUGRE:
@@ -229,7 +231,8 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
     if settings.kind == law.TORQUE_REGULATION:
         return float(feedback.regulated_nm(settings.torque_regulation, memory))
     if settings.kind == law.JOINT_MODEL:
-        return float(model_based.joint_model_nm(settings.joint_model, memory, dq))
+        sign = law.soft_sign(dq, settings.joint_model.dead_band_rad_s, settings.joint_model.ramp_rad_s)
+        return float(sign * memory.modelled_nm + memory.bristle_nm)
     return 0.0
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.methods import FULL, PAPER
@@ -27,13 +28,15 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     arms = simulations["fig12"]
     ended = [np.diff(arm.truth.compensators["cycle"], axis=0) != 0 for arm in arms]
     alone = sum(int((one.any(axis=1) & ~one.all(axis=1)).sum()) for one in ended)
-    cyclic = [cyclic_energies(arm) for arm in arms]
-    whole = [(t, energies.sum(axis=1, keepdims=True)) for t, energies in cyclic]
-    slopes = np.array([slope_ratios(*one)[0] for one in whole])
-    own = np.array([slope_ratios(*one) for one in cyclic])
-    stopped, joint = own < SLOPE_BOUND, int(np.argmax(own.max(axis=0)))
-    leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for _, energy in whole])
-    negative = np.mean([negative_share(arm) for arm in arms])
+    ends = [np.flatnonzero(one[:, 0]) + 1 for one in ended]
+    t = [arm.truth.motion.t[own] for arm, own in zip(arms, ends, strict=True)]
+    energies = [arm.truth.compensators["energy_j"][own] for arm, own in zip(arms, ends, strict=True)]
+    whole = [one.sum(axis=1, keepdims=True) for one in energies]
+    slopes = np.array([slope_ratios(*one)[0] for one in zip(t, whole, strict=True)])
+    own_slopes = np.array([slope_ratios(*one) for one in zip(t, energies, strict=True)])
+    stopped, joint = own_slopes < SLOPE_BOUND, int(np.argmax(own_slopes.max(axis=0)))
+    leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for energy in whole])
+    negative = np.mean([negative_share(arm, own) for arm, own in zip(arms, ends, strict=True)])
     return (
         Claim(
             "12", "the coefficients of all joints are updated at the same instants", "synchronously",
@@ -47,8 +50,8 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
         ),
         Claim(
             "12b", "and so does that of every single joint", "cyclic energies of the joints stop increasing",
-            f"{int(stopped.sum())} of {stopped.size} joints; worst {own.max():.2f}, joint {joint + 1}",
-            float(own.max()), bool(stopped.all()),
+            f"{int(stopped.sum())} of {stopped.size} joints; worst {own_slopes.max():.2f}, joint {joint + 1}",
+            float(own_slopes.max()), bool(stopped.all()),
             "a joint need not rest when the hand does, and two cycles may be too alike to separate its coefficients",
         ),
         Claim(
@@ -60,17 +63,9 @@ def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def cyclic_energies(simulation: Simulation) -> tuple[Float, Float]:
-    """Return when cycles end, shape (m,) [s], and the net energies of the joints then, shape (m, j) [J]."""
+def negative_share(simulation: Simulation, ends: NDArray[np.intp]) -> float:
+    """Return the share of the estimates, made at some ticks, of which a coefficient is negative."""
     traces = simulation.truth.compensators
-    ends = np.flatnonzero(np.diff(traces["cycle"][:, 0])) + 1
-    return simulation.truth.motion.t[ends], traces["energy_j"][ends]
-
-
-def negative_share(simulation: Simulation) -> float:
-    """Return the share of the estimates of which a coefficient is negative."""
-    traces = simulation.truth.compensators
-    ends = np.flatnonzero(np.diff(traces["cycle"][:, 0])) + 1
     coulomb, viscous = (traces[f"estimated_{name}"][ends] for name in ("coulomb_nm", "viscous_nms_per_rad"))
     return float(((coulomb < 0.0) | (viscous < 0.0))[np.isfinite(coulomb)].mean())
 
