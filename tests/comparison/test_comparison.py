@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.patches import Rectangle
 
 from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.experiment import choose_best, find_margin
 from friction_audit.compensation.comparison.methods import BEST, Method, Scene, Tuning
-from friction_audit.compensation.comparison.result import Curve, Point, mean_interval, median_interval
+from friction_audit.compensation.comparison.result import Point, mean_interval, median_interval
 from friction_audit.compensation.comparison.trial import (
     Reference,
     energy_slope_w,
@@ -31,10 +30,8 @@ from friction_audit.compensation.compensators import (
     SigmoidCompensation,
     TorqueRegulation,
 )
-from friction_audit.errors import AnalysisError
 from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
-from friction_audit.reporting.figures.comparison import draw_sweeps
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS
@@ -141,14 +138,6 @@ def test_every_tuning_makes_a_compensator_for_every_joint(method: Method) -> Non
             tuning.make(joint).scaled(2.0)
 
 
-def test_joints_have_the_limits_of_a_panda() -> None:
-    joints = SCENES[1].joints
-    assert [joint.guard.max_torque_nm for joint in joints] == [87.0] * 4 + [12.0] * 3
-    compensator = next(one for one in METHODS if one.name == "torque_regulation").sweeps[0].at(1.0).make(joints[5])
-    assert compensator.guard.max_torque_nm == 12.0
-    assert compensator.inertia_kg_m2 / compensator.desired_inertia_kg_m2 == pytest.approx(2.0)
-
-
 # Measures of a trial, by hand where a hand can.
 
 IDLE = FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
@@ -192,12 +181,6 @@ def test_slope_is_read_at_the_ends_of_cycles() -> None:
     reference = Reference(ends=ends, resting=np.zeros((401, 1), bool), rms_torque_nm=np.ones(1))
     rising = np.where(t < 2.0, 5.0 * t, 10.0 + 0.5 * (t - 2.0)) + np.sin(np.pi * t) ** 2
     assert energy_slope_w(rising, t, reference) == pytest.approx(0.5)
-
-
-def test_too_short_a_trial_is_refused() -> None:
-    scene = short_joint(duration_s=2.0)
-    with pytest.raises(AnalysisError, match="longer --duration"):
-        find_reference(simulate(scene.compensated(METHODS[0].paper), 0))
 
 
 # The whole comparison, short.
@@ -276,22 +259,3 @@ def test_best_is_what_no_tuning_person_loses(
     chosen = choose_best(points)
     assert chosen is points[best]
     assert chosen.losses == losses
-
-
-@pytest.mark.parametrize(
-    ("held", "start", "at"),
-    [
-        ("++++", [], []),
-        ("++--", [3.0], [3.0]),
-        ("-+++", [], [1.0]),
-        ("-+-+", [], [1.0, 3.0, 3.0]),
-        ("-++-", [4.0], [1.0, 4.0]),
-        ("----", [1.0], []),
-    ],
-)
-def test_a_sweep_is_shaded_and_crossed_where_the_loop_was_lost(held: str, start: list[float], at: list[float]) -> None:
-    points = tuple(replace(point((0.1,), int(mark == "-")), value=float(n)) for n, mark in enumerate(held, start=1))
-    whole = Curve(method="energy", label="proposed", name="a", axis="k", points=points)
-    (axes,) = draw_sweeps(replace(compared(), curves=(whole,))).axes
-    assert [patch.get_x() for patch in axes.patches if isinstance(patch, Rectangle)] == start
-    assert sorted(float(np.asarray(one.get_xdata())[0]) for one in axes.lines if one.get_marker() == "x") == at

@@ -112,14 +112,6 @@ def test_bristles_bend_exponentially_at_any_tick(speed: float, dt: float) -> Non
     assert_allclose(torque, 300 * bend + 0.2 * rate + 0.07 * speed, rtol=1e-9)
 
 
-def test_before_it_slides_it_is_a_spring_that_holds() -> None:
-    moving, resting = np.full(100, 1e-3), np.zeros(500)
-    torque, memory = feed(DAMPED_LUGRE, np.concatenate([moving, resting]), 0.0)
-    travel = 99.5 * 1e-3 * TICK_S
-    assert memory["bristle_rad"] == pytest.approx(travel, rel=0.05)
-    assert_allclose(torque[-499:], 300 * memory["bristle_rad"], rtol=1e-12)
-
-
 # The published static friction of the Panda.
 
 FORWARD = (0.25, 0.39, 0.39, 0.58, 0.37, 0.18, 0.28)

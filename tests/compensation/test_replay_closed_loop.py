@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from friction_audit.compensation.compensators import TorqueRegulation
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
+from friction_audit.pipeline import AuditSettings, replay_log
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.motion import StopAndGo
 from friction_audit.simulation.settings import PANDA_SENSORS
@@ -20,7 +21,7 @@ MINUTE = replace(BENCH, duration_s=60.0)
 COMPENSATOR = energy_compensator()
 
 
-def replay(log: JointLog, settings: ReplaySettings) -> LogReplay:
+def replay(log: JointLog, settings: ReplaySettings) -> Any:
     return replay_log(log, AuditSettings(), settings)
 
 
@@ -31,11 +32,8 @@ def test_the_same_operator_is_foretold(operator: Operator) -> None:
     joint = replay(
         log_of(bench), ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=COMPENSATOR)
     ).replay.joints[0]
-    happened = log_of(replace(bench, compensator=COMPENSATOR))
+    happened: Any = log_of(replace(bench, compensator=COMPENSATOR))
     assert joint.model_error < 1e-3
-    assert joint.replayed is not None
-    assert joint.numbers is not None
-    assert happened.tau_compensation is not None
     np.testing.assert_allclose(joint.replayed.dq, happened.dq[:, 0], atol=5e-3)
     np.testing.assert_allclose(joint.replayed.compensation_nm, happened.tau_compensation[:, 0], atol=0.03)
     assert joint.numbers.dissipation_removed_updated > 0.99
@@ -46,7 +44,6 @@ def test_the_operator_is_fitted_from_quick_reversals() -> None:
     for log, bound in ((log_of(replace(MINUTE, duration_s=120.0)), 0.08), (log_of(noisy), 0.2)):
         joint = replay(log, ReplaySettings(assume="same-operator", compensator=COMPENSATOR)).replay.joints[0]
         hand = joint.operator
-        assert hand is not None, joint.reason
         assert hand.reversals >= 20
         assert hand.inertia.value == pytest.approx(0.3, rel=bound)
         assert hand.damping.value == pytest.approx(9.0, rel=bound)
@@ -66,9 +63,6 @@ def test_a_person_who_pauses_cannot_be_fitted() -> None:
 def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
     joint = replay(log_of(MINUTE), ReplaySettings(assume="same-torque", compensator=COMPENSATOR)).replay.joints[0]
     history, replayed = joint.history, joint.replayed
-    assert history is not None
-    assert replayed is not None
-    assert joint.fitted is not None
     assert joint.fitted.inertia.value == pytest.approx(0.3, rel=0.01)
     assert joint.model_error < 1e-3
     np.testing.assert_allclose(replayed.interaction_nm, joint.without.interaction_nm, atol=1e-9)
@@ -84,8 +78,6 @@ def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
         log_of(MINUTE), ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=competitor)
     ).replay
     joint = found.joints[0]
-    assert joint.numbers is not None
-    assert joint.replayed is not None
     assert 0.0 < joint.numbers.diverged_s < 60.0
     assert joint.replayed.t[-1] < joint.numbers.diverged_s
     assert np.isfinite(joint.replayed.dq).all()
@@ -96,14 +88,12 @@ def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
 def test_competitors_are_tuned_from_the_log(name: str) -> None:
     settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=Competitor(name=name))
     joint = replay(log_of(MINUTE), settings).replay.joints[0]
-    assert joint.numbers is not None, joint.reason
     assert np.isnan(joint.numbers.diverged_s)
     assert joint.numbers.dissipation_removed > (0.4 if name == "torque_regulation" else 0.8)
 
 
 def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
-    log = log_of(MINUTE)
-    assert log.tau_interaction is not None
+    log: Any = log_of(MINUTE)
     ddq = np.gradient(log.dq[:, 0], log.t)
     massless = replace(log, tau_interaction=log.tau_interaction - 0.3 * ddq[:, None])
     joint = replay(massless, ReplaySettings(assume="same-torque")).replay.joints[0]

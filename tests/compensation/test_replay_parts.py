@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.closed_loop import SUMS, add_torque
-from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.measures import dissipation_removed, find_step, first_right, rms_nm
-from friction_audit.compensation.result import ReplayHistory, Signals
+from friction_audit.compensation.controller import hand_cuts
+from friction_audit.compensation.result import (
+    ReplayHistory,
+    Signals,
+    dissipation_removed,
+    find_step,
+    first_right,
+    rms_nm,
+)
 from friction_audit.joint_log import Float
 
 

@@ -6,11 +6,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from friction_audit.dynamics import forward
 from friction_audit.dynamics.motion import Forward, Motion, Others
 from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, tabulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
+
+simulate_along: Any = forward.simulate_along  # None, for what cannot be simulated, would fail in every test
 
 
 class Named(NamedTuple):

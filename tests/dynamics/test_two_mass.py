@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from friction_audit.dynamics.forward import simulate_along
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.dynamics.transmission import Transmission
 from friction_audit.dynamics.two_mass import can_follow, link_of, move_two_sides
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
+from tests.dynamics.joints import simulate_along
 
 STEP_S = 0.0025
 T = np.arange(0.0, 3.0, STEP_S)
@@ -78,10 +78,8 @@ def test_both_sides_of_a_spring_move_as_scipy_finds(share: float) -> None:
     seen = recording(np.where(np.arange(len(T)) % 2, exact[0], 0.0), exact[1])
     model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("viscous", (VISCOUS,)), spring(share)))
     found = simulate_along(model, seen, drive(), WHOLE)
-    assert found is not None
     assert found == pytest.approx(exact[1], abs=6e-3)
     rigid = simulate_along(replace(model, terms=model.terms[:1]), seen, drive(), WHOLE)
-    assert rigid is not None
     assert np.sqrt(np.mean((found - exact[1]) ** 2)) < 0.3 * np.sqrt(np.mean((rigid - exact[1]) ** 2))
 
 
@@ -108,7 +106,6 @@ def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:
     model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("coulomb", (friction,)), spring(share, 0.1)))
     pieces = np.array([[300, 700], [700, 1100]])
     found = simulate_along(model, recording(rows[0], rows[1]), drive(), pieces)
-    assert found is not None
     inside = np.isfinite(found)
     assert inside.sum() == 801
     assert found[700] == rows[1, 700]

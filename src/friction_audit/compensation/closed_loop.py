@@ -35,10 +35,8 @@ TALLY = np.dtype(
         ("net_j", "f8"),  # that less what the compensator gave, the rest being the person's
         *((name, "f8") for name in ("path_rad", "square_rad2_s")),
         ("tolerance_j", "f8"),  # largest energy exchanged while a deficit is measured and paid
-        *(
-            (name, "f8")
-            for name in ("lowest_j", "lowest_since_activation_j", "activation_s", "reserve_j", "injected_j")
-        ),
+        *((name, "f8") for name in ("lowest_j", "lowest_since_activation_j", "reserve_j", "injected_j")),
+        *((name, "f8") for name in ("activation_s", "diverged_s")),  # NaN before
         *((name, "i8") for name in ("violations", "violations_since_activation")),
         ("active_friction_j", "f8"),  # what friction took since the activation
         ("acting_s", "f8"),

@@ -12,12 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation import records
-from friction_audit.compensation.compensators import Compensator, energy, feedback, law, model_based
+from friction_audit.compensation.compensators import Compensator, feedback, law, model_based
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float, read_only
 
 EPSILON = 4.0 * 2.0**-52  # of a determinant that is zero but for rounding
 FIND = -1  # value of ``cut``: the joint finds its cycles itself
+
+# Cycles that the hand of an arm ends for all joints at once (paper, section V.B).
+FILTERED_M_S, UNDER_WAY = range(2)  # state of the hand: its filtered speed, and whether a cycle is under way
+CYCLE_STATE = 2
+INITIATION_M_S, TERMINATION_M_S = 0.1, 0.025  # hand speeds at which a cycle begins and ends
+CORNER_RAD_S = 2.0 * math.pi * 20.0  # of the low-pass on the hand's speed
 
 SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque sensors: the loop has diverged
 # So many ticks in a row a torque at its limit has turned back: the limits hold a loop that would grow without them.
@@ -211,9 +217,11 @@ def choose(settings: Record, memory: Record) -> None:
 def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
     """Return the torque that the law of the compensator asks for. [N m]"""
     if settings.kind == law.FIXED:
-        return float(model_based.fixed_nm(settings, memory, dq))
-    if settings.kind == law.ENERGY:
-        return float(energy.energy_nm(settings, memory, dq))
+        share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
+        return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
+    if settings.kind == law.ENERGY:  # (9) with the sign that Figs 6 and 10 need
+        sign = law.soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)
+        return float(memory.coulomb_nm * sign + memory.viscous_nms_per_rad * dq)
     if settings.kind == law.SIGMOID:
         return float(model_based.sigmoid_nm(settings.sigmoid, dq))
     if settings.kind == law.LUGRE:
@@ -223,7 +231,8 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
     if settings.kind == law.TORQUE_REGULATION:
         return float(feedback.regulated_nm(settings.torque_regulation, memory))
     if settings.kind == law.JOINT_MODEL:
-        return float(model_based.joint_model_nm(settings.joint_model, memory, dq))
+        sign = law.soft_sign(dq, settings.joint_model.dead_band_rad_s, settings.joint_model.ramp_rad_s)
+        return float(sign * memory.modelled_nm + memory.bristle_nm)
     return 0.0
 
 
@@ -253,7 +262,7 @@ def command(settings: Record, memory: Record, dq: float) -> float:
 
 @compiled()
 def _trace(
-    settings: Record, memory: Record, words: Float, t: Float, dq: Float, torque: Float, cut: Float, seen: Float
+    settings: Record, memory: Record, words: Record, t: Float, dq: Float, torque: Float, cut: Record, seen: Record
 ) -> None:
     """Run a compensator over n samples, and keep the first words of its memory after each."""
     for i in range(len(t)):
@@ -281,3 +290,45 @@ def run(
     t, dq, torque = map(read_only, (t, dq, interaction_nm))
     _trace(settings, memory[0], memory.view(np.int64), t, dq, torque, cut, seen)
     return seen.view(records.TRACE)[:, 0]
+
+
+@compiled()
+def hand_rests(cycle: Float, speed: float, dt: float, initiation: float, termination: float) -> bool:
+    """Return True if the hand has moved and come to rest again; the caller then resets ``cycle[UNDER_WAY]``.
+
+    The state ``cycle`` of the hand changes by its measured speed [m/s] over a time [s]; a cycle begins above a filtered
+    speed and ends at another.
+    """
+    cycle[FILTERED_M_S] += (1.0 - math.exp(-CORNER_RAD_S * dt)) * (speed - cycle[FILTERED_M_S])
+    if cycle[FILTERED_M_S] > initiation:
+        cycle[UNDER_WAY] = 1.0
+    return bool(cycle[UNDER_WAY] == 1.0 and cycle[FILTERED_M_S] <= termination)
+
+
+@compiled()
+def hand_cuts(
+    t: Float, speed: Float, dq: Float, thresholds: tuple[float, float], rest_rad_s: float, minimum_path_rad: float
+) -> NDArray[np.int64]:
+    """Find where a controller would have ended the cycles of all joints: 1 where a cycle ends, else 0, shape (n,).
+
+    Speed of the end effector, shape (n,) [m/s], velocity of every joint, shape (n, j) [rad/s]; the thresholds are the
+    hand speeds at which a cycle begins and ends [m/s]. It goes on until every joint has moved the least path, in which
+    motion up to the speed of rest does not count.
+    """
+    cuts = np.zeros(len(t), np.int64)
+    cycle = np.zeros(CYCLE_STATE)
+    joints = dq.shape[1]
+    path, added = np.zeros(joints), np.zeros(joints)
+    for i in range(1, len(t)):
+        dt = t[i] - t[i - 1]
+        rests = hand_rests(cycle, speed[i], dt, thresholds[0], thresholds[1])
+        for j in range(joints):
+            path[j] += added[j]
+            a, b = abs(dq[i - 1, j]), abs(dq[i, j])
+            added[j] = 0.5 * ((a if a > rest_rad_s else 0.0) + (b if b > rest_rad_s else 0.0)) * dt
+        if rests and path.min() >= minimum_path_rad:
+            cycle[UNDER_WAY] = 0.0
+            cuts[i] = 1
+            path[:] = 0.0
+            added[:] = 0.0
+    return cuts

@@ -1,6 +1,9 @@
-"""A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
+"""A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run.
 
-from dataclasses import astuple, dataclass, fields
+An AnalysisError says why a joint cannot be replayed.
+"""
+
+from dataclasses import astuple, dataclass
 from math import isfinite, isnan, nan
 
 import numpy as np
@@ -18,13 +21,12 @@ from friction_audit.compensation.closed_loop import (
     run_closed_loop,
     run_same_motion,
 )
-from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation, guard_of
+from friction_audit.compensation.compensators import Compensator, JointModelCompensation, guard_of
 from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, refuse, straighten
 from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedOperator, fit_operator
 from friction_audit.compensation.records import fresh_memory, pack
 from friction_audit.compensation.result import Signals
 from friction_audit.compensation.settings import SAME_MOTION, SAME_OPERATOR, ReplaySettings
-from friction_audit.compiled import Record
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
 from friction_audit.effects.joint_model import JointModel, simple_model
@@ -60,11 +62,10 @@ class Run:
         guard = guard_of(compensator)
         self._compensator, self._settings = compensator, pack([compensator], 1.0 / step_s)[0]
         self._feed = feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
-        self._memory, self._rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
+        self.memory, self.rows = fresh_memory(1)[0], [np.zeros(0, CYCLE)]
         self.tally, self.felt = np.zeros(1, TALLY)[0], np.zeros(1, SUMS)[0]
-        self.tally["activation_s"] = nan
+        self.tally["activation_s"] = self.tally["diverged_s"] = nan
         self.tally["tolerance_j"] = peak_power_w * (SAMPLES * step_s + (guard.payback_s if guard.passivity else 0.0))
-        self.diverged_s = nan
 
     def take(self, scene: Scene) -> Signals:
         """Run on through a scene; return what happens in it, up to where it diverges."""
@@ -73,30 +74,20 @@ class Run:
         rows = np.zeros(len(recorded.t) // SHORTEST_CYCLE + 2, CYCLE)
         if motion is not None and isinstance(self._compensator, JointModelCompensation):
             self._feed = feed_of(self._compensator.terms, motion)
-        control = Control(self._settings, self._memory, self.tally, self._feed, scene.cuts, torques, rows)
-        if isnan(self.diverged_s):
+        control = Control(self._settings, self.memory, self.tally, self._feed, scene.cuts, torques, rows)
+        if isnan(self.tally["diverged_s"]):
             if scene.loop is None:
                 samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
             else:
                 dq = np.empty(len(recorded.t))
                 samples = run_closed_loop(control, recorded, scene.loop, dq)
             if samples < len(recorded.t):
-                self.diverged_s = float(recorded.t[samples])
-        self._rows.append(rows[: int(self.tally["cycles"])].copy())
+                self.tally["diverged_s"] = recorded.t[samples]
+        self.rows.append(rows[: int(self.tally["cycles"])].copy())
         self.tally["cycles"] = 0
         signals = Signals(recorded.t[:samples], *map(read_only, (dq[:samples], *torques[:, :samples])))
         add_torque(self.felt, signals.t, signals.dq, signals.interaction_nm)
         return signals
-
-    @property
-    def rows(self) -> Record:
-        """Records of CYCLE of the cycles so far, shape (m,)."""
-        return np.concatenate(self._rows)
-
-    @property
-    def last(self) -> Coefficients:
-        """Coefficients applied now, after the last whole cycle."""
-        return Coefficients(**{one.name: float(self._memory[one.name]) for one in fields(Coefficients)})
 
 
 def recording_of(interaction: Interaction, column: int) -> Recorded:
@@ -113,11 +104,7 @@ def recorded_motion(interaction: Interaction, column: int) -> Motion:
 
 
 def fitted_joint(friction: JointFriction, motion: Motion) -> tuple[TorqueRegression, JointModel, Tables]:
-    """Return inertia and friction as the torque regression of the log found them, as a model and its tables.
-
-    Raises:
-        AnalysisError: If they cannot be simulated.
-    """
+    """Return inertia and friction as the torque regression of the log found them, as a model and its tables."""
     found = friction.regression
     if friction.reason:
         raise AnalysisError(friction.reason)
@@ -146,11 +133,7 @@ def fitted_joint(friction: JointFriction, motion: Motion) -> tuple[TorqueRegress
 
 
 def tables_of(model: JointModel, motion: Motion) -> Tables:
-    """Tabulate a model; Coulomb and viscous friction need no more of the recording than its limits.
-
-    Raises:
-        AnalysisError: If a term follows from more than the motion of the instant.
-    """
+    """Tabulate a model; Coulomb and viscous friction need no more of the recording than its limits."""
     if {term.name for term in model.terms} <= {"coulomb", "viscous"}:
         few = np.unique([0, 1, np.argmin(motion.q), np.argmax(motion.q), np.argmax(np.abs(motion.dq))])
         motion = Motion(t=motion.t[few], q=motion.q[few], dq=motion.dq[few], ddq=motion.ddq[few])
@@ -160,11 +143,7 @@ def tables_of(model: JointModel, motion: Motion) -> Tables:
 
 
 def tables_of_file(model: JointModel | None, motion: Motion) -> Tables:
-    """Return the tables of a joint of a model file.
-
-    Raises:
-        AnalysisError: If it cannot be simulated.
-    """
+    """Return the tables of a joint of a model file."""
     if model is None:
         raise AnalysisError(NO_MODEL)
     refuse(model.terms)
@@ -196,9 +175,6 @@ def make_scene(
     ``modelled``: whether the compensator goes by the joint's model. The torque is the recorded one, cycle by cycle, or
     with an operator that of the recorded intention. What the model lacks of it is a constant for each cycle: offsets
     and errors of gravity are about constant over a stroke, and would set the joint going by themselves.
-
-    Raises:
-        AnalysisError: If it is not known.
     """
     column = interaction.joint_numbers.index(friction.joint)
     recorded, fitted = recording_of(interaction, column), None

@@ -59,11 +59,7 @@ def straighten(tables: Tables, *, damping_nms_per_rad: float = 0.0) -> Tables:
 
 
 def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
-    """Return the feed-forward of terms of friction, before the first tick.
-
-    Raises:
-        AnalysisError: If a term follows from more than the motion of the instant.
-    """
+    """Return the feed-forward of terms of friction, before the first tick."""
     tables, past = tabulate(0.0, terms, motion)
     refuse((), past)
     return Feed(straighten(tables), np.zeros(1 + len(tables.bristles.reach)))

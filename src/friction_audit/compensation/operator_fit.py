@@ -38,11 +38,7 @@ class FittedOperator:
 
 
 def fit_operator(recorded: Recorded, q: Float) -> FittedOperator:
-    """Fit the person's impedance at one joint, of position q.
-
-    Raises:
-        AnalysisError: If the log does not determine it.
-    """
+    """Fit the person's impedance at one joint, of position q."""
     from scipy.signal import butter, sosfiltfilt
 
     step = median_step(recorded.t)

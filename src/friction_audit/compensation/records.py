@@ -86,11 +86,7 @@ MEMORY = np.dtype(
 
 
 def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.void]:
-    """Pack compensators, None where nothing runs, into records of SETTINGS, shape (joints,), for a rate of ticks [Hz].
-
-    Raises:
-        UsageError: If the rate is not above zero.
-    """
+    """Pack compensators, None where nothing runs, into records of SETTINGS, one per joint, for a rate of ticks [Hz]."""
     if not inf > rate > 0:
         raise UsageError(f"compensator: rate {rate:g} Hz: expected a number above zero")
     records = np.zeros(len(compensators), SETTINGS)

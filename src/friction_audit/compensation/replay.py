@@ -1,14 +1,14 @@
 """Interaction, EnergyCycles, FrictionHistory -> Replay."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from math import isnan
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation import measures
+from friction_audit.compensation import result
 from friction_audit.compensation.closed_loop import CYCLE, SUMS, add_torque
 from friction_audit.compensation.compensators import (
     Coefficients,
@@ -21,10 +21,9 @@ from friction_audit.compensation.compensators import (
     guard_of,
 )
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.controller import FIND
+from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
-from friction_audit.compensation.hand_cycles import hand_cuts
 from friction_audit.compensation.result import JointReplay, Replay, ReplayHistory, Signals
 from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
@@ -172,7 +171,7 @@ class _JointRun:
                 "fitted": scene.fitted,
                 "operator": scene.operator,
                 "simulated": True,
-                "model_error": measures.model_error(recorded, without),
+                "model_error": result.model_error(recorded, without),
             }
 
     def result(self) -> JointReplay:
@@ -180,10 +179,12 @@ class _JointRun:
         joint = self._joint
         if joint.reason:
             return joint
-        run, rows = self._run, self._run.rows
+        run, rows = self._run, np.concatenate(self._run.rows)
         columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
         history = ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
-        reason = measures.missing_estimate(history, self.friction, joint.compensator) if isnan(run.diverged_s) else ""
+        reason = (
+            result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ""
+        )
         if run.felt["samples"] <= 1:
             reason = "the compensated loop diverges within a sample; lower its gain"
         if reason:
@@ -194,19 +195,15 @@ class _JointRun:
             joint,
             **self._changes,
             history=history,
-            last=run.last,
-            numbers=measures.measure(self._recorded, without, run, history),
-            passivity=measures.measure_passivity(history, run.tally),
-            recovery=measures.find_recovery(history),
+            last=Coefficients(**{one.name: float(run.memory[one.name]) for one in fields(Coefficients)}),
+            numbers=result.measure(self._recorded, without, run.felt, run.tally, history),
+            passivity=result.measure_passivity(history, run.tally),
+            recovery=result.find_recovery(history),
         )
 
 
 def tune(competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None) -> Compensator:
-    """Return a compensator for one joint.
-
-    Raises:
-        AnalysisError: If it cannot be tuned.
-    """
+    """Return a compensator for one joint."""
     if competitor.name == MODEL:
         return _modelled(model)
     if competitor.name in FEED_BACK:

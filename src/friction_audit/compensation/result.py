@@ -1,17 +1,31 @@
 """Replay: what a compensator would have done on a recorded log, and what that would have saved."""
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.compensators import Coefficients, Compensator
+from friction_audit.compensation.closed_loop import GIVEN_OUT, Recorded
+from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
 from friction_audit.compensation.operator_fit import FittedOperator
+from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
 from friction_audit.compensation.settings import Counterfactual, Limits
+from friction_audit.compiled import Record
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.friction.history import TorqueRegression
+from friction_audit.friction.history import JointFriction, TorqueRegression
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
+
+RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right
+IN_A_ROW = 3  # so many cycles must be right, one after the other: a single one may be so by chance
+UPDATES = 2  # from this update of the coefficients on, the compensator is past its beginning
+
+LEAST_CHANGE = 0.25  # a step of friction changes it by so much of what it was
+SURE = 50.0  # F ratio of two laws over one: logs without a step reach 10 at most, although the split is the best one
+AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is no step
+TOO_ALIKE = 1e-9  # ratio of the eigenvalues of the moments below which cycles are of one speed
 
 # Names of the values of ``status`` in ``records``: what came of a cycle.
 STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap")
@@ -144,3 +158,146 @@ class Replay:
     counterfactual: Counterfactual
     joints: tuple[JointReplay, ...]
     warnings: tuple[Caution, ...] = field(default=())
+
+
+def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
+    """Return the share of the dissipation that compensation removed from a cycle on (0-based), NaN without cycles.
+
+    What a single cycle gives out counts as left over: it does not make up for what another one takes.
+    """
+    return share_removed(float(history.friction_j[first:].sum()), float(np.abs(history.net_energy_j[first:]).sum()))
+
+
+def share_removed(without_j: float, with_j: float) -> float:
+    """Return the share of an energy that is gone; what is given out counts as left. NaN of an energy not above zero."""
+    return 1.0 - abs(with_j) / without_j if without_j > 0.0 else float("nan")
+
+
+def first_right(history: ReplayHistory, first: int = 0) -> int | None:
+    """Return the first cycle (0-based), not before ``first``, from which on IN_A_ROW are right; None if never."""
+    usable = history.friction_j > 0.0
+    share_left = np.where(usable, np.abs(history.net_energy_j) / np.where(usable, history.friction_j, 1.0), np.inf)
+    right = share_left[first:] <= RIGHT
+    if len(right) < IN_A_ROW:
+        return None
+    runs = np.convolve(right, np.ones(IN_A_ROW), "valid") == IN_A_ROW
+    return first + int(np.argmax(runs)) if runs.any() else None
+
+
+def rms_nm(sums: Record) -> float:
+    """Return the root mean square of a torque over the time. [N m]"""
+    return math.sqrt(sums["square_nm2s"] / sums["t_s"])
+
+
+def _read(record: Record, kind: type[Any]) -> dict[str, Any]:
+    """Return the fields of a record that a dataclass has too."""
+    names = {one.name for one in fields(kind)}
+    return {name: record[name].item() for name in record.dtype.names if name in names}
+
+
+def measure(recorded: Record, without: Record, felt: Record, tally: Record, history: ReplayHistory) -> Numbers:
+    """Return what a run comes to, from sums of the torque as recorded, without a compensator and with it."""
+    updates = np.flatnonzero(history.status == ESTIMATED)[UPDATES - 1 :]
+    updated = int(updates[0]) + 1 if len(updates) else len(history.status)
+    without_j, with_j = float(without["work_j"]), float(felt["work_j"])
+    return Numbers(
+        **_read(tally, Numbers),
+        energy_recorded_j=float(recorded["work_j"]),
+        energy_without_j=without_j,
+        energy_with_j=with_j,
+        dissipation_removed=share_removed(without_j, with_j),
+        dissipation_removed_updated=dissipation_removed(history, updated),
+        peak_torque_without_nm=float(without["largest_nm"]),
+        peak_torque_with_nm=float(felt["largest_nm"]),
+        rms_torque_without_nm=rms_nm(without),
+        rms_torque_with_nm=rms_nm(felt),
+        limited_fraction=float(tally["limited"]) / float(felt["samples"]),
+        cycles_to_converge=first_right(history),
+    )
+
+
+def measure_passivity(history: ReplayHistory, tally: Record) -> Passivity:
+    """Return how passive the compensated joint stayed."""
+    given_out = history.net_energy_j < -GIVEN_OUT * np.abs(history.friction_j)
+    share = float(tally["acting_s"]) / float(tally["t_s"])
+    return Passivity(**_read(tally, Passivity), active_cycles=int(given_out.sum()), active_fraction=share)
+
+
+def model_error(recorded: Recorded, without: Signals) -> float:
+    """Return how far the simulated joint's velocity without a compensator is from the recorded one, over this.
+
+    NaN where a compensator was active in the recording, or the simulation diverged: then it moves otherwise.
+    """
+    if len(recorded.logged) or len(without.t) < len(recorded.t):
+        return float("nan")
+    square = max(np.sum(recorded.dq**2), np.finfo(float).tiny)
+    return float(np.sqrt(np.sum((without.dq - recorded.dq) ** 2) / square))
+
+
+def find_recovery(history: ReplayHistory) -> Recovery | None:
+    """Find the largest step of friction in a log and how the compensator got over it; None without one."""
+    found = find_step(history.path_rad, history.square_speed_rad2_s, history.friction_j)
+    if found is None:
+        return None
+    row, change = found
+    right, start_s = first_right(history, row), history.start_s
+    if right is None:
+        return Recovery(step_s=float(start_s[row]), change=change, cycles=None, seconds=float("nan"))
+    seconds = float(start_s[right] - start_s[row])
+    return Recovery(step_s=float(start_s[row]), change=change, cycles=right - row, seconds=seconds)
+
+
+def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] | None:
+    """Return the first cycle after a step of friction, and friction after over before; None without a step.
+
+    Before and after it, Coulomb and viscous friction of their own describe the cycles: the split where they do so best.
+    Of each cycle, shape (m,): path [rad], integral of its squared velocity [rad^2/s], what friction took [J].
+    """
+    cycles = len(path)
+    if cycles < 2 * IN_A_ROW or not path.min() > 0.0 or not friction.any():
+        return None
+    rows = np.stack([np.ones(cycles), square / path, friction / path], axis=1)
+    whole = np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)
+    splits: NDArray[np.int64] = np.arange(IN_A_ROW, cycles - IN_A_ROW + 1)
+    (before, left_before), (after, left_after) = _fit(whole[splits - 1]), _fit(whole[-1] - whole[splits - 1])
+    left = left_before + left_after
+    best = int(np.argmin(left))
+    row, one = int(splits[best]), float(_fit(whole[-1:])[1][0])
+    ratio = (one - left[best]) / 2.0 / max(left[best] / max(cycles - 4, 1), np.finfo(float).eps * one)
+    law, later = rows[:, :2] @ before[best], rows[:, :2] @ after[best]
+    change = float(later.sum() / law.sum())
+    level = np.divide(rows[:, 2], law, out=np.ones(cycles), where=law != 0.0)
+    near = float(np.median(level[row : row + IN_A_ROW]) - np.median(level[row - IN_A_ROW : row]))
+    step = change - 1.0
+    sudden = near * step > 0.0 and abs(near) > AT_ONCE * abs(step)
+    return (row, change) if ratio > SURE and change > 0.0 and abs(step) > LEAST_CHANGE and sudden else None
+
+
+def _fit(moments: Float) -> tuple[Float, Float]:
+    """Fit the mean friction torque of cycles by a constant and a multiple of their mean speed.
+
+    From sums of the products of one, speed and torque, shape (s, 3, 3): coefficients (s, 2) and squares left over (s,).
+    """
+    inverse, torque = np.linalg.pinv(moments[:, :2, :2], rcond=TOO_ALIKE, hermitian=True), moments[:, :2, 2]
+    found = np.einsum("sij,sj->si", inverse, torque)
+    return found, np.maximum(moments[:, 2, 2] - np.einsum("si,si->s", found, torque), 0.0)
+
+
+ADVICE = {GAP: "gaps in the log; record without dropping samples", NOT_MOVED: "hardly any motion; move farther"}
+
+
+def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
+    """Return why there was nothing to apply; empty if there was."""
+    cycles = len(history.status)
+    if not cycles:
+        return friction.reason or (
+            "no energy cycle ended while a controller would have watched; pause between motions, or choose other "
+            "--thresholds"
+        )
+    if not isinstance(compensator, EnergyCompensator) or compensator.forced or (history.status == ESTIMATED).any():
+        return ""
+    some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
+    refused = history.status[history.status >= NOT_MOVED]
+    if len(refused):
+        return f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}"
+    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more motions"

@@ -126,11 +126,7 @@ class ModelFile:
     model: ArmModel  # one model per joint of the log
 
     def joint(self, number: int) -> JointModel | None:
-        """Return the model of a joint by its number for people, None where the file has none.
-
-        Raises:
-            UsageError: If the log has more joints than the file.
-        """
+        """Return the model of a joint by its number for people, None where the file has none."""
         if number > len(self.model.joints):
             raise UsageError(
                 f"--joint-model {self.path}: {len(self.model.joints)} joints, and the log has a joint {number}; give a "

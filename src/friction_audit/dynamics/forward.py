@@ -77,8 +77,10 @@ def simulate_along(
         grows beyond all bounds.
     """
     between = {term.effect.forward: term for term in model.terms if term.effect.forward in BETWEEN}
-    if "delay" in between:
-        drive = _undelayed(between["delay"], motion, drive)
+    if (late := between.get("delay")) is not None:
+        # The torque at its time; of a load that is late too, what was taken away too early is given back.
+        own = np.zeros(len(drive)) if motion.load is None else motion.load * round(_parameter(late, "delayed_load"))
+        drive = np.asarray(np.interp(motion.t + _parameter(late, "delay_s"), motion.t, drive + own) - own)
     load = motion.load if load is None else load
     load = np.zeros(len(drive)) if load is None else load
     recording = _Recording(motion=motion, drive=drive, load=load, pieces=pieces)
@@ -204,12 +206,6 @@ def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
     bend = 1.0 - (1.0 - keep) * time_s / step_s
     driven = (bend * twist + (1.0 - keep - bend) * np.append(twist[0], twist[:-1])) / (1.0 - keep)
     return np.asarray(first_order(driven, float(keep), twist[0]))
-
-
-def _undelayed(term: Term, motion: Motion, drive: Float) -> Float:
-    """The torque at its time; of a load that is late too, what was taken away too early is given back."""
-    load = np.zeros(len(drive)) if motion.load is None else motion.load * round(_parameter(term, "delayed_load"))
-    return np.asarray(np.interp(motion.t + _parameter(term, "delay_s"), motion.t, drive + load) - load)
 
 
 def _parameter(term: Term | None, ending: str, default: float = 0.0) -> float:

@@ -60,7 +60,10 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
     tables, past = empty._replace(inertia_kg_m2=inertia_kg_m2), []
     for term in terms:
         # The fewer a recorded quantity is needed for, the better: speed, then position, then time.
-        forms = _bristle_forms(term, empty) if term.effect.forward == "bristle" else _forms(term, motion, empty)
+        forms = _forms(term, motion, empty)
+        if term.effect.forward == "bristle":  # one curve, or springs, with the dry friction whose place they take
+            dry, *both = bristles_of(term)
+            forms = (empty._replace(speed=np.array([[dry], [-dry]]), bristles=found) for found in both)
         share = next((share for share in forms if _holds(share, term, motion)), None)
         if share is None or (share.bristles.some and tables.bristles.some):
             past.append(term)
@@ -140,13 +143,6 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
     yield empty._replace(place=level, place_per_speed=per_speed)
     level, per_speed = affine(unmoved)
     yield empty._replace(time=level, time_per_speed=per_speed)
-
-
-def _bristle_forms(term: Term, empty: Tables) -> Iterable[Tables]:
-    """Yield bristles as one curve and as springs, with the dry friction whose place they take."""
-    dry, dahl, springs = bristles_of(term)
-    for found in (dahl, springs):
-        yield empty._replace(speed=np.array([[dry], [-dry]]), bristles=found)
 
 
 @compiled()

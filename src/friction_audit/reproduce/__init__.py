@@ -1,15 +1,62 @@
 """The paper's simulated figures: simulated, drawn, and each of their claims held against a number."""
 
-from friction_audit.reproduce.arm import FIGURE_12, FIGURE_13, FIGURE_14
-from friction_audit.reproduce.one_joint import FIGURE_8, FIGURE_9, FIGURE_10, FIGURE_11
-from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, simulate_figures
-from friction_audit.reproduce.viscous import FIGURE_3, FIGURE_6, FIGURE_7
-
-REPRODUCTIONS: tuple[Reproduction, ...] = (
-    *(FIGURE_3, FIGURE_6, FIGURE_7),
-    *(FIGURE_8, FIGURE_9, FIGURE_10, FIGURE_11),
-    *(FIGURE_12, FIGURE_13, FIGURE_14),
-)
-"""The figures, in the paper's order."""
+from friction_audit.reporting.figures import paper
+from friction_audit.reporting.figures.comparison import draw_comparison
+from friction_audit.reproduce import arm, one_joint, viscous
+from friction_audit.reproduce.one_joint import FIG_10, compensated, last_period
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, simulate_figures
+from friction_audit.simulation.panda_joint import PANDA_JOINTS
 
 __all__ = ["REPRODUCTIONS", "Claim", "Reproduction", "Simulations", "simulate_figures"]
+
+MANY = 1000  # as many seeds as are asked for
+FEW = 5  # of an arm; ``compare --arm panda`` takes more
+REPRODUCTIONS = (
+    Reproduction(
+        "3", "Net energy, kinetic and dissipated energy of a joint with viscous friction", ("fig3",),
+        viscous.check_3, lambda done: paper.draw_exchange(*viscous.energies(done)),
+    ),
+    Reproduction(
+        "6", "Viscous friction that doubles at 6 s, compensated by its estimate", ("fig6",),
+        viscous.check_6, viscous.draw_6,
+    ),
+    Reproduction(
+        "7", "Viscous friction compensated by half as much again, without and with the passivity controller",
+        ("fig7-unprotected", "fig7"), viscous.check_7,
+        lambda done: paper.draw_overcompensation(make_course(*done["fig7-unprotected"]), make_course(*done["fig7"])),
+    ),
+    Reproduction(
+        "8", "One joint moved by a person, without compensation", ("fig8",),
+        one_joint.check_8, lambda done: paper.draw_uncompensated(make_course(done["fig8"][0])), MANY,
+    ),
+    Reproduction(
+        "9", "Interaction torque over velocity: combined friction, and the same perfectly compensated",
+        ("fig9-friction", "fig9-compensated"), one_joint.check_9,
+        lambda done: paper.draw_plateaus(last_period(*done["fig9-friction"]), last_period(*done["fig9-compensated"])),
+    ),
+    Reproduction(
+        "10", "One joint moved by a person, combined friction compensated from two cycles", FIG_10,
+        one_joint.check_10, lambda done: paper.draw_compensated(make_course(done["fig10"][0])), MANY,
+    ),
+    Reproduction(
+        "11", "Interaction torque over velocity, combined friction compensated", ("fig8", "fig10"), one_joint.check_11,
+        lambda done: paper.draw_compensated_loop(
+            compensated(make_course(done["fig10"][0])), make_course(done["fig8"][0])
+        ),
+        MANY,
+    ),
+    Reproduction(
+        "12", "A Panda guided by a hand, combined friction of all joints compensated from two cycles of the hand",
+        ("fig12",), arm.check_12,
+        lambda done: paper.draw_whole_arm([make_course(done["fig12"][0], j) for j in range(len(PANDA_JOINTS))]), FEW,
+    ),
+    Reproduction(
+        "13", "Net energy of a Panda guided by a hand, with five compensation methods", ("fig13",), arm.check_13,
+        lambda done: draw_comparison(done["fig13"])["energy"], FEW, arm.compare_methods,
+    ),
+    Reproduction(
+        "14", "Velocity and interaction torque of a joint of a Panda, with five compensation methods", ("fig13",),
+        arm.check_14, lambda done: draw_comparison(done["fig13"])["velocity-torque"], FEW, arm.compare_methods,
+    ),
+)  # fmt: skip
+"""The figures, in the paper's order."""

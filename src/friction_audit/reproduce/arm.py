@@ -8,34 +8,35 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
 from friction_audit.compensation.comparison.methods import FULL, PAPER
 from friction_audit.compensation.comparison.result import Row
 from friction_audit.compensation.comparison.trial import Outcome
 from friction_audit.joint_log import Float
-from friction_audit.reporting.figures import paper
-from friction_audit.reporting.figures.comparison import draw_comparison
 from friction_audit.reproduce.one_joint import BAND
-from friction_audit.reproduce.reproduction import SECOND, Claim, Progress, Reproduction, make_course, share, spread
-from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.reproduce.reproduction import SECOND, Claim, Progress, Simulations, share, spread
 from friction_audit.simulation.simulation import Simulation
 
 # Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
 SLOPE_BOUND = 0.1
 
 
-def check_12(arms: Sequence[Simulation]) -> tuple[Claim, ...]:
+def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     """Check that the joints' cycles end together, and that the net energy then stays."""
+    arms = simulations["fig12"]
     ended = [np.diff(arm.truth.compensators["cycle"], axis=0) != 0 for arm in arms]
     alone = sum(int((one.any(axis=1) & ~one.all(axis=1)).sum()) for one in ended)
-    cyclic = [cyclic_energies(arm) for arm in arms]
-    whole = [(t, energies.sum(axis=1, keepdims=True)) for t, energies in cyclic]
-    slopes = np.array([slope_ratios(*one)[0] for one in whole])
-    own = np.array([slope_ratios(*one) for one in cyclic])
-    stopped, joint = own < SLOPE_BOUND, int(np.argmax(own.max(axis=0)))
-    leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for _, energy in whole])
-    negative = np.mean([negative_share(arm) for arm in arms])
+    ends = [np.flatnonzero(one[:, 0]) + 1 for one in ended]
+    t = [arm.truth.motion.t[own] for arm, own in zip(arms, ends, strict=True)]
+    energies = [arm.truth.compensators["energy_j"][own] for arm, own in zip(arms, ends, strict=True)]
+    whole = [one.sum(axis=1, keepdims=True) for one in energies]
+    slopes = np.array([slope_ratios(*one)[0] for one in zip(t, whole, strict=True)])
+    own_slopes = np.array([slope_ratios(*one) for one in zip(t, energies, strict=True)])
+    stopped, joint = own_slopes < SLOPE_BOUND, int(np.argmax(own_slopes.max(axis=0)))
+    leaves = np.array([np.abs(energy[SECOND + 1 :] / energy[SECOND] - 1.0).max() for energy in whole])
+    negative = np.mean([negative_share(arm, own) for arm, own in zip(arms, ends, strict=True)])
     return (
         Claim(
             "12", "the coefficients of all joints are updated at the same instants", "synchronously",
@@ -49,8 +50,8 @@ def check_12(arms: Sequence[Simulation]) -> tuple[Claim, ...]:
         ),
         Claim(
             "12b", "and so does that of every single joint", "cyclic energies of the joints stop increasing",
-            f"{int(stopped.sum())} of {stopped.size} joints; worst {own.max():.2f}, joint {joint + 1}",
-            float(own.max()), bool(stopped.all()),
+            f"{int(stopped.sum())} of {stopped.size} joints; worst {own_slopes.max():.2f}, joint {joint + 1}",
+            float(own_slopes.max()), bool(stopped.all()),
             "a joint need not rest when the hand does, and two cycles may be too alike to separate its coefficients",
         ),
         Claim(
@@ -62,17 +63,9 @@ def check_12(arms: Sequence[Simulation]) -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def cyclic_energies(simulation: Simulation) -> tuple[Float, Float]:
-    """Return when cycles end, shape (m,) [s], and the net energies of the joints then, shape (m, j) [J]."""
+def negative_share(simulation: Simulation, ends: NDArray[np.intp]) -> float:
+    """Return the share of the estimates, made at some ticks, of which a coefficient is negative."""
     traces = simulation.truth.compensators
-    ends = np.flatnonzero(np.diff(traces["cycle"][:, 0])) + 1
-    return simulation.truth.motion.t[ends], traces["energy_j"][ends]
-
-
-def negative_share(simulation: Simulation) -> float:
-    """Return the share of the estimates of which a coefficient is negative."""
-    traces = simulation.truth.compensators
-    ends = np.flatnonzero(np.diff(traces["cycle"][:, 0])) + 1
     coulomb, viscous = (traces[f"estimated_{name}"][ends] for name in ("coulomb_nm", "viscous_nms_per_rad"))
     return float(((coulomb < 0.0) | (viscous < 0.0))[np.isfinite(coulomb)].mean())
 
@@ -83,20 +76,8 @@ def slope_ratios(t: Float, energies: Float) -> Float:
     return np.asarray(after / (energies[SECOND] / t[SECOND]))
 
 
-FIGURE_12 = Reproduction(
-    figure="12",
-    title="A Panda guided by a hand, combined friction of all joints compensated from two cycles of the hand",
-    scenarios=("fig12",),
-    most_seeds=5,
-    check=lambda done: check_12(done["fig12"]),
-    draw=lambda done: paper.draw_whole_arm([make_course(done["fig12"][0], j) for j in range(len(PANDA_JOINTS))]),
-)
-
-
 # The paper's methods, from the steepest to the flattest net energy.
 ORDER = ("none", "sigmoid", "disturbance_observer", "torque_regulation", "energy")
-SCENARIO = "fig13"
-MOST_SEEDS = 5  # of an arm with all its methods; ``compare --arm panda`` takes more
 NOTE = "friction-audit compare --arm panda has more persons, intervals and sweeps"
 KEPT = 0.1  # slope, over that without compensation, up to which the net energy counts as kept
 
@@ -156,15 +137,10 @@ def _keeps(comparison: Comparison) -> Claim:
     )  # fmt: skip
 
 
-FIGURE_13 = Reproduction(
-    figure="13",
-    title="Net energy of a Panda guided by a hand, with five compensation methods",
-    scenarios=(SCENARIO,),
-    most_seeds=MOST_SEEDS,
-    check=lambda done: (_order(done[SCENARIO], PAPER), _keeps(done[SCENARIO]), _order(done[SCENARIO], FULL)),
-    draw=lambda done: draw_comparison(done[SCENARIO])["energy"],
-    compare=compare_methods,
-)
+def check_13(simulations: Simulations) -> tuple[Claim, ...]:
+    """Check the order of the methods by the slope of the net energy."""
+    found = simulations["fig13"]
+    return _order(found, PAPER), _keeps(found), _order(found, FULL)
 
 
 def _peaks(comparison: Comparison) -> Claim:
@@ -192,12 +168,7 @@ def _plateaus(comparison: Comparison, role: str) -> Claim:
     )  # fmt: skip
 
 
-FIGURE_14 = Reproduction(
-    figure="14",
-    title="Velocity and interaction torque of a joint of a Panda, with five compensation methods",
-    scenarios=(SCENARIO,),
-    most_seeds=MOST_SEEDS,
-    check=lambda done: (_peaks(done[SCENARIO]), *(_plateaus(done[SCENARIO], role) for role in (PAPER, FULL))),
-    draw=lambda done: draw_comparison(done[SCENARIO])["velocity-torque"],
-    compare=compare_methods,
-)
+def check_14(simulations: Simulations) -> tuple[Claim, ...]:
+    """Check the order of the methods by the torque, and what they leave of its plateaus."""
+    found = simulations["fig13"]
+    return _peaks(found), _plateaus(found, PAPER), _plateaus(found, FULL)

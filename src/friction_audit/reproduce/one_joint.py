@@ -2,14 +2,11 @@
 
 import numpy as np
 
-from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.panels import smooth
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.reproduction import (
-    MANY,
     SECOND,
     Claim,
-    Reproduction,
     Simulations,
     make_course,
     relative,
@@ -49,16 +46,6 @@ def peak_nm(course: Course) -> float:
     return float(np.abs(smooth(course.t, course.interaction_nm)).max())
 
 
-FIGURE_8 = Reproduction(
-    figure="8",
-    title="One joint moved by a person, without compensation",
-    scenarios=("fig8",),
-    most_seeds=MANY,
-    check=check_8,
-    draw=lambda simulations: paper.draw_uncompensated(make_course(simulations["fig8"][0])),
-)
-
-
 NEAR_ZERO = 0.05  # share of the peak speed that counts as near zero
 PLATEAU_BOUND = 0.02
 
@@ -76,8 +63,9 @@ def plateau_nm(course: Course) -> float:
     return float(0.5 * (forth - back))
 
 
-def check_9(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
+def check_9(simulations: Simulations) -> tuple[Claim, ...]:
     """Check the plateaus of friction, and that compensation leaves an ellipse."""
+    (raw,), (aided,) = simulations["fig9-friction"], simulations["fig9-compensated"]
     joint, before, after = raw.truth.settings.joints[0], last_period(raw), last_period(aided)
     speed = np.abs(before.dq)
     slow = float(speed[speed < NEAR_ZERO * speed.max()].mean())
@@ -121,15 +109,7 @@ def one_tick_of_silence(simulation: Simulation) -> float:
     return float(operator.damping_nms_per_rad / CONTROL_RATE_HZ / (operator.inertia_kg_m2 + joint.inertia_kg_m2))
 
 
-FIGURE_9 = Reproduction(
-    figure="9",
-    title="Interaction torque over velocity: combined friction, and the same perfectly compensated",
-    scenarios=("fig9-friction", "fig9-compensated"),
-    check=lambda done: check_9(*done["fig9-friction"], *done["fig9-compensated"]),
-    draw=lambda done: paper.draw_plateaus(last_period(*done["fig9-friction"]), last_period(*done["fig9-compensated"])),
-)
-
-
+FIG_10 = ("fig10", "fig10-published", "fig10-slow-noise")
 BAND = 0.25  # share of E_cyclic^2 that the net energy may leave it by at the later ends of cycles
 NEAR = 0.05  # the same, where the estimate of two cycles is good
 PERSONS = 0.95  # share of the persons with whom it must not: the paper shows one
@@ -137,7 +117,7 @@ PERSONS = 0.95  # share of the persons with whom it must not: the paper shows on
 
 def check_10(simulations: Simulations) -> tuple[Claim, ...]:
     """Check that the energy rises for two cycles and then stays, also with (20) as printed."""
-    all_courses = [[make_course(one) for one in simulations[name]] for name in FIGURE_10.scenarios]
+    all_courses = [[make_course(one) for one in simulations[name]] for name in FIG_10]
     courses = all_courses[0]
     rises = np.array([np.diff(course.ends_j[: SECOND + 1], prepend=0.0).min() for course in courses])
     last_s = np.median([course.ends_s[-1] - course.ends_s[SECOND] for course in courses])
@@ -174,16 +154,6 @@ def check_10(simulations: Simulations) -> tuple[Claim, ...]:
 def leaves_by(course: Course) -> float:
     """Return how far the energy at later ends of cycles is from that of the second, over that."""
     return float(np.abs(course.ends_j[SECOND + 1 :] / course.ends_j[SECOND] - 1.0).max())
-
-
-FIGURE_10 = Reproduction(
-    figure="10",
-    title="One joint moved by a person, combined friction compensated from two cycles",
-    scenarios=("fig10", "fig10-published", "fig10-slow-noise"),
-    most_seeds=MANY,
-    check=check_10,
-    draw=lambda simulations: paper.draw_compensated(make_course(simulations["fig10"][0])),
-)
 
 
 LOW_PEAK_NM = 0.5
@@ -224,15 +194,3 @@ def against_nm(course: Course) -> float:
     """Return the mean of F_m sgn(dq) where the joint slides: friction, as acceleration and braking cancel. [N m]"""
     fast = np.abs(course.dq) > FAST
     return float((course.interaction_nm[fast] * np.sign(course.dq[fast])).mean())
-
-
-FIGURE_11 = Reproduction(
-    figure="11",
-    title="Interaction torque over velocity, combined friction compensated",
-    scenarios=("fig8", "fig10"),
-    most_seeds=MANY,
-    check=check_11,
-    draw=lambda done: paper.draw_compensated_loop(
-        compensated(make_course(done["fig10"][0])), make_course(done["fig8"][0])
-    ),
-)

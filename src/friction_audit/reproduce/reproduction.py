@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,11 +63,9 @@ def within(figure: str, claim: str, paper: str, ours: str, error: float, bound: 
 
 Simulations = Mapping[str, Any]  # by name of the scenario, one simulation per seed; "fig13": the comparison
 Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
-MANY = 1000  # as many seeds as are asked for
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Reproduction:
+class Reproduction(NamedTuple):
     """A figure of the paper."""
 
     figure: str  # its number

@@ -7,7 +7,7 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, make_course, within
+from friction_audit.reproduce.reproduction import Claim, Simulations, make_course, within
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
 
@@ -17,7 +17,7 @@ MINIMA_BOUND = 1e-4
 
 def check_3(simulations: Simulations) -> tuple[Claim, ...]:
     """Check (3), that dissipation never falls, and what the minima of the net energy rise by."""
-    course, kinetic, dissipated = _energies(simulations)
+    course, kinetic, dissipated = energies(simulations)
     closure = float(np.abs(course.energy_j - kinetic - dissipated).max() / dissipated[-1])
     falls = float(np.diff(dissipated).min())
     rises, error = minima(course.energy_j, dissipated)
@@ -38,7 +38,7 @@ def check_3(simulations: Simulations) -> tuple[Claim, ...]:
     )  # fmt: skip
 
 
-def _energies(simulations: Simulations) -> tuple[Course, Float, Float]:
+def energies(simulations: Simulations) -> tuple[Course, Float, Float]:
     """Return the course and its kinetic and dissipated energy, shape (n,) each. [J]"""
     (simulation,) = simulations["fig3"]
     truth = simulation.truth
@@ -52,15 +52,6 @@ def minima(energy: Float, dissipated: Float) -> tuple[int, float]:
     places = np.append(0, np.flatnonzero((inner < energy[:-2]) & (inner <= energy[2:])) + 1)
     rise, lost = np.diff(energy[places]), np.diff(dissipated[places])
     return len(rise), float(np.abs(rise / lost - 1.0).max()) if len(rise) else np.inf
-
-
-FIGURE_3 = Reproduction(
-    figure="3",
-    title="Net energy, kinetic and dissipated energy of a joint with viscous friction",
-    scenarios=("fig3",),
-    check=check_3,
-    draw=lambda simulations: paper.draw_exchange(*_energies(simulations)),
-)
 
 
 BOUND = 1e-3
@@ -96,7 +87,8 @@ def _applied(course: Course, cycle: int) -> float:
     return float(course.viscous_nms_per_rad[np.searchsorted(course.t, course.ends_s[cycle - 1])])
 
 
-def _draw_6(simulations: Simulations) -> Any:  # noqa: ANN401 - a figure of Matplotlib
+def draw_6(simulations: Simulations) -> Any:  # noqa: ANN401 - a figure of Matplotlib
+    """Draw the estimate and the true coefficient."""
     (simulation,) = simulations["fig6"]
     settings, t = simulation.truth.settings, simulation.truth.motion.t
     step = settings.hidden[0].friction_step
@@ -104,20 +96,13 @@ def _draw_6(simulations: Simulations) -> Any:  # noqa: ANN401 - a figure of Matp
     return paper.draw_adaptation(make_course(simulation), settings.joints[0].viscous_nms_per_rad * factor)
 
 
-FIGURE_6 = Reproduction(
-    figure="6",
-    title="Viscous friction that doubles at 6 s, compensated by its estimate",
-    scenarios=("fig6",),
-    check=check_6,
-    draw=_draw_6,
-)
-
-
 FOURTH = 4
 RETURN_BOUND = 1e-2
 
 
-def _keeps_above(bare: Simulation, guarded: Simulation) -> tuple[Claim, ...]:
+def check_7(simulations: Simulations) -> tuple[Claim, ...]:
+    """Check what over-compensation does without and with the passivity controller."""
+    (bare,), (guarded,) = simulations["fig7-unprotected"], simulations["fig7"]
     alone, course = make_course(bare), make_course(guarded)
     fallen, lowest = float(alone.energy_j.min() / alone.ends_j[0]), float(course.energy_j.min())
     tolerance = tolerance_j(guarded)
@@ -141,6 +126,7 @@ def _keeps_above(bare: Simulation, guarded: Simulation) -> tuple[Claim, ...]:
             "cycles 2 and 3 inject what cycle 1 dissipated, all but exactly: a softer hand, which moves farther "
             "when it is aided, uses the reserve up just before cycle 3 ends",
         ),
+        *_returns(guarded),
     )  # fmt: skip
 
 
@@ -170,12 +156,3 @@ def _returns(guarded: Simulation) -> tuple[Claim, ...]:
             abs(after / truth.settings.joints[0].viscous_nms_per_rad - 1.0), RETURN_BOUND,
         ),
     )  # fmt: skip
-
-
-FIGURE_7 = Reproduction(
-    figure="7",
-    title="Viscous friction compensated by half as much again, without and with the passivity controller",
-    scenarios=("fig7-unprotected", "fig7"),
-    check=lambda done: (*_keeps_above(*done["fig7-unprotected"], *done["fig7"]), *_returns(*done["fig7"])),
-    draw=lambda done: paper.draw_overcompensation(make_course(*done["fig7-unprotected"]), make_course(*done["fig7"])),
-)

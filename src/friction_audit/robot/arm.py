@@ -40,11 +40,7 @@ class Arm:
     columns: tuple[int, ...]  # column of the caller's arrays that each hinge of the model reads
 
     def matched(self, joint_names: tuple[str, ...], where: str) -> "Arm":
-        """Return the arm with its columns in the order of a log: by name if the names agree, else as is.
-
-        Raises:
-            UsageError: If the numbers of joints differ.
-        """
+        """Return the arm with its columns in the order of a log: by name if the names agree, else as is."""
         if len(joint_names) != len(self.joint_names):
             raise UsageError(
                 f"{where}: joints: {len(joint_names)} ({', '.join(joint_names)}); the model {self.name} has "
@@ -192,9 +188,6 @@ def load_arm(
         urdf: File of another arm, or None for the Panda.
         payload: mass [kg] and centre of mass x, y, z [m] of a point mass in the flange frame, or None.
         gravity_vector: Gravity in the base frame. [m/s^2]
-
-    Raises:
-        UsageError: If the file cannot be read as an arm with inertias.
     """
     # In a thread of its own: MuJoCo keeps an error from its import, and with that all frames that the import was called
     # from, a whole log among them.

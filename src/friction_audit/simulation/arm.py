@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from friction_audit.compensation.hand_cycles import CYCLE_STATE
+from friction_audit.compensation.controller import CYCLE_STATE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot import STANDARD_GRAVITY, load_arm

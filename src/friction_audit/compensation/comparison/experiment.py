@@ -22,8 +22,8 @@ from friction_audit.parallel import in_processes, workers_for
 from friction_audit.simulation.scenarios import simulate
 
 Progress = Callable[[float], None]  # receives the share that is done, 0 to 1
+REFERRED, SWEPT, TRIED = 0.05, 0.3, 0.6  # shares that are done, about, after the stages before the margins
 FIRST_TUNING_SEED = 10_000  # the sweeps are made for other persons than those that are reported
-MARGIN_TRIALS = 6  # simulations that a stability margin takes, about
 LARGEST = 32.0  # factor of the gain up to which a stability margin is searched; more is of no interest
 HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 
@@ -31,36 +31,63 @@ HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 def compare(
     scene: Scene, seeds: int, methods: Sequence[Method] = METHODS, progress: Progress | None = None
 ) -> Comparison:
-    """Try methods on the same operator, arm, noise and persons, whose seeds are 0, 1, 2 and so on.
+    """Try methods on the same operator, arm, noise and persons, whose seeds are 0, 1, 2 and so on."""
+    reported, first = tuple(range(seeds)), FIRST_TUNING_SEED
+    tuning_seeds, margin_seeds = (
+        tuple(range(first, first + scene.plan.tuning_seeds)),
+        reported[: scene.plan.margin_seeds],
+    )
+    trials = _Trials(scene, (*reported, *tuning_seeds), progress or (lambda _: None))
+    curves = trials.sweep(methods, tuning_seeds)
+    chosen = [(method, *one) for method in methods for one in _tunings(scene, method, curves)]
+    tunings = [tuning for _, tuning, *_ in chosen]
+    tried, margins = trials.of(tunings, reported, TRIED), trials.margins(tunings, margin_seeds)
+    rows = [
+        Row(
+            method=method.name,
+            label=method.label,
+            tuning=tuning,
+            role=role,
+            tuning_losses=losses,
+            outcomes=tuple(outcome for outcome, _ in heap),
+            margins=own,
+            course=heap[0][1],
+        )
+        for (method, tuning, role, losses), heap, own in zip(chosen, tried, margins, strict=True)
+    ]
+    return Comparison(
+        scene=scene.name,
+        title=scene.title,
+        duration_s=scene.settings.duration_s,
+        seeds=reported,
+        tuning_seeds=tuning_seeds,
+        margin_seeds=margin_seeds,
+        rows=tuple(rows),
+        curves=curves,
+    )
 
-    Raises:
-        AnalysisError: If the trials are too short.
-    """
-    return _Experiment(scene, seeds, methods, progress).run()
+
+def _tunings(scene: Scene, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
+    """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
+    chosen = [(method.paper, PAPER, None)] + ([(method.full, FULL, None)] if method.full else [])
+    yield from chosen
+    names = {tuning.name for tuning, *_ in chosen}
+    points = [point for curve in curves if curve.method == method.name for point in curve.points]
+    if points:
+        best = choose_best(points)
+        yield best.tuning, BEST, best.losses
+        names.add(best.tuning.name)
+    if scene.plan.with_others:
+        # A further tuning that is the best one has its row already.
+        yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
 
 
-class _Experiment:
-    """One comparison under way."""
+class _Trials:
+    """The trials of one comparison."""
 
-    def __init__(self, scene: Scene, seeds: int, methods: Sequence[Method], progress: Progress | None) -> None:
-        self.scene, self.methods, self.progress, plan = scene, methods, progress, scene.plan
-        self.seeds = tuple(range(seeds))
-        self.tuning_seeds = tuple(range(FIRST_TUNING_SEED, FIRST_TUNING_SEED + plan.tuning_seeds))
-        self.margin_seeds = self.seeds[: plan.margin_seeds]
-        self.sweeps = [
-            (method, sweep, sweep.values[:: ceil(len(sweep.values) / plan.most_values)])
-            for method in methods
-            for sweep in method.sweeps[: plan.sweeps]
-        ]
-        values = sum(len(values) for *_, values in self.sweeps)
-        others = sum(len(method.others) for method in methods) if plan.with_others else 0
-        rows = sum(1 + bool(method.full) + bool(method.sweeps) for method in methods) + others - 1
-        per_row = seeds + MARGIN_TRIALS * len(self.margin_seeds)
-        self._done, self._all = 1, seeds + (1 + values) * len(self.tuning_seeds) + rows * per_row
-
-    def run(self) -> Comparison:
-        """Sweep, choose, try."""
-        seeds, idle = (*self.seeds, *self.tuning_seeds), self.scene.compensated(NO_COMPENSATION)
+    def __init__(self, scene: Scene, seeds: Sequence[int], progress: Progress) -> None:
+        self.scene, self.first, self.progress, self._share = scene, seeds[0], progress, 0.0
+        idle = scene.compensated(NO_COMPENSATION)
 
         def refer(place: int) -> tuple[trial.Reference, trial.Outcome, trial.Course]:
             simulation = simulate(idle, seeds[place])
@@ -69,60 +96,37 @@ class _Experiment:
 
         # Of each seed: the reference, and outcome and course of that trial, which is the one without compensation. The
         # first is made here: the loops that it compiles or loads are then those of all processes.
-        found = [refer(0), *self._map(lambda place: refer(place + 1), len(seeds) - 1)]
+        found = [refer(0), *self._map(lambda place: refer(place + 1), len(seeds) - 1, REFERRED)]
         self.idle = dict(zip(seeds, found, strict=True))
-        curves = self._sweep()
-        chosen = [(method, *one) for method in self.methods for one in self._tunings(method, curves)]
-        tunings = [tuning for _, tuning, *_ in chosen]
-        trials, margins = self._trials(tunings, self.seeds), self._margins(tunings)
-        rows = [
-            Row(
-                method=method.name,
-                label=method.label,
-                tuning=tuning,
-                role=role,
-                tuning_losses=losses,
-                outcomes=tuple(outcome for outcome, _ in tried),
-                margins=own,
-                course=tried[0][1],
-            )
-            for (method, tuning, role, losses), tried, own in zip(chosen, trials, margins, strict=True)
-        ]
-        return Comparison(
-            scene=self.scene.name,
-            title=self.scene.title,
-            duration_s=self.scene.settings.duration_s,
-            seeds=self.seeds,
-            tuning_seeds=self.tuning_seeds,
-            margin_seeds=self.margin_seeds,
-            rows=tuple(rows),
-            curves=curves,
-        )
 
-    def _map(self, work: Callable[[int], Any], jobs: int, trials: int = 1) -> list[Any]:
-        """Return the results of jobs (0-based) in their order, and report the progress; each takes so many trials."""
-        results = []
+    def _map(self, work: Callable[[int], Any], jobs: int, until: float) -> list[Any]:
+        """Return the results of jobs (0-based) in their order, and report the progress up to a share."""
+        results, begun = [], self._share
         for result in in_processes(work, jobs, workers_for(jobs)):
             results.append(result)
-            self._done += trials
-            if self.progress is not None:
-                self.progress(min(self._done / self._all, 1.0))
+            self._share = begun + (until - begun) * len(results) / jobs
+            self.progress(self._share)
         return results
 
-    def _sweep(self) -> tuple[Curve, ...]:
-        """Make the sweeps of all methods, all trials in one heap."""
-        tunings = [sweep.at(value) for _, sweep, values in self.sweeps for value in values]
-        tried = zip(tunings, self._trials(tunings, self.tuning_seeds), strict=True)
+    def sweep(self, methods: Sequence[Method], seeds: Sequence[int]) -> tuple[Curve, ...]:
+        """Make the sweeps of methods, all trials in one heap."""
+        plan = self.scene.plan
+        sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: plan.sweeps]]
+        values = [sweep.values[:: ceil(len(sweep.values) / plan.most_values)] for _, sweep in sweeps]
+        tunings = [sweep.at(value) for (_, sweep), some in zip(sweeps, values, strict=True) for value in some]
+        tried = zip(tunings, self.of(tunings, seeds, SWEPT), strict=True)
         curves = []
-        for method, sweep, values in self.sweeps:
+        for (method, sweep), some in zip(sweeps, values, strict=True):
             points = [
                 Point(value=value, tuning=tuning, outcomes=tuple(outcome for outcome, _ in heap))
-                for value, (tuning, heap) in zip(values, tried, strict=False)
+                for value, (tuning, heap) in zip(some, tried, strict=False)
             ]
             curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, tuple(points)))
         return tuple(curves)
 
-    def _trials(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[list[tuple[trial.Outcome, Any]]]:
+    def of(
+        self, tunings: Sequence[Tuning], seeds: Sequence[int], until: float
+    ) -> list[list[tuple[trial.Outcome, Any]]]:
         """Return the outcome of every tuning and seed, and the course of the first person who is reported, or None."""
         settings = [self.scene.compensated(tuning) for tuning in tunings if tuning is not NO_COMPENSATION]
         jobs = [(one, seed) for one in settings for seed in seeds]
@@ -130,31 +134,17 @@ class _Experiment:
         def work(place: int) -> tuple[trial.Outcome, trial.Course | None]:
             one, seed = jobs[place]
             simulation, reference = simulate(one, seed), self.idle[seed][0]
-            course = trial.make_course(simulation, reference) if seed == self.seeds[0] else None
+            course = trial.make_course(simulation, reference) if seed == self.first else None
             return trial.measure(simulation, reference), course
 
-        done = iter(self._map(work, len(jobs)))
+        done = iter(self._map(work, len(jobs), until))
         return [
             [self.idle[seed][1:] if tuning is NO_COMPENSATION else next(done) for seed in seeds] for tuning in tunings
         ]
 
-    def _tunings(self, method: Method, curves: Sequence[Curve]) -> Iterator[tuple[Tuning, str, int | None]]:
-        """Yield the tunings of a method that are reported: role, and losses in the sweep that one was chosen from."""
-        chosen = [(method.paper, PAPER, None)] + ([(method.full, FULL, None)] if method.full else [])
-        yield from chosen
-        names = {tuning.name for tuning, *_ in chosen}
-        points = [point for curve in curves if curve.method == method.name for point in curve.points]
-        if points:
-            best = choose_best(points)
-            yield best.tuning, BEST, best.losses
-            names.add(best.tuning.name)
-        if self.scene.plan.with_others:
-            # A further tuning that is the best one has its row already.
-            yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
-
-    def _margins(self, tunings: Sequence[Tuning]) -> list[tuple[float, ...]]:
+    def margins(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
-        seeds, settings = self.margin_seeds, self.scene.settings
+        settings = self.scene.settings
         shorter = replace(settings, duration_s=self.scene.plan.margin_share * settings.duration_s)
         short = [replace(self.scene, settings=shorter).compensated(tuning) for tuning in tunings]
         jobs = [(one, seed) for one in short for seed in seeds]
@@ -169,7 +159,7 @@ class _Experiment:
 
             return find_margin(holds)
 
-        margins = iter(self._map(work, len(jobs), MARGIN_TRIALS))
+        margins = iter(self._map(work, len(jobs), 1.0))
         return [tuple(next(margins) for _ in seeds) for _ in tunings]
 
 

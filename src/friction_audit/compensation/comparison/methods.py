@@ -73,7 +73,7 @@ class Sweep(NamedTuple):
     at: Callable[[float], Tuning]  # value -> tuning
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Method:
     """A way to compensate friction."""
 
@@ -128,12 +128,10 @@ def _scaled(law: Modelled, scale: float) -> Tuning:
     return Tuning(f"{100 * (scale - 1):+.0f} %", f"friction {scale:g} times the true one", make)
 
 
-def _model_based(name: str, label: str, law: Modelled, other: Tuning) -> Method:
-    at = partial(_scaled, law)
-    sweeps = (Sweep("scaled", "modelled over true friction", SCALES, at),)
-    return Method(
-        name=name, label=label, paper=at(MODELLED_SHARE), others=(other, at(1.0), at(0.8), at(1.2)), sweeps=sweeps
-    )
+def _model_based(name: str, label: str, law: Modelled, meaning: str, other: Callable[[Joint], Compensator]) -> Method:
+    at, another = partial(_scaled, law), Tuning("another arm", meaning, other)
+    sweep = Sweep("scaled", "modelled over true friction", SCALES, at)
+    return Method(name, label, at(MODELLED_SHARE), others=(another, at(1.0), at(0.8), at(1.2)), sweeps=(sweep,))
 
 
 def _observer(inertia_ratio: float, gain_per_s: float, share: float = 1.0) -> Tuning:
@@ -184,55 +182,32 @@ OBSERVER_SWEEPS = (
 GAINS = tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS)
 # In the order of the paper's figures, the oracle last.
 METHODS: tuple[Method, ...] = (
-    Method(name=NONE, label="none", paper=NO_COMPENSATION),
+    Method(NONE, "none", NO_COMPENSATION),
     _model_based(
-        "sigmoid",
-        "model-based",
-        _fitted,
-        Tuning(
-            "another arm",
-            "as published for another Panda",
-            lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
-        ),
+        "sigmoid", "model-based", _fitted, "as published for another Panda",
+        lambda joint: replace(PUBLISHED[joint.column], guard=joint.guard),
     ),
     _model_based(
-        "lugre",
-        "LuGre",
-        _bristles,
-        Tuning(
-            "another arm",
-            "plateaus as published for another Panda",
-            lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2),
-        ),
+        "lugre", "LuGre", _bristles, "plateaus as published for another Panda",
+        lambda joint: _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2),
     ),
     Method(
-        name="disturbance_observer",
-        label="disturbance observer",
-        paper=_observer(*OBSERVER, OBSERVED_SHARE),
-        full=_observer(*OBSERVER),
-        sweeps=OBSERVER_SWEEPS,
+        "disturbance_observer", "disturbance observer", _observer(*OBSERVER, OBSERVED_SHARE),
+        full=_observer(*OBSERVER), sweeps=OBSERVER_SWEEPS,
     ),
     Method(
-        name="torque_regulation",
-        label="torque regulation",
-        paper=_regulation(1.0 / SHAPED_RATIO - 1.0),
+        "torque_regulation", "torque regulation", _regulation(1.0 / SHAPED_RATIO - 1.0),
         sweeps=(Sweep("B_theta", "torque gain $B / B_\\theta - 1$", GAINS, _regulation),),
     ),
     Method(
-        name="energy",
-        label="proposed (energy)",
-        paper=_energy(2.0),
-        others=(_energy(4.0),),
-        sweeps=(Sweep("k", "cycles per estimate $k$", WINDOWS, _energy),),
+        "energy", "proposed (energy)", _energy(2.0),
+        others=(_energy(4.0),), sweeps=(Sweep("k", "cycles per estimate $k$", WINDOWS, _energy),),
     ),
     Method(
-        name="oracle",
-        label="oracle",
-        paper=_scaled(_fixed, 1.0)._replace(
-            name="true friction", meaning="given the true Coulomb and viscous friction"
-        ),
+        "oracle", "oracle",
+        Tuning("true friction", "given the true Coulomb and viscous friction", _scaled(_fixed, 1.0).make),
     ),
-)
+)  # fmt: skip
 
 # In a rigid joint nothing but the controller's tick would bound the gains of what feeds torque or motion back.
 _ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
-from math import inf, isfinite
+from math import inf, isfinite, nan, sqrt
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -27,13 +27,11 @@ def mean_interval(values: Sequence[float]) -> Interval:
     """Return the mean of independent values and its 95 % interval (Student's t)."""
     from scipy.stats import t
 
-    known = np.array([value for value in values if np.isfinite(value)])
-    if not len(known):
-        return Interval(np.nan, np.nan, np.nan)
-    mean = float(known.mean())
-    if len(known) == 1:
-        return Interval(mean, np.nan, np.nan)
-    half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * known.std(ddof=1) / np.sqrt(len(known)))
+    known = [value for value in values if isfinite(value)]
+    if len(known) < 2:  # noqa: PLR2004
+        return Interval(known[0] if known else nan, nan, nan)
+    mean = float(np.mean(known))
+    half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * np.std(known, ddof=1) / sqrt(len(known)))
     return Interval(mean, mean - half, mean + half)
 
 
@@ -46,9 +44,9 @@ def median_interval(values: Sequence[float]) -> Interval:
 
     ranked = sorted(values)
     if not ranked:
-        return Interval(np.nan, np.nan, np.nan)
+        return Interval(nan, nan, nan)
     rank = int(binom.ppf((1 - CONFIDENCE) / 2, len(ranked), 0.5))
-    low, high = (ranked[rank - 1], ranked[-rank]) if rank else (np.nan, np.nan)
+    low, high = (ranked[rank - 1], ranked[-rank]) if rank else (nan, nan)
     return Interval(ranked[(len(ranked) - 1) // 2], low, high)
 
 

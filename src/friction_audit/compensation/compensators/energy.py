@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from math import inf
 
-from friction_audit.compensation.compensators.law import Guard, soft_sign
-from friction_audit.compiled import Record, compiled
+from friction_audit.compensation.compensators.law import Guard
 from friction_audit.errors import UsageError
 
 MODELS = ("viscous", "coulomb", "combined")
@@ -86,10 +85,3 @@ class EnergyCompensator(Guard):
     def cycles_per_estimate(self) -> int:
         """The window k in force."""
         return self.unknowns if self.window is None else self.window
-
-
-@compiled(inline=True)
-def energy_nm(settings: Record, memory: Record, dq: float) -> float:
-    """Return the torque that aids the motion, (9) with the sign that Figs 6 and 10 need. [N m]"""
-    sign = soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)
-    return float(memory.coulomb_nm * sign + memory.viscous_nms_per_rad * dq)

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, fields, replace
 from math import inf, isfinite
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
@@ -77,11 +77,6 @@ def payback_s(mode_rad_s: float, damping_ratio: float) -> float:
 
 # Values of ``kind`` in the records.
 NONE, FIXED, ENERGY, SIGMOID, LUGRE, DISTURBANCE_OBSERVER, TORQUE_REGULATION, JOINT_MODEL = range(8)
-
-
-def numbers_of(settings: type[Any]) -> tuple[str, ...]:
-    """Return the names of the plain numbers of a settings dataclass."""
-    return tuple(item.name for item in fields(settings) if item.type is float)
 
 
 @compiled()

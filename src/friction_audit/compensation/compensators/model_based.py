@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import Law, Numbers, soft_sign
+from friction_audit.compensation.compensators.law import Law, Numbers
 from friction_audit.compiled import Record, compiled
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
@@ -30,13 +30,6 @@ class FixedCompensation(Numbers):
     coulomb_nm: float  # Coulomb friction compensated [N m]
     viscous_nms_per_rad: float  # viscous friction compensated [N m s/rad]
     dead_band_rad_s: float = 0.02  # speed up to which it stays silent [rad/s]
-
-
-@compiled(inline=True)
-def fixed_nm(settings: Record, memory: Record, dq: float) -> float:
-    """Return the torque that aids the motion. [N m]"""
-    share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
-    return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -176,9 +169,3 @@ class JointModelCompensation(Law):
         if not self.terms:
             raise UsageError("compensation by a joint's model: no term of friction; expected one at least")
         Law.__post_init__(self)
-
-
-@compiled(inline=True)
-def joint_model_nm(group: Record, memory: Record, dq: float) -> float:
-    """Return the torque that aids the motion. [N m]"""
-    return float(soft_sign(dq, group.dead_band_rad_s, group.ramp_rad_s) * memory.modelled_nm + memory.bristle_nm)
