@@ -1,6 +1,7 @@
 """``friction-audit diagnose``."""
 
 from contextlib import ExitStack
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -77,7 +78,7 @@ def command(
     out.check(log, (DOCUMENT, MODEL), "diagnosis")
     with voice.stages([1.0, LENGTH, *[1.0] * out.stages]) as stages, ExitStack() as loading:
         loading.enter_context(chain.loading(*LOADED))
-        recorded = chain.read(log, reading, stages)
+        recorded = replace(chain.read(log, reading, stages), tau_J_d=None)  # no step reads it, and it takes memory
         if settings.model is not None:
             chain.check_joint_model(options.joint_model, settings.model, recorded)
         from friction_audit.pipeline import Diagnosis, diagnosis_subjects, estimate_log, without_samples

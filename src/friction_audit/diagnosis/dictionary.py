@@ -47,6 +47,8 @@ class Block:
         refined: Whether it lies between the points of the grid.
         start: Its first row in the Gram matrix.
         penalty: 2 ln of the prior's mass that the neighbours of this point share, from the last integration.
+        name: Name of the effect.
+        p: Number of columns.
     """
 
     effect: Effect
@@ -59,16 +61,12 @@ class Block:
     refined: bool = False
     start: int = 0
     penalty: float = 0.0
+    name: str = field(init=False)
+    p: int = field(init=False)
 
-    @property
-    def name(self) -> str:
-        """Name of the effect."""
-        return self.effect.name
-
-    @property
-    def p(self) -> int:
-        """Number of columns."""
-        return len(self.stored)
+    def __post_init__(self) -> None:
+        """Read name and number of columns, which are asked for a thousand times a second."""
+        self.name, self.p = self.effect.name, len(self.stored)
 
     @property
     def columns(self) -> Float:

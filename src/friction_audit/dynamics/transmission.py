@@ -112,54 +112,36 @@ def flank_stiffness(inertia_kg_m2: float, contact_hz: float, gap_rad: float, usu
 
 
 def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
-    """Yield what transmissions, each with its link side, add to the torque of a rigid joint: place and torque. [N m]
+    """Yield what transmissions, each with its far side, add to the torque of a rigid joint: place and torque. [N m]
 
-    Places come in any order, torques have shape (n,).
-
-    A far side is at least as heavy as it must be for its ringing to be followed; one without any inertia adds nothing.
-    """
-    there = [place for place, own in enumerate(far) if own.inertia_kg_m2 != 0.0]
-    yield from ((place, np.zeros(len(motion.t))) for place in sorted({*range(len(far))} - {*there}))
-    heavy = []
-    for place in there:
-        part = part_of(far[place], links[place].far_share)
-        least = links[place].stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2
-        heavy.append(replace(part, inertia_kg_m2=max(part.inertia_kg_m2, least)))
-    last, rigid = None, np.zeros(0)  # neighbours often have the same
-    for k, torque in all_transmitted(motion, heavy, [links[place] for place in there]):
-        if heavy[k] != last:
-            last = heavy[k]
-            friction = last.coulomb_nm * motion.direction + last.viscous_nms_per_rad * motion.dq
-            rigid = np.asarray(last.inertia_kg_m2 * motion.ddq + friction)
-        yield there[k], torque - rigid
-        del torque  # a row of many, of which the next ones shall take the place
-
-
-def all_transmitted(
-    motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]
-) -> Iterator[tuple[int, Float]]:
-    """Yield the torques that the measured side feels, averaged from half a sample before to half a sample after.
-
-    The load is not in them. A far side starts at the velocity of the measured side, twisted by the load alone. The
-    motion is evenly sampled, inertias and stiffnesses are above zero; places come in any order.
+    Places come in any order. Torques have shape (n,): means from half a sample before to half a sample after, without
+    the load. A far side starts at the velocity of the measured side, twisted by the load alone. It is at least as heavy
+    as it must be for its ringing to be followed; one without any inertia adds nothing. The motion is evenly sampled.
     """
     step = float(motion.t[1] - motion.t[0])
-    q, dq, load = map(read_only, (motion.q, motion.dq, np.zeros(len(motion.t)) if motion.load is None else motion.load))
-    rates = [sqrt(link.stiffness_nm_per_rad / own.inertia_kg_m2) for own, link in zip(far, links, strict=True)]
+    load = np.zeros(len(motion.t)) if motion.load is None else motion.load
+    signals = tuple(map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load)))
     alike: dict[tuple[int, bool], list[int]] = {}  # those that take as many steps and are of one kind
-    for place, (rate, link) in enumerate(zip(rates, links, strict=True)):
-        steps = 2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS)
+    heavy, rates = [part_of(own, link.far_share) for own, link in zip(far, links, strict=True)], [0.0] * len(far)
+    for place, link in enumerate(links):
+        if far[place].inertia_kg_m2 == 0.0:
+            yield place, np.zeros(len(motion.t))
+            continue
+        inertia = max(heavy[place].inertia_kg_m2, link.stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2)
+        heavy[place] = replace(heavy[place], inertia_kg_m2=inertia)
+        rates[place] = sqrt(link.stiffness_nm_per_rad / inertia)
+        steps = 2 * min(max(ceil(0.5 * step * rates[place] / PHASE), 1), MOST_STEPS)
         alike.setdefault((steps, link.gap_rad > 0.0), []).append(place)
     for (steps, gap), those in alike.items():
         for first in range(0, len(those), LANES):
             places = those[first : first + LANES]
             # One or LANES side by side; the last one stands in for those that are lacking.
             filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
-            driven = [(far[k].inertia_kg_m2, far[k].coulomb_nm, far[k].viscous_nms_per_rad) for k in filled]
+            driven = [(heavy[k].inertia_kg_m2, heavy[k].coulomb_nm, heavy[k].viscous_nms_per_rad) for k in filled]
             between = [
                 (
                     links[k].stiffness_nm_per_rad,
-                    2.0 * links[k].damping_ratio * far[k].inertia_kg_m2 * rates[k],
+                    2.0 * links[k].damping_ratio * heavy[k].inertia_kg_m2 * rates[k],
                     0.5 * links[k].gap_rad,
                     *bend_of(links[k].soft_nm),
                 )
@@ -167,9 +149,9 @@ def all_transmitted(
             ]
             far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (driven, between))
             lanes = (0.0,) * len(filled)
-            torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, gap, lanes)
+            torque = _follow(*signals, step, between_samples(step, steps), far_sides, flexible, gap, lanes)
             yield from ((k, torque[lane]) for lane, k in enumerate(places))
-            del torque
+            del torque  # the next ones shall take its place
 
 
 def between_samples(step: float, steps: int) -> Float:
@@ -187,11 +169,21 @@ def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[fl
     return q + w[0] * rise + w[1] * dq + w[2] * next_dq, w[3] * rise + w[4] * dq + w[5] * next_dq
 
 
-@compiled()
+@compiled(any_order=True)
 def _follow(  # noqa: PLR0913
-    q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, gap: bool, lanes: Lanes
+    q: Float,
+    dq: Float,
+    ddq: Float,
+    way: Float,
+    load: Float,
+    step: float,
+    between: Float,
+    far: Float,
+    links: Float,
+    gap: bool,
+    lanes: Lanes,
 ) -> Float:
-    """Integrate far sides (3, m) after transmissions (5, m), as many as lanes; return their torques, shape (m, n).
+    """Integrate far sides (3, m) after transmissions (5, m), as many as lanes; return what they add, shape (m, n).
 
     They are side by side so that a processor takes several at once. The measured side moves along the cubic through
     its samples and their slopes.
@@ -240,12 +232,14 @@ def _follow(  # noqa: PLR0913
                     omega[j] = free - min(max(free, -held[j]), held[j])
                     theta[j] = middle + 0.5 * h * omega[j]
                     table[felt, j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
+        share = 2.0 / steps if k == 0 else 1.0 / steps  # both ends have half a sample each
         for j in range(many):
-            torque[j, k] = table[last, j] / steps
+            rigid = far[0, j] * ddq[k] + (far[1, j] * way[k] + far[2, j] * dq[k])
+            torque[j, k] = share * table[last, j] - rigid
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
-    for j in range(many):  # both ends have half a sample each
-        torque[j, 0] *= 2.0
-        torque[j, -1] = 2.0 * (table[last, j] / steps)
+    for j in range(many):
+        rigid = far[0, j] * ddq[-1] + (far[1, j] * way[-1] + far[2, j] * dq[-1])
+        torque[j, -1] = 2.0 / steps * table[last, j] - rigid
     return torque
 
 
