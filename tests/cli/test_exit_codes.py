@@ -123,7 +123,7 @@ REFUSED = [
     ("simulate joint -o file/a.csv", 2, "cannot be written to"),
     ("simulate joint -o a.csv --truth file/a.json", 2, "cannot be written to"),
     ("simulate joint -o a.csv --seed -1", 2, "--seed"),
-    ("simulate joint -o a.csv --duration 0", 2, "duration_s"),
+    ("simulate joint -o a.csv --duration 0", 2, "0 s at 1000 Hz: expected at least 2"),
     ("simulate joint -o a.csv --duration inf", 2, "inf: expected a number"),
     ("simulate joint -o a.csv --rate=-5", 2, "rate_hz"),
     ("simulate joint -o a.csv --duration 5 --set duration_s=6", 2, "--duration 5: --set duration_s contradicts it"),
