@@ -13,6 +13,7 @@ from friction_audit.cli.grouped_help import DIAGNOSIS
 from friction_audit.cli.outputs import ResultFolder, show
 
 if TYPE_CHECKING:
+    from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.pipeline import Diagnosis
 
 EXAMPLES = """Examples:
@@ -68,18 +69,9 @@ def command(
     strict: opt.Strict = False,
 ) -> None:
     """Name the effects that the model of each joint misses."""
-    from friction_audit.diagnosis.settings import DiagnosisSettings
-    from friction_audit.effects.joint_model import load_model
-
     voice, again = shared.general.voice, shared.overwrite
     audit, reading = chain.audit_settings(shared), chain.read_options(shared.reading, shared.selection)
-    settings = DiagnosisSettings(
-        candidates=tuple(options.candidates) or None,
-        min_effect_nm=options.min_effect,
-        seed=options.seed,
-        at_most_s=60.0 * options.at_most,
-        model=None if options.joint_model is None else load_model(options.joint_model),
-    )
+    settings = _settings(options)
     out = ResultFolder(
         folder=folder, name="diagnose", figures=figures, formats=drawn.formats, exports=export, overwrite=again
     )
@@ -119,6 +111,19 @@ def command(
     show(text, lambda: diagnose_lines(found, verbose=voice.verbose), json=json)
     chain.exit_for_bugs(joint_bugs(found), voice)
     chain.conclude(recorded, diagnose_notices(found), strict=strict)
+
+
+def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+    from friction_audit.effects.joint_model import load_model
+
+    return DiagnosisSettings(
+        candidates=tuple(options.candidates) or None,
+        min_effect_nm=options.min_effect,
+        seed=options.seed,
+        at_most_s=60.0 * options.at_most,
+        model=None if options.joint_model is None else load_model(options.joint_model),
+    )
 
 
 def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
