@@ -34,8 +34,7 @@ from friction_audit.batch.manifest import BatchSettings
 
 logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
 folder.mkdir(exist_ok=True)
-with run_lock(folder) as alone, Ledger(folder / "ledger.sqlite") as ledger:
-    executor = LocalExecutor(workers=1)
+with run_lock(folder) as alone, Ledger(folder / "ledger.sqlite") as ledger, LocalExecutor(workers=1) as executor:
     standing = catch_up(logs, BatchSettings(), ledger, executor, lambda *_: None, backwards=not alone)
     print(standing.new, len(gather(standing, BatchSettings(), ledger).sessions))
 """

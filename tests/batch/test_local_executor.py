@@ -42,7 +42,8 @@ def slow(task: LogFile) -> Worked:
 
 def test_dead_workers_cost_their_own_log_alone(tmp_path: Path) -> None:
     names = ("a", "deadly", "b", "once", "c", "leaves", "d")
-    found = {task.path: outcome for task, outcome in LocalExecutor(workers=2).run(fragile, tasks(tmp_path, *names))}
+    with LocalExecutor(workers=2) as executor:
+        found = {task.path: outcome for task, outcome in executor.run(fragile, tasks(tmp_path, *names))}
     assert set(found) == set(names)
     lost = {name: outcome.message for name, outcome in found.items() if isinstance(outcome, Lost)}
     assert set(lost) == {"deadly", "leaves"}
@@ -60,8 +61,9 @@ def test_tasks_are_taken_as_workers_become_free(tmp_path: Path) -> None:
             taken.append(task.path)
             yield task
 
-    for done, _ in enumerate(LocalExecutor(workers=1).run(fragile, watched()), start=1):
-        assert len(taken) <= done + 1
+    with LocalExecutor(workers=1) as executor:
+        for done, _ in enumerate(executor.run(fragile, watched()), start=1):
+            assert len(taken) <= done + 1
     assert taken == list("abcdef")
 
 
@@ -112,7 +114,8 @@ def sessions_of(*robots: str) -> list[Session]:
 
 def test_processes_find_what_is_found_here() -> None:
     sessions = sessions_of("right", "left", "middle")
-    found = drift_of_arms(sessions, QUICK, LocalExecutor(workers=2))
+    with LocalExecutor(workers=2) as executor:
+        found = drift_of_arms(sessions, QUICK, executor)
     assert [arm.robot for arm in found.arms] == ["left", "middle", "right"]
     assert repr(found) == repr(analyse_drift(sessions, QUICK))
 

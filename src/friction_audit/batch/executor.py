@@ -70,7 +70,7 @@ def feed(
 
 @dataclass(eq=False, kw_only=True, slots=True)
 class LocalExecutor:
-    """Processes of this machine; in a ``with`` block they are kept from one run to the next.
+    """Processes of this machine, kept from one run to the next until the ``with`` block ends.
 
     A process that dies breaks the pool. What was under way is tried again, one task at a time and at most twice, with
     nothing else running (most often memory was short); a task whose process dies then is lost, and no other.
@@ -79,16 +79,11 @@ class LocalExecutor:
     workers: int = field(default_factory=lambda: len(os.sched_getaffinity(0)))  # how many of them
     _pool: ProcessPoolExecutor | None = field(default=None, init=False)
     _open: ExitStack = field(default_factory=ExitStack, init=False)
-    _kept: bool = field(default=False, init=False)
 
     def __enter__(self) -> Self:
-        """Keep the processes until the block ends."""
-        self._kept = True
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End them."""
-        self._kept = False
         self._close()
 
     def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
@@ -109,7 +104,7 @@ class LocalExecutor:
                 yield task, self._loss() if _is_broken(future) else future.result()
             finished = True
         finally:
-            if not (finished and self._kept):
+            if not finished:
                 self._close()
 
     def _submit(self, work: Callable[[Asked], Done], task: Asked) -> "Future[Done]":

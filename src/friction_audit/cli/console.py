@@ -29,8 +29,14 @@ UNHEARD = 141  # exit code: the reader of standard output went away, as shells h
 
 def say(text: str, *, nl: bool = True) -> None:
     """Print a result."""
-    with _to_output():
+    try:
         typer.echo(printable(text), nl=nl)
+    except BrokenPipeError as error:
+        discard(sys.stdout)
+        raise typer.Exit(UNHEARD) from error
+    except OSError as error:
+        discard(sys.stdout)
+        raise UsageError(f"standard output: cannot be written: {error.strerror}; write it to another place") from error
 
 
 def remark(text: str) -> None:
@@ -55,18 +61,6 @@ def open_streams() -> None:
             stream = open(os.devnull, mode)  # noqa: PTH123, SIM115 - a device, open to the end
             os.set_inheritable(stream.fileno(), True)  # noqa: FBT003 - takes no keyword
             setattr(sys, name, stream)
-
-
-@contextmanager
-def _to_output() -> Iterator[None]:
-    try:
-        yield
-    except BrokenPipeError as error:
-        discard(sys.stdout)
-        raise typer.Exit(UNHEARD) from error
-    except OSError as error:
-        discard(sys.stdout)
-        raise UsageError(f"standard output: cannot be written: {error.strerror}; write it to another place") from error
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

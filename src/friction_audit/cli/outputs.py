@@ -90,7 +90,7 @@ class ResultFolder:
         """Write a table as CSV."""
         from friction_audit.io.writers.tables import write_table
 
-        self.write(name, lambda draft: write_table(table, draft, "csv"))
+        self.write(name, partial(write_table, table, kind="csv"))
 
     def save_figure(self, name: str, figure: "Figure") -> list[Path]:
         """Write a figure in all formats; return its files."""
@@ -143,8 +143,7 @@ class ResultFolder:
                     self.write(f"{self.name}.{MCAP}", lambda draft: write_topics(tables, span_of(log), draft))
                     continue
                 for table in tables:
-                    name = f"{self.prefix}{table.name}.{kind}"
-                    self.write(name, lambda draft, table=table, kind=kind: write_table(table, draft, kind))  # type: ignore[misc]
+                    self.write(f"{self.prefix}{table.name}.{kind}", partial(write_table, table, kind=kind))
         return self.exported([table.name for table in tables])
 
 

@@ -84,8 +84,8 @@ def command(
         if folder is not None:
             trajectory = trajectory_of(plans, arm, motion.trajectory_rate)
             stem = TRAJECTORY if len(purposes) == 1 else f"{TRAJECTORY}_{purpose}"
-            out.write(f"{stem}.csv", lambda draft, points=trajectory: write_csv(points, draft))  # type: ignore[misc]
-            out.write(f"{stem}.mcap", lambda draft, points=trajectory: write_mcap(points, draft))  # type: ignore[misc]
+            out.write(f"{stem}.csv", partial(write_csv, trajectory))
+            out.write(f"{stem}.mcap", partial(write_mcap, trajectory))
             files = tuple(str(folder / f"{stem}.{kind}") for kind in ("csv", "mcap"))
         recordings.append(Recording(purpose, plans, files))
     settled = [one for one in tasks if one.purpose is None]

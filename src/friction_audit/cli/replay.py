@@ -90,23 +90,23 @@ class ReplayOptions:
 
     def __post_init__(self) -> None:
         """Refuse options that contradict each other, before any log is read."""
-        idle = {"--compensator-model": self.model, "--compensator-window": self.window}
-        unused = [name for name, given in idle.items() if given is not None]
-        unused += ["--factor"] if self.factor != 1.0 else []
+        inertial = ("disturbance_observer", "torque_regulation")
+        users = {
+            "--compensator-model": (self.model, ("energy",)),
+            "--compensator-window": (self.window, ("energy",)),
+            "--factor": (None if self.factor == 1.0 else self.factor, ("energy",)),
+            "--coefficients": (self.coefficients, ("energy",)),
+            "--max-damping": (self.max_damping, ("energy",)),
+            "--no-passivity": (self.no_passivity or None, ("energy",)),
+            "--observer-gain": (self.observer_gain, inertial[:1]),
+            "--motor-inertia": (self.motor_inertia, inertial),
+            "--desired-inertia": (self.desired_inertia, inertial[1:]),
+        }
+        given = {name: own for name, (value, own) in users.items() if value is not None}
+        unused = [name for name in ("--compensator-model", "--compensator-window", "--factor") if name in given]
         if self.coefficients is not None and unused:
             raise UsageError(f"--coefficients {self.coefficients}: nothing is estimated; remove {', '.join(unused)}")
-        energy = {
-            "--coefficients": self.coefficients, "--max-damping": self.max_damping, "--no-passivity": self.no_passivity,
-        }  # fmt: skip
-        unused += [name for name, given in energy.items() if given]
-        inertial = ("disturbance_observer", "torque_regulation")
-        tuning = (
-            ("--observer-gain", self.observer_gain, inertial[:1]),
-            ("--motor-inertia", self.motor_inertia, inertial),
-            ("--desired-inertia", self.desired_inertia, inertial[1:]),
-        )
-        idle_tuning = [name for name, given, users in tuning if given is not None and self.compensator not in users]
-        if wrong := (unused if self.compensator != "energy" else []) or idle_tuning:
+        if wrong := [name for name, own in given.items() if self.compensator not in own]:
             raise UsageError(f"--compensator {self.compensator}: does not use {', '.join(wrong)}; remove it")
         if self.no_passivity and self.max_damping is not None:
             raise UsageError("--no-passivity --max-damping: only the controller damps; remove one of them")

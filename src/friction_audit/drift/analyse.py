@@ -84,9 +84,11 @@ def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], lis
             family.append(leave_outliers_out(like))
             warnings.setdefault(warning, set()).add(joint)
     warnings.pop("", None)
-    of = [f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: " for some in warnings.values()]
-    every = [len(some) == len(joints) for some in warnings.values()]
-    return family, [text if all_ else f"{some}{text}" for text, some, all_ in zip(warnings, of, every, strict=True)]
+    said = []
+    for text, some in warnings.items():
+        which = f"joint{'s' * (len(some) > 1)} {write_joint_numbers(sorted(some))}: "
+        said.append(text if len(some) == len(joints) else f"{which}{text}")
+    return family, said
 
 
 def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:
