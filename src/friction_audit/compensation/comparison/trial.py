@@ -122,7 +122,7 @@ def net_energy_j(motion: TrueMotion) -> Float:
     from scipy.integrate import cumulative_trapezoid
 
     power = np.einsum("ij,ij->i", motion.interaction_nm, motion.dq)
-    return np.asarray(cumulative_trapezoid(power, motion.t, initial=0.0))
+    return np.asarray(cumulative_trapezoid(power, motion.t, initial=0))
 
 
 def energy_slope_w(energy_j: Float, t: Float, reference: Reference) -> float:
