@@ -105,15 +105,6 @@ def test_the_ridge_follows_the_level_of_cycles_of_one_speed() -> None:
     assert signals["refused"][-1] == 0
 
 
-def test_cycles_told_from_outside() -> None:
-    dq = strokes([0.5, 0.8, 0.6])
-    cuts = np.zeros(len(dq), bool)
-    cuts[[300, 1000]] = True
-    signals = run(EnergyCompensator(model="viscous", factor=0.0), clock(len(dq)), dq, 0.1 * dq, cuts=cuts)
-    assert (np.flatnonzero(np.diff(signals["cycle"])) + 1).tolist() == [300, 1000]
-    assert signals["estimated_viscous_nms_per_rad"][300] == pytest.approx(0.1, rel=1e-4)
-
-
 def test_a_cycle_with_a_hole_gives_no_equation() -> None:
     dq = strokes([0.5, 0.8])
     t = clock(len(dq))

@@ -261,34 +261,25 @@ def command(settings: Record, memory: Record, dq: float) -> float:
 
 
 @compiled()
-def _trace(
-    settings: Record, memory: Record, words: Record, t: Float, dq: Float, torque: Float, cut: Record, seen: Record
-) -> None:
+def _trace(settings: Record, memory: Record, words: Record, t: Float, dq: Float, torque: Float, seen: Record) -> None:
     """Run a compensator over n samples, and keep the first words of its memory after each."""
     for i in range(len(t)):
-        step(settings, memory, dq[i], torque[i], t[i] - t[max(i - 1, 0)], cut[i])
+        step(settings, memory, dq[i], torque[i], t[i] - t[max(i - 1, 0)], FIND)
         for k in range(seen.shape[1]):  # one by one: for a slice, numba compiles a message for seconds
             seen[i, k] = words[k]
 
 
 def run(
-    compensator: Compensator | None,
-    t: Float,
-    dq: Float,
-    interaction_nm: Float,
-    *,
-    cuts: NDArray[np.bool_] | None = None,
+    compensator: Compensator | None, t: Float, dq: Float, interaction_nm: Float
 ) -> np.ndarray[tuple[int], np.dtype[np.void]]:
     """Run the compensator of one joint in open loop, on n samples, two at least.
 
-    ``cuts`` is True where a cycle ends, or None to find the cycles from the velocity. Returns records of
-    ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
+    Returns records of ``records.TRACE``, shape (n,); a torque at sample i acts from t[i] on.
     """
-    settings, memory = records.pack([compensator], float((len(t) - 1) / (t[-1] - t[0])))[0], records.fresh_memory(1)
-    cut = np.full(len(t), FIND) if cuts is None else cuts.astype(np.int64)
-    seen = np.empty((len(t), records.FIELDS), np.int64)
+    settings = records.pack([compensator], float((len(t) - 1) / (t[-1] - t[0])))[0]
+    memory, seen = records.fresh_memory(1), np.empty((len(t), records.FIELDS), np.int64)
     t, dq, torque = map(read_only, (t, dq, interaction_nm))
-    _trace(settings, memory[0], memory.view(np.int64), t, dq, torque, cut, seen)
+    _trace(settings, memory[0], memory.view(np.int64), t, dq, torque, seen)
     return seen.view(records.TRACE)[:, 0]
 
 

@@ -119,9 +119,10 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
 
 def net_energy_j(motion: TrueMotion) -> Float:
     """Return the energy that the person has put into all joints, shape (n + 1,). [J]"""
+    from scipy.integrate import cumulative_trapezoid
+
     power = np.einsum("ij,ij->i", motion.interaction_nm, motion.dq)
-    steps = 0.5 * (power[1:] + power[:-1]) * np.diff(motion.t)
-    return np.concatenate([[0.0], np.cumsum(steps)])
+    return np.asarray(cumulative_trapezoid(power, motion.t, initial=0))
 
 
 def energy_slope_w(energy_j: Float, t: Float, reference: Reference) -> float:
