@@ -69,7 +69,7 @@ ALL = Hidden(
 @pytest.mark.parametrize("hidden", [Hidden(), ALL], ids=["none", "all"])
 def test_sliding_friction_is_the_law_at_the_present_motion(hidden: Hidden) -> None:
     motion = truth(hidden)
-    speed, sign, level = np.abs(motion.dq), np.sign(motion.dq), 0.30
+    speed, sign, level = np.abs(motion.dq), np.sign(motion.dq), np.full_like(motion.dq, 0.30)
     if hidden is ALL:
         before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
         level = (level + 0.15 / (1.0 + (speed / 0.1) ** 2)) * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))

@@ -25,7 +25,7 @@ from friction_audit.simulation.settings import (
     Sensors,
     Streams,
     count_ticks,
-    require_hand,
+    require_no_hand,
     within,
 )
 from friction_audit.simulation.simulation import Moved
@@ -96,7 +96,7 @@ class ArmSettings(Checked):
                 f"joints from 1 to {len(PANDA_JOINTS)}"
             )
         if self.driven:
-            require_hand("arm", "a hand that guides the arm", self.hidden, self.compensator)
+            require_no_hand(self.hidden, self.compensator)
 
     @property
     def moving(self) -> tuple[int, ...]:

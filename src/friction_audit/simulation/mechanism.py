@@ -63,8 +63,8 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams) -
     events = np.tile([inf, 0.0, 0.0], (n, max(map(len, drawn)), 1))  # what is missing never begins
     for j, table in enumerate(drawn):
         events[j, : len(table)] = table
-    own = [{item.name: getattr(joint, item.name) for item in fields(joint)} for joint in settings.joints]
-    rows = [_Joint(**numbers, hidden=inside) for numbers, inside in zip(own, hidden, strict=True)]
+    pairs = zip(settings.joints, hidden, strict=True)
+    rows = [_Joint(**{item.name: getattr(one, item.name) for item in fields(one)}, hidden=own) for one, own in pairs]
     two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
     free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
     states = np.zeros(n, STATE)

@@ -95,7 +95,7 @@ class StopAndGo(Checked):
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return strokes at the ticks of the controller; at rest throughout if not one fits."""
-        strokes, t = plan_strokes(self, ticks * dt, rng), dt * np.arange(ticks + 1)
+        strokes, t = plan_strokes(self, ticks * dt, rng), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         x = np.clip((t - start) / lasts, 0.0, 1.0)
         return Intention(position=origin + length * course(x), velocity=length / lasts * slope(x))
@@ -192,7 +192,9 @@ class SlowSweep(Checked):
             rows.append(np.stack([now + np.cumsum(lasts) - lasts, ways, speeds]))
             now += float(lasts.sum())
         start, way, speed = np.hstack(rows)
-        return at_constant_speed(dt * np.arange(ticks + 1), start, way, speed, np.full(len(start), self.ease_s))
+        return at_constant_speed(
+            np.arange(ticks + 1, dtype=np.float64) * dt, start, way, speed, np.full(len(start), self.ease_s)
+        )
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
@@ -253,7 +255,7 @@ class Prescribed(Checked):
     def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
         """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
         way, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
-        return at_constant_speed(dt * np.arange(ticks + 1), starts_of(self)[:-1], way, speed, ease)
+        return at_constant_speed(np.arange(ticks + 1, dtype=np.float64) * dt, starts_of(self)[:-1], way, speed, ease)
 
 
 def starts_of(settings: Prescribed) -> Float:
