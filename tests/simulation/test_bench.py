@@ -225,7 +225,7 @@ def test_roundings_are_those_of_the_sensors_whatever_is_hidden(effect: type[Hidd
         hidden = Hidden().holding(effect.make({"form": form} if form else {}))
         channels = simulate(replace(settings, hidden=(hidden,), duration_s=2.0), 2).log.channels()
         for name, column in channels.items():
-            assert_array_equal(column, quantise(column, STEPS[name]))
+            assert_array_equal(column, quantise(STEPS[name], column))
 
 
 TICKS = 20_000
