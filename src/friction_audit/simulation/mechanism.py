@@ -39,10 +39,8 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
     inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
     for number, inertia in enumerate(inertias, start=1):
         if not inertia > 0.0:
-            raise UsageError(
-                f"inertia_error: extra_kg_m2 leaves joint {number} an inertia of {inertia:g} kg m^2: expected more "
-                "than zero"
-            )
+            found = f"extra_kg_m2 leaves joint {number} an inertia of {inertia:g} kg m^2"
+            raise UsageError(f"inertia_error: {found}: expected more than zero")
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 

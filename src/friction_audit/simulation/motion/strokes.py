@@ -23,10 +23,7 @@ SHORTEST_S = 0.01  # no person starts a stroke and ends it in less
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Intention:
-    """The intended motion at the controller's ticks t = k dt, k = 0..n, from rest at 0.
-
-    The shape is (n + 1,) for one joint and (n + 1, joints) for several.
-    """
+    """The intended motion at the controller's ticks from rest at 0, shape (n + 1,); (n + 1, joints) for several."""
 
     position: Float  # relative to the start [rad]
     velocity: Float  # its exact derivative [rad/s]
@@ -102,9 +99,9 @@ class StopAndGo(Checked):
 
 
 def plan_strokes(settings: StopAndGo, duration_s: float, rng: np.random.Generator) -> Float:
-    """Draw the strokes that fit between a rest at the start and a rest at the end, shape (m, 4).
+    """Draw the strokes that fit between two rests, shape (m, 4), the first rest among them.
 
-    One row each: start [s], duration [s], origin [rad] and length, signed [rad]; first the rest, of no length.
+    One row each: start [s], duration [s], origin [rad] and length, signed [rad].
     """
     rows = [(0.0, REST_S, 0.0, 0.0)]
     speeds: list[float] = []
