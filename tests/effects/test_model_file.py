@@ -135,7 +135,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, content: str, message: str) -> No
 
 def test_a_file_that_is_no_text_or_not_there(tmp_path: Path) -> None:
     (tmp_path / "model.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(InputError, match="no text in UTF-8"):
+    with pytest.raises(InputError, match="is no TOML: 'utf-8' codec"):
         load_model(tmp_path / "model.toml")
     with pytest.raises(InputError, match="cannot be read: No such file"):
         load_model(tmp_path / "none.toml")

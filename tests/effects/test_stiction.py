@@ -8,22 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.diagnosis.samples import make_samples
-from friction_audit.effects.breakaway import (
-    AGEINGS_S,
-    AT_ONCE_RAD,
-    FEWEST_BREAKAWAYS,
-    STANDSTILL_S,
-    STICTION,
-    find_breakaways,
-    signed_rest,
-    torque_known,
-)
+from friction_audit.effects import breakaway
+from friction_audit.effects.breakaway import STICTION
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
 from tests.effects.joint_data_by_hand import baseline, two_sines
 
-AT_ONCE = {"ageing_s": 0.01, "renewal_rad": AT_ONCE_RAD}
+AT_ONCE = {"ageing_s": 0.01, "renewal_rad": breakaway.AT_ONCE_RAD}
 STEP_S = 1.0 / 400.0
 T: Float = np.arange(800, dtype=np.float64) * STEP_S
 DEAD = 3e-3
@@ -42,7 +34,7 @@ def start(onset_s: float, direction: float = 1.0, excess: float = 0.0) -> tuple[
 @given(onset_s=st.floats(0.3, 1.5), direction=st.sampled_from([-1.0, 1.0]))
 def test_a_smooth_start_reads_the_level_of_sliding(onset_s: float, direction: float) -> None:
     q, dq, torque = start(onset_s, direction)
-    found = find_breakaways(q, dq, DEAD, STEP_S)
+    found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
     assert found.direction.tolist() == [direction]
     assert T[found.onset[0]] == pytest.approx(onset_s, abs=STEP_S)
     assert found.of(torque)[0] == pytest.approx(direction * LEVEL, abs=RISE * STEP_S)
@@ -51,7 +43,7 @@ def test_a_smooth_start_reads_the_level_of_sliding(onset_s: float, direction: fl
 @pytest.mark.parametrize("excess", [0.05, 0.1, 0.3])
 def test_stiction_is_told_too_low_by_what_the_torque_rises_meanwhile(excess: float) -> None:
     q, dq, torque = start(1.0, excess=excess)
-    found = find_breakaways(q, dq, DEAD, STEP_S)
+    found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
     early = 1.0 - T[found.onset[0]]
     assert 0.0 <= early < 0.02
     assert found.of(torque)[0] == pytest.approx(LEVEL + excess - RISE * early)
@@ -59,13 +51,13 @@ def test_stiction_is_told_too_low_by_what_the_torque_rises_meanwhile(excess: flo
 
 def test_torque_that_bends_is_carried_on_exactly() -> None:
     q, dq, _ = start(1.0)
-    found = find_breakaways(q, dq, DEAD, STEP_S)
+    found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
     at = T[found.onset]
     bent = 1.0 + 3.0 * T - 7.0 * T**2
     assert found.weights.sum() == pytest.approx(1.0)
     assert found.of(np.column_stack([bent, T])) == pytest.approx(np.column_stack([1.0 + 3.0 * at - 7.0 * at**2, at]))
     assert found.samples[0, -1] < found.onset[0]
-    assert (found.samples.shape[1] - 1) * STEP_S == pytest.approx(STANDSTILL_S)
+    assert (found.samples.shape[1] - 1) * STEP_S == pytest.approx(breakaway.STANDSTILL_S)
 
 
 START = start(1.0)[:2]
@@ -85,7 +77,7 @@ START = start(1.0)[:2]
     ids=["start", "hardly creeps", "creeps", "turns around", "count of the encoder", "twitch", "never moves"],
 )
 def test_what_is_a_start(q: Float, dq: Float, starts: int) -> None:
-    found = find_breakaways(q, dq, DEAD, STEP_S)
+    found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
     assert found.of(np.zeros((len(q), 3))).shape == (starts, 3)
 
 
@@ -93,14 +85,14 @@ def test_what_is_a_start(q: Float, dq: Float, starts: int) -> None:
 def test_the_standstill_takes_the_direction_of_the_motion_and_no_acceleration(direction: float) -> None:
     q, dq, _ = start(1.0, direction)
     noise = DEAD / 5 * np.random.default_rng(0).standard_normal(len(q))
-    found = find_breakaways(q, dq + noise, DEAD, STEP_S)
-    held, ddq = signed_rest(dq + noise, noise / STEP_S, found, DEAD)
+    found = breakaway.find_breakaways(q, dq + noise, DEAD, STEP_S)
+    held, ddq = breakaway.signed_rest(dq + noise, noise / STEP_S, found, DEAD)
     before = slice(found.samples[0, 0], found.certain[0])
     assert held[before] == pytest.approx(direction * DEAD)
     assert np.all(ddq[found.samples] == 0.0)
     outside = np.setdiff1d(np.arange(len(q)), np.arange(before.start, before.stop))
     assert np.array_equal(held[outside], (dq + noise)[outside])
-    again = find_breakaways(q, held, DEAD, STEP_S)
+    again = breakaway.find_breakaways(q, held, DEAD, STEP_S)
     assert np.array_equal(again.samples, found.samples)
     assert np.array_equal(again.certain, found.certain)
 
@@ -109,19 +101,23 @@ def test_the_standstill_takes_the_direction_of_the_motion_and_no_acceleration(di
 def test_a_start_by_a_motor_that_held_the_other_way_tells_nothing(direction: float) -> None:
     q, dq, _ = start(1.0, direction)
     torque = direction * (LEVEL + 0.5 * RISE * (T - 1.0))
-    found = find_breakaways(q, dq, DEAD, STEP_S)
+    found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
     jumps = np.where(T < 1.0, -direction * LEVEL, direction * (LEVEL + 100.0 * (T - 1.0)))
     falls = np.where(T < 1.0, torque, 0.8 * torque)
-    assert [torque_known(each, found, STEP_S).tolist() for each in (torque, jumps, falls)] == [[True], [False], [True]]
+    assert [breakaway.torque_known(each, found, STEP_S).tolist() for each in (torque, jumps, falls)] == [
+        [True],
+        [False],
+        [True],
+    ]
 
 
 @pytest.mark.parametrize(("fall", "known"), [(0.0, False), (0.05, False), (0.3, True)])
 def test_a_start_under_a_fast_torque_tells_something_where_that_falls_behind_it(fall: float, known: bool) -> None:
     q, dq, _ = start(1.0, excess=0.3)
-    found = find_breakaways(q, dq, DEAD, STEP_S)
+    found = breakaway.find_breakaways(q, dq, DEAD, STEP_S)
     rising = LEVEL + 0.3 + 10.0 * (T - T[found.onset[0]])
     behind = LEVEL + 0.3 - fall
-    assert torque_known(np.where(T[found.onset[0]] < T, behind, rising), found, STEP_S).tolist() == [known]
+    assert breakaway.torque_known(np.where(T[found.onset[0]] < T, behind, rising), found, STEP_S).tolist() == [known]
 
 
 def jumping() -> JointData:
@@ -140,8 +136,8 @@ def jumping() -> JointData:
     ("data", "lacking"),
     [
         (two_sines(), "breaks away from a standstill 0 times"),
-        (started_and_stopped(starts=FEWEST_BREAKAWAYS - 1), f"at least {FEWEST_BREAKAWAYS} times"),
-        (started_and_stopped(starts=FEWEST_BREAKAWAYS), "None"),
+        (started_and_stopped(starts=breakaway.FEWEST_BREAKAWAYS - 1), f"at least {breakaway.FEWEST_BREAKAWAYS} times"),
+        (started_and_stopped(starts=breakaway.FEWEST_BREAKAWAYS), "None"),
         (jumping(), "0 of them under a torque that rises slowly"),
     ],
     ids=["turns around", "too few starts", "enough", "torque that jumps"],
@@ -152,8 +148,8 @@ def test_so_many_starts_are_enough(data: JointData, lacking: str) -> None:
 
 def test_an_excess_that_fades_over_a_path_is_looked_for_after_any_start() -> None:
     shapes = STICTION.identifiable_part(jumping())
-    assert len(shapes) == len(STICTION.grid(jumping())) - len(AGEINGS_S)
-    assert min(shape["renewal_rad"] for shape in shapes) > AT_ONCE_RAD
+    assert len(shapes) == len(STICTION.grid(jumping())) - len(breakaway.AGEINGS_S)
+    assert min(shape["renewal_rad"] for shape in shapes) > breakaway.AT_ONCE_RAD
 
 
 def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:

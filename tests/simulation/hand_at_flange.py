@@ -16,19 +16,12 @@ from friction_audit.simulation.settings import make_streams
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Pull:
-    """What the hand does; n ticks.
+    """What the hand does; n ticks."""
 
-    Attributes:
-        torque_nm: Torque at the joints, shape (n, 7). [N m]
-        power_w: Power into the arm and the hand's own mass, shape (n,). [W]
-        off_m: Distance of the flange from the intended place, shape (n,). [m]
-        turned_rad: Angle between intended and actual orientation, shape (n,). [rad]
-    """
-
-    torque_nm: Float
-    power_w: Float
-    off_m: Float
-    turned_rad: Float
+    torque_nm: Float  # torque at the joints, shape (n, 7) [N m]
+    power_w: Float  # power into the arm and the hand's own mass, shape (n,) [W]
+    off_m: Float  # distance of the flange from the intended place, shape (n,) [m]
+    turned_rad: Float  # angle between intended and actual orientation, shape (n,) [rad]
 
 
 def intended(settings: ArmSettings, seed: int, ticks: int) -> HandMotion:

@@ -1,6 +1,6 @@
 """The arm against MuJoCo's own energies and inverse dynamics, and against the hand's springs written once more."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from typing import Any
 
@@ -20,13 +20,7 @@ from tests.simulation.hand_at_flange import Pull, pull
 
 IDEAL = (IDEAL_SENSORS,) * 7
 ROTORS = np.array([joint.inertia_kg_m2 for joint in PANDA_JOINTS])
-NOBODY = Hand(
-    mass_kg=0.0,
-    stiffness_n_per_m=0.0,
-    damping_ns_per_m=0.0,
-    turning_stiffness_nm_per_rad=0.0,
-    turning_damping_nms_per_rad=0.0,
-)
+NOBODY = replace(Hand(), **{item.name: 0.0 for item in fields(Hand) if item.name != "path"})  # type: ignore[arg-type]
 SMOOTH = tuple(replace(joint, coulomb_nm=0.0, viscous_nms_per_rad=0.0) for joint in PANDA_JOINTS)
 SWING = ArmSettings(sensors=IDEAL, hand=NOBODY, compensates_gravity=False, duration_s=1.0)
 SEED = 1
@@ -98,19 +92,16 @@ class Guided:
 
     settings: ArmSettings
     simulation: Simulation
+    motion: TrueMotion
     hand: Pull
-
-    @property
-    def motion(self) -> TrueMotion:
-        """The truth."""
-        return self.simulation.truth.motion
 
 
 @cache
 def guided(carried_kg: float) -> Guided:
     settings = ArmSettings(sensors=IDEAL, duration_s=4.0, carried_kg=carried_kg)
     simulation = simulate(settings, SEED)
-    return Guided(settings, simulation, pull(settings, SEED, simulation.truth.motion))
+    motion = simulation.truth.motion
+    return Guided(settings, simulation, motion, pull(settings, SEED, motion))
 
 
 LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pytest.mark.thorough)])

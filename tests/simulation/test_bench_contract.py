@@ -13,6 +13,7 @@ from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.slow_and_events import UnloggedCompensation
+from friction_audit.simulation.hide import BY_NAME
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
@@ -40,8 +41,8 @@ def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:
 
 
 @cache
-def usual(effect: type[HiddenEffect], form: str) -> Simulation:
-    return simulate(replace(FINE, hidden=(hide(effect, form),)), SEED)
+def usual(name: str, form: str) -> Simulation:
+    return simulate(replace(FINE, hidden=(hide(BY_NAME[name], form),)), SEED)
 
 
 @cache
@@ -80,7 +81,7 @@ def test_at_zero_strength_nothing_changes_to_the_bit(effect: type[HiddenEffect],
 
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
 def test_as_usual_it_shows_and_stays_finite(effect: type[HiddenEffect], form: str) -> None:
-    simulation, without = usual(effect, form), nothing(FINE)
+    simulation, without = usual(effect.name, form), nothing(FINE)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
     assert simulation.log.source.sha256 != without.log.source.sha256
@@ -103,7 +104,7 @@ def net_work(motion: TrueMotion) -> Any:
 
 @pytest.mark.parametrize(("effect", "form"), [(e, f) for e, f in CASES if e.name in FRICTION])
 def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEffect], form: str) -> None:
-    motion = usual(effect, form).truth.motion
+    motion = usual(effect.name, form).truth.motion
     taken = motion.dissipated_j[:, 0]
     assert (np.diff(taken) >= 0.0).all()
     kinetic = 0.5 * FINE.joints[0].inertia_kg_m2 * motion.inner_dq[:, 0] ** 2
@@ -115,7 +116,7 @@ def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEff
 def test_the_joint_obeys_its_equation_of_motion(effect: type[HiddenEffect], form: str) -> None:
     """B ddq = F_m + u - tau_f at every tick, what else pulls behind the sensor being left over."""
     elsewhere = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")
-    motion = usual(effect, form).truth.motion
+    motion = usual(effect.name, form).truth.motion
     inertia = 0.3 + (0.1 if effect.name == "inertia_error" else 0.0)
     left = inertia * motion.inner_ddq - (motion.interaction_nm + motion.unlogged_nm - motion.friction_nm)
     if effect.name in elsewhere and form != "reading":

@@ -10,37 +10,9 @@ from scipy.signal import lfilter
 from friction_audit.joint_log import Float
 from friction_audit.simulation import bench
 from friction_audit.simulation.bench import BenchSettings, Operator
-from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.load_and_place import (
-    LoadDependentFriction,
-    PositionDependentFriction,
-    TorqueRipple,
-)
-from friction_audit.simulation.effects.slow_and_events import (
-    ABRUPT,
-    AMBIENT,
-    RAMP,
-    SETTLING,
-    STEP,
-    ContactEvent,
-    FrictionStep,
-    WarmUp,
-    draw_events,
-)
+from friction_audit.simulation.effects import Hidden, load_and_place, velocity
+from friction_audit.simulation.effects import slow_and_events as slow
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
-from friction_audit.simulation.effects.velocity import (
-    CUBIC,
-    DELAYED,
-    LORENTZIAN,
-    RELAXING,
-    AsymmetricCoulomb,
-    AsymmetricViscous,
-    FrictionalLag,
-    NonlinearViscous,
-    Presliding,
-    Stiction,
-    Stribeck,
-)
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, Sensors, make_streams
@@ -57,19 +29,19 @@ def truth(hidden: Hidden) -> TrueMotion:
 
 
 ALL = Hidden(
-    stribeck=Stribeck(excess_nm=0.15, form=LORENTZIAN),
-    position_dependent_friction=PositionDependentFriction(share=0.4),
-    nonlinear_viscous=NonlinearViscous(torque_nm=0.15, form=CUBIC),
-    load_dependent_friction=LoadDependentFriction(share=0.06),
-    asymmetric_coulomb=AsymmetricCoulomb(half_difference_nm=0.05),
-    asymmetric_viscous=AsymmetricViscous(half_difference_nms_per_rad=0.02),
+    stribeck=velocity.Stribeck(excess_nm=0.15, form=velocity.LORENTZIAN),
+    position_dependent_friction=load_and_place.PositionDependentFriction(share=0.4),
+    nonlinear_viscous=velocity.NonlinearViscous(torque_nm=0.15, form=velocity.CUBIC),
+    load_dependent_friction=load_and_place.LoadDependentFriction(share=0.06),
+    asymmetric_coulomb=velocity.AsymmetricCoulomb(half_difference_nm=0.05),
+    asymmetric_viscous=velocity.AsymmetricViscous(half_difference_nms_per_rad=0.02),
 )
 
 
 @pytest.mark.parametrize("hidden", [Hidden(), ALL], ids=["none", "all"])
 def test_sliding_friction_is_the_law_at_the_present_motion(hidden: Hidden) -> None:
     motion = truth(hidden)
-    speed, sign, level = np.abs(motion.dq), np.sign(motion.dq), 0.30
+    speed, sign, level = np.abs(motion.dq), np.sign(motion.dq), np.full_like(motion.dq, 0.30)
     if hidden is ALL:
         before = np.concatenate([motion.port_nm[:1], motion.port_nm[:-1]])
         level = (level + 0.15 / (1.0 + (speed / 0.1) ** 2)) * (1.0 + 0.4 * np.sin(3.0 * motion.q + 0.5))
@@ -78,12 +50,12 @@ def test_sliding_friction_is_the_law_at_the_present_motion(hidden: Hidden) -> No
     assert_allclose(motion.friction_nm[sliding], (sign * (level + 0.07 * speed))[sliding], atol=1e-9)
 
 
-@pytest.mark.parametrize("form", [RELAXING, DELAYED])
+@pytest.mark.parametrize("form", [velocity.RELAXING, velocity.DELAYED])
 def test_lagging_friction_follows_the_speed_late(form: int) -> None:
     """A first-order low-pass of the speed, or the speed of 30 ms ago."""
-    motion = truth(Hidden(frictional_lag=FrictionalLag(lag_s=0.03, form=form)))
+    motion = truth(Hidden(frictional_lag=velocity.FrictionalLag(lag_s=0.03, form=form)))
     speed = np.abs(motion.dq[:, 0])
-    if form == DELAYED:
+    if form == velocity.DELAYED:
         seen = np.concatenate([np.zeros(30), speed[:-30]])
     else:
         keep = np.exp(-1e-3 / 0.03)
@@ -104,7 +76,7 @@ def test_words_about_the_progress_change_nothing(monkeypatch: pytest.MonkeyPatch
 
 def test_a_motor_cogs_on_its_own_side_of_the_sensor() -> None:
     """A hand feels it through friction's side; where the motor drives, it reaches the link through the sensor."""
-    hidden = Hidden(torque_ripple=TorqueRipple(torque_nm=0.1, cycles_per_rev=60.0, second_share=0.0))
+    hidden = Hidden(torque_ripple=load_and_place.TorqueRipple(torque_nm=0.1, cycles_per_rev=60.0, second_share=0.0))
     for driven in (False, True):
         settings = replace(IDEAL, hidden=(hidden,), logs_sensor=True, driven=driven)
         motion = simulate(settings, SEED).truth.motion
@@ -125,8 +97,8 @@ HIDDEN = {
     "rigid": Hidden(),
     "elastic": ELASTIC,
     "backlash": Hidden(backlash=Backlash(gap_rad=5e-3)),
-    "presliding": Hidden(presliding=Presliding(displacement_rad=0.005)),
-    "stiction": Hidden(stiction=Stiction(excess_nm=0.2)),
+    "presliding": Hidden(presliding=velocity.Presliding(displacement_rad=0.005)),
+    "stiction": Hidden(stiction=velocity.Stiction(excess_nm=0.2)),
 }
 
 
@@ -214,7 +186,7 @@ def test_stale_samples_repeat_the_one_before_and_lost_ones_leave_a_gap() -> None
 
 def test_ambient_warmth_has_its_time_constant_and_lowers_friction() -> None:
     """Warmth 1 - exp(-t/T); viscous friction (1 - r)^warmth, Coulomb 1 / (1 + warmth l / (1 - l)) of the cold one."""
-    motion = truth_slow(Hidden(warm_up=WarmUp(reduction=0.5, coulomb_ratio=0.5, time_s=4.0, form=AMBIENT)))
+    motion = truth_slow(Hidden(warm_up=slow.WarmUp(reduction=0.5, coulomb_ratio=0.5, time_s=4.0, form=slow.AMBIENT)))
     assert_allclose(motion.warmth[1:, 0], -np.expm1(-motion.t[:-1] / 4.0), atol=3e-4)
     moving = motion.dq != 0.0
     coulomb = 0.30 / (1.0 + motion.warmth * 0.25 / 0.75)
@@ -222,23 +194,27 @@ def test_ambient_warmth_has_its_time_constant_and_lowers_friction() -> None:
     assert_allclose(motion.friction_nm[moving], (coulomb * np.sign(motion.dq) + viscous * motion.dq)[moving], atol=3e-5)
 
 
-@pytest.mark.parametrize("form", [ABRUPT, RAMP, SETTLING])
+@pytest.mark.parametrize("form", [slow.ABRUPT, slow.RAMP, slow.SETTLING])
 def test_friction_steps_at_its_moment(form: int) -> None:
-    motion = truth_slow(Hidden(friction_step=FrictionStep(change=0.5, at_share=0.4, length_s=2.0, form=form)))
+    motion = truth_slow(Hidden(friction_step=slow.FrictionStep(change=0.5, at_share=0.4, length_s=2.0, form=form)))
     moving = motion.dq[:, 0] != 0.0
     plain = 0.30 * np.sign(motion.dq[:, 0]) + 0.07 * motion.dq[:, 0]
     ratio = (motion.friction_nm[:, 0] / np.where(moving, plain, 1.0))[moving]
     since = motion.t[moving] - 4.8
-    course = {ABRUPT: np.ones_like(since), RAMP: np.minimum(since / 2.0, 1.0), SETTLING: -np.expm1(-since / 2.0)}[form]
+    course = {
+        slow.ABRUPT: np.ones_like(since),
+        slow.RAMP: np.minimum(since / 2.0, 1.0),
+        slow.SETTLING: -np.expm1(-since / 2.0),
+    }[form]
     clear = np.abs(since) > 1e-6
     assert_allclose(ratio[clear], (1.0 + 0.5 * np.where(since < 0.0, 0.0, course))[clear], atol=1e-9)
 
 
 def test_contacts_come_when_they_were_drawn() -> None:
     """A step load behind the sensor is what B ddq - F_m + tau_f leaves over."""
-    group = ContactEvent(torque_nm=0.5, per_minute=30.0, form=STEP)
+    group = slow.ContactEvent(torque_nm=0.5, per_minute=30.0, form=slow.STEP)
     motion = truth_slow(Hidden(contact_event=group))
-    events = draw_events(group, 12.0, make_streams(SLOW_SEED, 1).events[0])
+    events = slow.draw_events(group, 12.0, make_streams(SLOW_SEED, 1).events[0])
     expected = np.zeros_like(motion.t)
     for start, length, size in events:
         expected[(motion.t >= start) & (motion.t < start + length)] += size

@@ -165,7 +165,12 @@ def load_model(path: Path) -> ArmModel:
     Raises:
         InputError: If the file is none; the message names all that is missing at once.
     """
-    document = _read(path)
+    try:
+        document = read_toml(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}; give a file of a joint model") from error
+    except ValueError as error:
+        raise InputError(f"{path}: is no TOML: {error}; expected a model.toml") from error
     schema = document.get("schema")
     if schema != SCHEMA:
         found = shortened(repr(schema), LONGEST_VALUE)
@@ -208,17 +213,6 @@ def _joint_lines(joint: JointModel) -> Iterator[str]:
 def _text(text: str) -> str:
     """Return a basic string of TOML; JSON's escapes are a part of TOML's, which wants DEL escaped too."""
     return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        return read_toml(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}; give a file of a joint model") from error
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is no text in UTF-8; expected a model.toml") from error
-    except ValueError as error:
-        raise InputError(f"{path}: is no TOML: {error}; expected a model.toml") from error
 
 
 def _joint_faults(table: Mapping[str, Any], where: str) -> Iterator[str]:

@@ -14,7 +14,7 @@ from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
 from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
-from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
+from friction_audit.simulation.panda_joint import JOINTS, PANDA_JOINTS, READY_RAD
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     LONGEST_S,
@@ -25,7 +25,7 @@ from friction_audit.simulation.settings import (
     Sensors,
     Streams,
     count_ticks,
-    require_hand,
+    require_no_hand,
     within,
 )
 from friction_audit.simulation.simulation import Moved
@@ -88,15 +88,12 @@ class ArmSettings(Checked):
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
         count_ticks(self.duration_s, self.rate_hz)
-        counts = {len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)}
-        if counts != {len(PANDA_JOINTS)} or not set(self.braked) <= set(range(1, len(PANDA_JOINTS) + 1)):
-            raise UsageError(
-                f"arm: {len(self.joints)} joints, {len(self.hidden)} hidden, {len(self.sensors)} sensors, "
-                f"{len(self.pose_rad)} angles, braked {self.braked}: expected {len(PANDA_JOINTS)} of each, and braked "
-                f"joints from 1 to {len(PANDA_JOINTS)}"
-            )
+        counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
+        if set(counts) != {JOINTS} or not set(self.braked) <= set(range(1, JOINTS + 1)):
+            found = f"{', '.join(map(str, counts))} joints, hidden, sensors and angles, braked {self.braked}"
+            raise UsageError(f"arm: {found}: expected {JOINTS} of each, and braked joints from 1 to {JOINTS}")
         if self.driven:
-            require_hand("arm", "a hand that guides the arm", self.hidden, self.compensator)
+            require_no_hand(self.hidden, self.compensator)
 
     @property
     def moving(self) -> tuple[int, ...]:

@@ -24,7 +24,7 @@ from friction_audit.simulation.settings import (
     Streams,
     count_ticks,
     positive,
-    require_hand,
+    require_no_hand,
     within,
 )
 from friction_audit.simulation.simulation import Moved, TrueMotion, require_sane
@@ -52,6 +52,7 @@ class BenchSettings(Checked):
     """One joint, who moves it, one recording."""
 
     robot = "unknown"
+    moving = (1,)  # numbers of the joints that move
 
     joints: tuple[JointParameters] = (JointParameters(),)  # the joint
     hidden: tuple[Hidden] = (Hidden(),)  # what is hidden in it
@@ -78,12 +79,7 @@ class BenchSettings(Checked):
                 "torque; expected logs_sensor=true"
             )
         if self.driven:
-            require_hand("simulation", "a hand that moves the joint", self.hidden, self.compensator)
-
-    @property
-    def moving(self) -> tuple[int, ...]:
-        """Numbers of the joints that move."""
-        return (1,)
+            require_no_hand(self.hidden, self.compensator)
 
 
 def move_bench(settings: BenchSettings, streams: Streams, path: str, progress: Progress | None) -> Moved:

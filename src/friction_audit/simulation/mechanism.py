@@ -39,10 +39,8 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
     inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
     for number, inertia in enumerate(inertias, start=1):
         if not inertia > 0.0:
-            raise UsageError(
-                f"inertia_error: extra_kg_m2 leaves joint {number} an inertia of {inertia:g} kg m^2: expected more "
-                "than zero"
-            )
+            found = f"extra_kg_m2 leaves joint {number} an inertia of {inertia:g} kg m^2"
+            raise UsageError(f"inertia_error: {found}: expected more than zero")
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 
@@ -63,8 +61,8 @@ def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams) -
     events = np.tile([inf, 0.0, 0.0], (n, max(map(len, drawn)), 1))  # what is missing never begins
     for j, table in enumerate(drawn):
         events[j, : len(table)] = table
-    own = [{item.name: getattr(joint, item.name) for item in fields(joint)} for joint in settings.joints]
-    rows = [_Joint(**numbers, hidden=inside) for numbers, inside in zip(own, hidden, strict=True)]
+    pairs = zip(settings.joints, hidden, strict=True)
+    rows = [_Joint(**{item.name: getattr(one, item.name) for item in fields(one)}, hidden=own) for one, own in pairs]
     two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
     free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
     states = np.zeros(n, STATE)

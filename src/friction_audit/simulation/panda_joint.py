@@ -62,19 +62,15 @@ class HandGuidedPanda(Checked):
 
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
-        counts = {name: len(getattr(self, name)) for name in ("joints", "hidden", "sensors", "pose_rad")}
-        if not 1 <= self.joint <= JOINTS or set(counts.values()) != {JOINTS}:
-            found = ", ".join(f"{count} {name}" for name, count in counts.items())
-            raise UsageError(
-                f"Panda: joint {self.joint}, {found}: expected a joint from 1 to {JOINTS} and {JOINTS} of each"
-            )
+        counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
+        if not 1 <= self.joint <= JOINTS or set(counts) != {JOINTS}:
+            found = f"joint {self.joint}, {', '.join(map(str, counts))} joints, hidden, sensors and angles"
+            raise UsageError(f"Panda: {found}: expected a joint from 1 to {JOINTS} and {JOINTS} of each")
         count_ticks(self.duration_s, self.rate_hz)
         # Effects that do nothing in a joint at rest would stand in the truth.
         for number, hidden in enumerate(self.hidden, start=1):
-            others_only = [group.name for group in hidden.each() if group.hidden and group.needs_moving_neighbour]
-            at_rest = [group.name for group in hidden.each() if group.hidden and not group.felt_at_rest]
-            idle = (at_rest if number != self.joint else []) or others_only
-            if idle:
+            groups, rests = [group for group in hidden.each() if group.hidden], number != self.joint
+            if idle := [one.name for one in groups if one.needs_moving_neighbour or (rests and not one.felt_at_rest)]:
                 raise UsageError(
                     f"Panda: {', '.join(idle)} in joint {number}: does nothing where only joint "
                     f"{self.joint} moves; name them after @{self.joint}, or let all joints move (scenario panda)"

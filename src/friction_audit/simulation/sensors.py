@@ -34,7 +34,7 @@ TEMPERATURE_STEP_C = 0.1
 def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, Float, Float]:
     """Draw what the sensors of one joint add to torque, velocity and position at ticks + 1 states.
 
-    A sensor reads ``quantise(truth + noise, step)``: a compensator in the loop can thus be given what the log shows.
+    A sensor reads ``quantise(step, truth + noise)``: a compensator in the loop can thus be given what the log shows.
     """
     velocity = sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, ticks + 1)
     # A fast and a slow first-order autoregressive process, together of the variance of the noise.
@@ -63,16 +63,12 @@ def _smooth(signal: Float, keep: float, gain: float = 1.0) -> Float:
 
 
 @compiled()
-def rounded(value: Number, step: float) -> Number:
+def rounded(step: float, value: Number) -> Number:
     """Round to multiples of a step; a step of 0 changes nothing."""
     return value if step == 0.0 else np.rint(np.rint(value / step) * step * SCALE) / SCALE
 
 
-quantise: Callable[[Float, float], Float] = rounded.py_func  # type: ignore[attr-defined]  # the same of an array
-
-
-def _quantised(step: float, values: Float) -> Float:
-    return quantise(values, step)
+quantise: Callable[[float, Float], Float] = rounded.py_func  # type: ignore[attr-defined]  # the same of an array
 
 
 def read_log(settings: "Settings", moved: Moved, streams: Streams, path: str) -> JointLog:
@@ -107,8 +103,8 @@ def _channels(settings: "Settings", moved: Moved) -> dict[str, Float]:
         # First order, causal, settled at the first value, as a vendor's controller filters.
         keep = np.exp(-2.0 * np.pi * EXTERNAL_CUTOFF_HZ / CONTROL_RATE_HZ)
         channels["tau_J"] = tau_J
-        channels["tau_ext_hat_filtered"] = quantise(_smooth(tau_J - logged, keep), EXTERNAL_STEP_NM)
-        channels["gravity"] = quantise(logged, GRAVITY_STEP_NM)
+        channels["tau_ext_hat_filtered"] = quantise(EXTERNAL_STEP_NM, _smooth(tau_J - logged, keep))
+        channels["gravity"] = quantise(GRAVITY_STEP_NM, logged)
     if settings.compensator is not None:
         channels["tau_compensation"] = motion.compensation_nm
         if any(guard_of(one).passivity for one in of_each_joint(settings.compensator, len(hidden))):
@@ -117,7 +113,7 @@ def _channels(settings: "Settings", moved: Moved) -> dict[str, Float]:
         channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm
     if settings.logs_temperature:
         truth = _by_joint(temperature_c, [inside.warm_up for inside in hidden], motion.warmth)
-        channels["temperature"] = quantise(truth, TEMPERATURE_STEP_C)
+        channels["temperature"] = quantise(TEMPERATURE_STEP_C, truth)
     return channels
 
 
@@ -139,9 +135,9 @@ def _sense(settings: "Settings", moved: Moved, error: Float) -> tuple[Float, Flo
     place = late(motion.q, VELOCITY_LATE) + loop.position_noise
     velocity = late(motion.dq, VELOCITY_LATE) + loop.velocity_noise
     return (
-        _by_joint(_quantised, [one.position_step_rad for one in sensors], place),
-        _by_joint(_quantised, [one.velocity_step_rad_s for one in sensors], velocity),
-        _by_joint(_quantised, [one.torque_step_nm for one in sensors], torque),
+        _by_joint(quantise, [one.position_step_rad for one in sensors], place),
+        _by_joint(quantise, [one.velocity_step_rad_s for one in sensors], velocity),
+        _by_joint(quantise, [one.torque_step_nm for one in sensors], torque),
     )
 
 

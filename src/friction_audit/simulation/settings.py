@@ -60,15 +60,12 @@ class Checked:
                 raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
 
 
-def require_hand(where: str, hand: str, hidden: "Iterable[Hidden]", compensator: object) -> None:
-    """Refuse what takes a person's hand where motors move the joints."""
-    if any(inside.unlogged_compensation.share != 0.0 for inside in hidden):
-        raise UsageError(
-            f"{where}: unlogged_compensation takes {hand}: where motors move the joints, the sensors read all that "
-            "they give; expected driven=false"
-        )
-    if compensator is not None:
-        raise UsageError(f"{where}: a friction compensator takes {hand}; expected driven=false")
+def require_no_hand(hidden: "Iterable[Hidden]", compensator: object) -> None:
+    """Refuse what takes a person's hand where motors move the joints: sensors read all that these give."""
+    unlogged = any(inside.unlogged_compensation.share != 0.0 for inside in hidden)
+    if unlogged or compensator is not None:
+        what = "unlogged_compensation" if unlogged else "a friction compensator"
+        raise UsageError(f"simulation: {what} takes a hand that moves the joints; expected driven=false")
 
 
 def count_ticks(duration_s: float, rate_hz: float) -> int:
@@ -96,9 +93,8 @@ def make_streams(seed: int, joints: int) -> Streams:
     *first, hidden = np.random.SeedSequence(seed).spawn(4)
     person, sensors, recorder = (np.random.default_rng(part) for part in first)
     parts = [np.random.default_rng(part) for part in hidden.spawn(2 * joints)]
-    return Streams(
-        person=person, sensors=sensors, recorder=recorder, events=tuple(parts[::2]), drifts=tuple(parts[1::2])
-    )
+    events, drifts = tuple(parts[::2]), tuple(parts[1::2])
+    return Streams(person=person, sensors=sensors, recorder=recorder, events=events, drifts=drifts)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

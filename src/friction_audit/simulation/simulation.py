@@ -50,8 +50,7 @@ class Truth:
     settings: Any  # everything that was simulated
     seed: int  # the seed
     motion: TrueMotion  # the motion, free of noise
-    # memory of each joint's compensator at every tick, by the names in ``compensation.records.TRACE``, shape (n + 1, j)
-    # each; empty without one
+    # memory of each joint's compensator at every tick, by the names in ``records.TRACE``; empty without one
     compensators: Mapping[str, Float]
 
 

@@ -9,50 +9,36 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
+from friction_audit.simulation.effects import velocity as laws
 from friction_audit.simulation.effects.slow_and_events import KNOCK, STEP, ContactEvent, contact_event_nm, draw_events
-from friction_audit.simulation.effects.velocity import (
-    BRISTLES,
-    DELAYED,
-    FIRST_YIELD,
-    LAG_MEMORY,
-    LUGRE,
-    MAXWELL_SLIP,
-    RELAXING,
-    FrictionalLag,
-    Presliding,
-    dahl_advance,
-    frictional_lag_speed,
-    presliding_advance,
-    presliding_force_nm,
-)
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
 EACH_FORM = pytest.mark.parametrize("form", range(3))
 COULOMB_NM, DISPLACEMENT_RAD = 0.3, 0.005
 SIGMA0 = COULOMB_NM / DISPLACEMENT_RAD
-YIELDS = DISPLACEMENT_RAD * FIRST_YIELD * np.arange(1, BRISTLES + 1)
+YIELDS = DISPLACEMENT_RAD * laws.FIRST_YIELD * np.arange(1, laws.BRISTLES + 1)
 PATHS = st.floats(-0.02, 0.02).filter(lambda path: abs(path) > 1e-9)
 
 
 class Bristles:
-    """Presliding of one joint that moves along pieces of path."""
+    """laws.Presliding of one joint that moves along pieces of path."""
 
     def __init__(self, form: int, damping_s: float = 0.0) -> None:
-        self.group = pack([Presliding(displacement_rad=DISPLACEMENT_RAD, damping_s=damping_s, form=form)])[0]
+        self.group = pack([laws.Presliding(displacement_rad=DISPLACEMENT_RAD, damping_s=damping_s, form=form)])[0]
         self.form = form
-        self.deflection: Float = np.zeros(BRISTLES)
+        self.deflection: Float = np.zeros(laws.BRISTLES)
 
     def move(self, path: float, *, level: float = COULOMB_NM, velocity: float = 0.1, steps: int = 1) -> float:
         signed = math.copysign(velocity, path)
         for _ in range(steps):
-            presliding_advance(self.group, self.deflection, COULOMB_NM, level, signed, path / signed / steps)
-        return presliding_force_nm(self.group, self.deflection, COULOMB_NM, level, signed)
+            laws.presliding_advance(self.group, self.deflection, COULOMB_NM, level, signed, path / signed / steps)
+        return laws.presliding_force_nm(self.group, self.deflection, COULOMB_NM, level, signed)
 
     @property
     def stored_j(self) -> float:
-        if self.form == MAXWELL_SLIP:
-            return float(0.5 * np.sum(COULOMB_NM / (BRISTLES * YIELDS) * self.deflection**2))
+        if self.form == laws.MAXWELL_SLIP:
+            return float(0.5 * np.sum(COULOMB_NM / (laws.BRISTLES * YIELDS) * self.deflection**2))
         return float(0.5 * SIGMA0 * self.deflection[0] ** 2)
 
 
@@ -70,12 +56,12 @@ def test_steady_motion_meets_the_level_and_a_short_path_a_spring(form: int) -> N
 )
 def test_dahl_after_its_displacement(exponent: float, share: float) -> None:
     """Brittle: 1 - (1 - x/2)^2, as LuGre: 1 - exp(-x), then 1 - (1 + x/2)^-2, ductile: 1 - 1/(1 + x)."""
-    z = dahl_advance(0.0, SIGMA0, COULOMB_NM, 0.1, DISPLACEMENT_RAD / 0.1, exponent)
+    z = laws.dahl_advance(0.0, SIGMA0, COULOMB_NM, 0.1, DISPLACEMENT_RAD / 0.1, exponent)
     assert z * SIGMA0 == pytest.approx(COULOMB_NM * share)
     if exponent == 1.0:
-        assert Bristles(LUGRE).move(DISPLACEMENT_RAD) == pytest.approx(z * SIGMA0)
+        assert Bristles(laws.LUGRE).move(DISPLACEMENT_RAD) == pytest.approx(z * SIGMA0)
     if exponent < 1.0:
-        assert SIGMA0 * dahl_advance(0.0, SIGMA0, COULOMB_NM, 0.1, 5.0, exponent) == pytest.approx(COULOMB_NM)
+        assert SIGMA0 * laws.dahl_advance(0.0, SIGMA0, COULOMB_NM, 0.1, 5.0, exponent) == pytest.approx(COULOMB_NM)
 
 
 @EACH_FORM
@@ -110,14 +96,14 @@ H = 1e-4
 
 
 def seen(speeds: Any, steps: Any, **numbers: float) -> list[float]:
-    group = pack([FrictionalLag(**numbers)])[0]  # type: ignore[arg-type]
-    memory = np.zeros(LAG_MEMORY)
-    return [frictional_lag_speed(group, memory, value, h) for value, h in zip(speeds, steps, strict=True)]
+    group = pack([laws.FrictionalLag(**numbers)])[0]  # type: ignore[arg-type]
+    memory = np.zeros(laws.LAG_MEMORY)
+    return [laws.frictional_lag_speed(group, memory, value, h) for value, h in zip(speeds, steps, strict=True)]
 
 
 def test_relaxing_has_63_percent_of_a_jump_after_the_lag_and_delayed_all_of_it() -> None:
-    assert seen([1.0] * 100, [H] * 100, lag_s=0.01, form=RELAXING)[-1] == pytest.approx(1.0 - math.exp(-1.0))
-    late = seen([1.0] * 400, [H] * 400, lag_s=0.03, form=DELAYED)
+    assert seen([1.0] * 100, [H] * 100, lag_s=0.01, form=laws.RELAXING)[-1] == pytest.approx(1.0 - math.exp(-1.0))
+    late = seen([1.0] * 400, [H] * 400, lag_s=0.03, form=laws.DELAYED)
     assert max(late[:294]) == 0.0
     assert min(late[305:]) == 1.0
 
@@ -127,11 +113,11 @@ def test_relaxing_has_63_percent_of_a_jump_after_the_lag_and_delayed_all_of_it()
 def test_delayed_is_exact_on_a_ramp_whatever_the_steps(steps: list[float], lag: float) -> None:
     t = np.cumsum(steps)
     # the corner of the ramp at t = 0 is a sample, so that only times before the start differ from a line
-    late = seen(3.0 * t, steps, lag_s=lag, form=DELAYED)
+    late = seen(3.0 * t, steps, lag_s=lag, form=laws.DELAYED)
     np.testing.assert_allclose(late, 3.0 * np.maximum(0.0, t - lag), atol=1e-9)
 
 
-@pytest.mark.parametrize("form", [RELAXING, DELAYED])
+@pytest.mark.parametrize("form", [laws.RELAXING, laws.DELAYED])
 @unhurried
 @given(speeds=st.lists(st.floats(0.0, 3.0), min_size=1, max_size=100), h=st.floats(0.0, 0.01))
 def test_friction_sees_no_speed_that_never_was_and_without_a_lag_the_speed_itself(

@@ -6,19 +6,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.integrate import solve_ivp
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.effects.velocity import BRISTLES as BRISTLE_COUNT
-from friction_audit.simulation.effects.velocity import (
-    DAHL,
-    FIRST_YIELD,
-    IMMEDIATE,
-    LUGRE,
-    MAXWELL_SLIP,
-    AsymmetricCoulomb,
-    Presliding,
-    Stiction,
-    Stribeck,
-)
+from friction_audit.simulation.effects import Hidden, velocity
 from friction_audit.simulation.mechanics.records import Body, make_body
 from friction_audit.simulation.mechanics.step import accelerate
 from friction_audit.simulation.settings import JointParameters
@@ -42,8 +30,8 @@ def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> Tru
     ("hidden", "level"),
     [
         (Hidden(), {1.0: 0.3, -1.0: 0.3}),
-        (Hidden(stiction=Stiction(excess_nm=0.2, form=IMMEDIATE)), {1.0: 0.5, -1.0: 0.5}),
-        (Hidden(asymmetric_coulomb=AsymmetricCoulomb(half_difference_nm=0.1)), {1.0: 0.4, -1.0: 0.2}),
+        (Hidden(stiction=velocity.Stiction(excess_nm=0.2, form=velocity.IMMEDIATE)), {1.0: 0.5, -1.0: 0.5}),
+        (Hidden(asymmetric_coulomb=velocity.AsymmetricCoulomb(half_difference_nm=0.1)), {1.0: 0.4, -1.0: 0.2}),
     ],
 )
 def test_break_away_at_the_level_and_not_before(hidden: Hidden, level: dict[float, float], way: float) -> None:
@@ -174,17 +162,17 @@ def test_swing_with_coulomb_friction_turns_and_stops_as_by_hand() -> None:
     assert (motion.dq[-1000:] == 0.0).all()
 
 
-# Presliding while the joint moves: LuGre against SciPy, loops, steady motion.
+# velocity.Presliding while the joint moves: LuGre against SciPy, loops, steady motion.
 
 BRISTLE_JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
-FORMS = (LUGRE, DAHL, MAXWELL_SLIP)
+FORMS = (velocity.LUGRE, velocity.DAHL, velocity.MAXWELL_SLIP)
 BRISTLE_SPRING, DAMPER, CREEP = 10.0, 0.05, 0.05
-SOFT = Presliding(displacement_rad=0.002, damping_s=0.02)
+SOFT = velocity.Presliding(displacement_rad=0.002, damping_s=0.02)
 
 
 def creep_bristle(step_s: float) -> TrueMotion:
     """Pull the joint by a soft spring, slowly: it sticks and slips."""
-    hidden = Hidden(presliding=SOFT, stribeck=Stribeck(excess_nm=0.3, speed_rad_s=0.1))
+    hidden = Hidden(presliding=SOFT, stribeck=velocity.Stribeck(excess_nm=0.3, speed_rad_s=0.1))
     t = np.arange(6001, dtype=np.float64) * TICK_S
     push = BRISTLE_SPRING * CREEP * t + DAMPER * CREEP
     settings = bench(BRISTLE_JOINT, hidden, stiffness_nm_per_rad=BRISTLE_SPRING, damping_nms_per_rad=DAMPER)
@@ -231,7 +219,7 @@ def test_stick_slip_of_lugre_is_of_order_two() -> None:
 def guided(form: int, course: Float, speed: Float) -> TrueMotion:
     """Guide the joint by a stiff hand."""
     stiff = {"stiffness_nm_per_rad": 600.0, "damping_nms_per_rad": 60.0}
-    hidden = Hidden(presliding=Presliding(displacement_rad=0.005, form=form))
+    hidden = Hidden(presliding=velocity.Presliding(displacement_rad=0.005, form=form))
     push = 600.0 * course + 60.0 * speed
     return release(bench(BRISTLE_JOINT, hidden, **stiff), (len(push) - 1) * TICK_S, tick_s=TICK_S, push=push)
 
@@ -253,8 +241,10 @@ def test_closed_loops_take_energy_and_run_clockwise_about_the_spring(form: int, 
     viscous = float(np.sum(0.07 * np.diff(motion.t[loop]) * motion.dq[loop][1:, 0] ** 2))
     assert -1e-12 < area <= 0.3 * np.abs(moved).sum()
     assert_allclose(motion.dissipated_j[12000, 0] - motion.dissipated_j[10000, 0], area + viscous, rtol=0.01, atol=1e-9)
-    if form == MAXWELL_SLIP:
-        slipped = np.maximum(np.ptp(motion.q[loop]) / 2.0 - 0.005 * FIRST_YIELD * np.arange(1, BRISTLE_COUNT + 1), 0.0)
-        assert_allclose(area, 4.0 * 0.3 / BRISTLE_COUNT * slipped.sum(), rtol=1e-3, atol=1e-9)
+    if form == velocity.MAXWELL_SLIP:
+        slipped = np.maximum(
+            np.ptp(motion.q[loop]) / 2.0 - 0.005 * velocity.FIRST_YIELD * np.arange(1, velocity.BRISTLES + 1), 0.0
+        )
+        assert_allclose(area, 4.0 * 0.3 / velocity.BRISTLES * slipped.sum(), rtol=1e-3, atol=1e-9)
     elif reach == 0.05:
         assert area > 0.85 * 0.3 * np.abs(moved).sum()

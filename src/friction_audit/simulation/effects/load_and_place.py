@@ -59,11 +59,8 @@ def load_friction_nm(group: Record, load_nm: float, power_w: float) -> float:
     load = abs(load_nm)
     if group.form == QUADRATIC_LOAD:
         return float(group.share * load * load / REFERENCE_NM)
-    if group.form == BACKDRIVE and power_w > 0.0:
-        return float(group.share * load * (1.0 + BACKDRIVE_EXCESS))
-    if group.form == BACKDRIVE and power_w < 0.0:
-        return float(group.share * load * (1.0 - BACKDRIVE_EXCESS))
-    return float(group.share * load)
+    excess = BACKDRIVE_EXCESS * np.sign(power_w) if group.form == BACKDRIVE else 0.0
+    return float(group.share * load * (1.0 + excess))
 
 
 SINUSOID, HARMONICS, PATCH = range(3)

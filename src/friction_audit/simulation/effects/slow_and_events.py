@@ -124,8 +124,7 @@ def draw_events(group: ContactEvent, duration_s: float, rng: np.random.Generator
     Times are uniform, their number is Poisson. Lengths spread about their median within 50 to 500 ms. Sizes have a
     heavy tail (Pareto about their median, at most five times it) and either sign.
 
-    Returns:
-        Start, length and size, by start, shape (m, 3). [s, s, N m]
+    Returns start, length and size, by start, shape (m, 3). [s, s, N m]
     """
     expected = group.per_minute * duration_s / 60.0
     if group.torque_nm == 0.0 or expected == 0.0:

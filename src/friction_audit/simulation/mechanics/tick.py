@@ -87,9 +87,9 @@ def control(joints: Record, states: Record, body: Record, loop: Record, clock: R
         power = body.friction[j] * body.v[body.inner[j]]
         state.port_nm = body.port[j]
         state.warmth = slow_and_events.warm_up_advance(hidden.warm_up, state.warmth, power, clock.dt)
-        velocity = rounded(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+        velocity = rounded(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
         state.unlogged_nm = slow_and_events.unlogged_nm(hidden.unlogged_compensation, velocity)
-        read = rounded(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
+        read = rounded(loop.torque_step[j], -body.port[j] - loop.torque_noise[k, j])
         interaction = body.support[j] - read
         state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
         state.passivity_nm = loop.memory[j].passivity_nm
@@ -149,7 +149,7 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
     for a in range(3):
         along = 0.0
         for j in range(body.joints):
-            velocity = rounded(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+            velocity = rounded(loop.velocity_step[j], body.v[j] + loop.velocity_noise[k, j])
             along += jacobian[a, j] * velocity
         square += along * along
     if not hand_rests(cycle, math.sqrt(square), dt, INITIATION_M_S, TERMINATION_M_S):

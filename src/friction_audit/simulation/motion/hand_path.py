@@ -44,7 +44,7 @@ class HandMotion:
 
 def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
     """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
-    strokes, t = _draw_strokes(settings, ticks * dt, rng), dt * np.arange(ticks + 1)
+    strokes, t = _draw_strokes(settings, ticks * dt, rng), np.arange(ticks + 1, dtype=np.float64) * dt
     current = strokes[latest(strokes[:, 0], t)]
     start, lasts, origin, change = np.split(current, [1, 2, 8], axis=1)
     x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)

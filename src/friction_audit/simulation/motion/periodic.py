@@ -32,7 +32,7 @@ class Sinusoid(Checked):
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the whole half-periods that fit, then rest; at rest throughout if not one fits."""
-        t, half_period = dt * np.arange(ticks + 1), self.period_s / 2
+        t, half_period = np.arange(ticks + 1, dtype=np.float64) * dt, self.period_s / 2
         # How many half-periods have passed, and how many pass in a second.
         halves, pace = t / half_period, np.full_like(t, 1 / half_period)
         if self.ease_s > 0:
@@ -86,7 +86,7 @@ class Commanded(Checked):
 
 def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
     """Return a multisine for each of the joints, shape (ticks + 1, joints), all frequencies different."""
-    t = dt * np.arange(ticks + 1)
+    t = np.arange(ticks + 1, dtype=np.float64) * dt
     pulsation = 2 * np.pi * frequencies_hz(settings, joints)
     phase = rng.uniform(0.0, 2 * np.pi, pulsation.shape)
     # A factor that rises from 0 to 1 and falls to 0 at the end, and its derivative [1/s].

@@ -23,10 +23,7 @@ SHORTEST_S = 0.01  # no person starts a stroke and ends it in less
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Intention:
-    """The intended motion at the controller's ticks t = k dt, k = 0..n, from rest at 0.
-
-    The shape is (n + 1,) for one joint and (n + 1, joints) for several.
-    """
+    """The intended motion at the controller's ticks from rest at 0, shape (n + 1,); (n + 1, joints) for several."""
 
     position: Float  # relative to the start [rad]
     velocity: Float  # its exact derivative [rad/s]
@@ -95,16 +92,16 @@ class StopAndGo(Checked):
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return strokes at the ticks of the controller; at rest throughout if not one fits."""
-        strokes, t = plan_strokes(self, ticks * dt, rng), dt * np.arange(ticks + 1)
+        strokes, t = plan_strokes(self, ticks * dt, rng), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         x = np.clip((t - start) / lasts, 0.0, 1.0)
         return Intention(position=origin + length * course(x), velocity=length / lasts * slope(x))
 
 
 def plan_strokes(settings: StopAndGo, duration_s: float, rng: np.random.Generator) -> Float:
-    """Draw the strokes that fit between a rest at the start and a rest at the end, shape (m, 4).
+    """Draw the strokes that fit between two rests, shape (m, 4), the first rest among them.
 
-    One row each: start [s], duration [s], origin [rad] and length, signed [rad]; first the rest, of no length.
+    One row each: start [s], duration [s], origin [rad] and length, signed [rad].
     """
     rows = [(0.0, REST_S, 0.0, 0.0)]
     speeds: list[float] = []
@@ -192,7 +189,9 @@ class SlowSweep(Checked):
             rows.append(np.stack([now + np.cumsum(lasts) - lasts, ways, speeds]))
             now += float(lasts.sum())
         start, way, speed = np.hstack(rows)
-        return at_constant_speed(dt * np.arange(ticks + 1), start, way, speed, np.full(len(start), self.ease_s))
+        return at_constant_speed(
+            np.arange(ticks + 1, dtype=np.float64) * dt, start, way, speed, np.full(len(start), self.ease_s)
+        )
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
@@ -253,7 +252,7 @@ class Prescribed(Checked):
     def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
         """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
         way, speed, ease, _rest = np.array(self.strokes).reshape(-1, 4).T
-        return at_constant_speed(dt * np.arange(ticks + 1), starts_of(self)[:-1], way, speed, ease)
+        return at_constant_speed(np.arange(ticks + 1, dtype=np.float64) * dt, starts_of(self)[:-1], way, speed, ease)
 
 
 def starts_of(settings: Prescribed) -> Float:
