@@ -81,8 +81,14 @@ def _draw_signals(panels: Sequence[Axes], estimate: Estimate, friction: JointFri
         ):
             stamps, kept = parts.thin_extremes(t, values, POINTS)
             longest_s = GAP_PERIODS / parts.median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
-            whole = parts.break_at_gaps(stamps, kept, longest_s)
-            axes.plot(stamps, whole, color=colour, lw=width, label=name, rasterized=True)
+            axes.plot(
+                stamps,
+                parts.break_at_gaps(stamps, kept, longest_s),
+                color=colour,
+                lw=width,
+                label=name,
+                rasterized=True,
+            )
         axes.set_ylabel(label)
 
 
@@ -164,8 +170,7 @@ def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple
     known = width[np.isfinite(width)]
     settled = ~(width > UNSETTLED * np.median(known)) if len(known) else np.isfinite(value)
     shown = np.concatenate([value[settled], [whole.value, whole.low, whole.high]])
-    largest = float(np.nanmax(np.abs(shown), initial=0.0))
-    smallest = max(SMALLEST_SHARE * largest, SMALLEST_RANGE)
+    smallest = max(SMALLEST_SHARE * float(np.nanmax(np.abs(shown), initial=0.0)), SMALLEST_RANGE)
     return parts.limits(shown, np.concatenate([low, high]), near=NEAR, smallest=smallest)
 
 
@@ -225,16 +230,11 @@ def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
     """Return the friction torque [N m] of the whole-log estimate at velocities of shape (n,); None without estimate."""
     coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
     viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
-    torque = coulomb * np.sign(dq) + viscous * dq
-    return None if friction.reason or np.isnan(coulomb + viscous) else torque
+    return None if friction.reason or np.isnan(coulomb + viscous) else coulomb * np.sign(dq) + viscous * dq
 
 
 def centre_nm(series: JointSeries) -> float:
-    """Return the constant around which the fitted curve is drawn. [N m]
-
-    It is the median of what friction leaves while the joint moves: an offset of the torque sensor or an error of
-    gravity shifts the measured curve; friction itself has no constant.
-    """
+    """Return the median of what friction leaves in motion: an offset of the sensor or an error of gravity. [N m]"""
     moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
     friction = fitted_torque(series.friction, series.dq[moving])
     return 0.0 if friction is None else float(np.median(series.driving[moving] - friction))

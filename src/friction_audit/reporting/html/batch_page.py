@@ -36,15 +36,15 @@ WORDS = {
 """What the words of the page mean."""
 
 
-def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure] | None = None) -> str:
-    """Return the page of a batch as HTML text; figures that are not given, by their anchors, are drawn here."""
+def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> str:
+    """Return the page of a batch as HTML text, with figures by their anchors."""
     verdicts = tables.ARM.people(summary.arms, caption="Drift of each arm")
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
     limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
     lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section(anchor="failed", title="Files that failed", parts=(lead, files))
-    span, pictures = phrases.span_of(summary.sessions), _pictures(summary.arms, drawn or {})
+    span, pictures = phrases.span_of(summary.sessions), _pictures(summary.arms, drawn)
     most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)))
     page = html.Page(
         title="Friction over sessions",
@@ -88,9 +88,7 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
     found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
-        drawings = (one for kind in figures_of("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
-        every = (drawn.get(one.anchor) or draw(one).figure for one in drawings)
-        figures = tuple(figure for figure in every if figure is not None)
+        figures = tuple(figure for anchor, figure in drawn.items() if anchor.startswith(f"arm-{k + 1}-"))
         left -= sum(len(figure.svg) for figure in figures)
         if left < 0 and found:
             break
@@ -186,26 +184,20 @@ class Drawn(NamedTuple):
 
 
 def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: Sequence[str]) -> Iterator[Drawing]:
-    """Yield what is to be drawn of the arms that have joints; their files begin with the prefix of its name."""
+    """Yield what is to be drawn of the arms that have joints; their files begin with the prefix of its name.
+
+    More joints than fit on a sheet of paper make several on the page and one of all for the files.
+    """
     for number, arm in enumerate(arms, start=1):
         for kind in figures_of("drift"):
-            name = f"{prefixes.get(arm.robot, '')}{kind.name}"
-            match list(page_drawings(arm, f"arm-{number}", kind)):
-                case [alone]:
-                    yield replace(alone, name=name, formats=formats)
-                case [*sheets] if sheets:
-                    yield from sheets
-                    yield Drawing(kind=kind, arm=as_drawn(arm), name=name, formats=formats)
-
-
-def page_drawings(arm: ArmDrift, anchor: str, kind: FigureKind) -> Iterator[Drawing]:
-    """Yield the figures of a kind on the page; more joints than fit on a sheet of paper make several."""
-    for number, (joints, which) in enumerate(html.sheets_of(arm.joints)):
-        part, name = (
-            as_drawn(replace(arm, joints=tuple(joints))),
-            f"{anchor}-{kind.name}-{html.ON_A_SHEET * number + 1}",
-        )
-        yield Drawing(kind=kind, arm=part, anchor=name, which=which)
+            sheets, name = list(html.sheets_of(arm.joints)), f"{prefixes.get(arm.robot, '')}{kind.name}"
+            for k, (joints, which) in enumerate(sheets):
+                part = as_drawn(replace(arm, joints=tuple(joints)))
+                anchor = f"arm-{number}-{kind.name}-{html.ON_A_SHEET * k + 1}"
+                sheet = Drawing(kind=kind, arm=part, anchor=anchor, which=which)
+                yield sheet if sheets[1:] else replace(sheet, name=name, formats=formats)
+            if sheets[1:]:
+                yield Drawing(kind=kind, arm=as_drawn(arm), name=name, formats=formats)
 
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:
