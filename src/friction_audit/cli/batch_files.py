@@ -163,12 +163,13 @@ def _draw(
     for drawing, drawn in executor.run(draw, drawings_of(summary.arms, _prefixes(summary.arms), formats)):
         if isinstance(drawn, Lost):
             raise AnalysisError(f"{drawing.name or drawing.anchor}: cannot be drawn: {drawn.message}")
-        for name, content in drawn.files.items():
+        files, figure = drawn
+        for name, content in files.items():
             with whole_file(folder / name, overwrite=True) as draft:
                 draft.write_bytes(content)
             names.append(name)
-        if drawn.figure is not None:
-            pictures[drawing.anchor] = drawn.figure
+        if figure is not None:
+            pictures[drawing.anchor] = figure
     return sorted(names), pictures
 
 

@@ -21,8 +21,7 @@ from friction_audit.reporting.words import NOTHING, count_of, format_date, forma
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
 DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "temperature", "not testable"
-# The strongest first.
-VERDICTS = (DRIFT, TEMPERATURE, STEADY, UNTESTED)
+VERDICTS = (DRIFT, TEMPERATURE, STEADY, UNTESTED)  # the strongest first
 TONES: Mapping[str, Tone] = {DRIFT: "alert", STEADY: "fine", TEMPERATURE: "unsure", UNTESTED: "off"}
 # What describes a coefficient over the sessions, in words.
 SHAPES = {

@@ -1,7 +1,8 @@
 """Estimate -> the series of a joint; signals, net energy and coefficients over time, torque over velocity."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,17 +17,14 @@ from friction_audit.reporting.figures import style as theme
 MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class JointSeries:
-    """One joint's signals of shape (n,), its cycles, whose start and stop are indices into them, and its friction."""
+class JointSeries(NamedTuple):
+    """One joint's signals of shape (n,), and its cycles, whose start and stop are indices into them."""
 
     t: Float  # [s]
     dq: Float  # velocity [rad/s]
     torque: Float  # interaction torque F_m [N m]
     driving: Float  # what acts against friction and inertia: F_m and the torque of a logged compensator [N m]
     cycles: EnergyCycles
-    friction: JointFriction
-    not_determined: str  # the words for a panel without an estimate, without advice; empty if there is one
 
 
 def moved(_: Estimate, friction: JointFriction) -> bool:
@@ -36,18 +34,10 @@ def moved(_: Estimate, friction: JointFriction) -> bool:
 
 def series_of(estimate: Estimate, friction: JointFriction) -> JointSeries:
     """Return the series of a joint."""
-    interaction = estimate.interaction
-    column = interaction.joint_numbers.index(friction.joint)
-    torque, compensation = interaction.torque[:, column], interaction.compensation
-    return JointSeries(
-        t=interaction.t,
-        dq=interaction.dq[:, column],
-        torque=torque,
-        driving=torque if compensation is None else torque + compensation[:, column],
-        cycles=estimate.cycles.of_joint(column),
-        friction=friction,
-        not_determined=f"not determined: {friction.reason.partition(';')[0]}" if friction.reason else "",
-    )
+    seen, column = estimate.interaction, estimate.interaction.joint_numbers.index(friction.joint)
+    torque = seen.torque[:, column]
+    driving = torque if seen.compensation is None else torque + seen.compensation[:, column]
+    return JointSeries(seen.t, seen.dq[:, column], torque, driving, estimate.cycles.of_joint(column))
 
 
 def shade_cycles(axes: Axes, series: JointSeries) -> None:
@@ -120,7 +110,7 @@ def _draw_energy(panels: Sequence[Axes], estimate: Estimate, friction: JointFric
         borders = np.concatenate([cycles.start[:1], cycles.stop])
         dots: theme.Look = {"color": theme.BORDER, "ms": 2.0, "mew": 0, "zorder": 5, "label": "zero velocity"}
         axes.plot(series.t[borders], energy[borders], "o", **dots)
-    parts.write_message(axes, series.not_determined)
+    parts.write_reason(axes, "not determined", friction.reason)
 
 
 ENERGY = replace(
@@ -151,7 +141,8 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
             axes.set_yticks([])
             fitted = friction.model in ("combined", label.partition(" ")[0].lower())
             absence = "not determined" if fitted else f"not in the {friction.model} model"
-            parts.write_message(axes, series.not_determined or absence)
+            parts.write_message(axes, "" if friction.reason else absence)
+            parts.write_reason(axes, "not determined", friction.reason)
             continue
         axes.set_ylim(*ends)
         if np.isfinite(values[0]).any():
@@ -202,14 +193,14 @@ def _draw_loop(panels: Sequence[Axes], estimate: Estimate, friction: JointFricti
     speed = np.array([-reach, -1e-9, 1e-9, reach])
     fitted = fitted_torque(friction, speed)
     if fitted is not None:
-        centre = centre_nm(series)
+        centre = centre_nm(series, friction)
         # The numbers differ from panel to panel, so the sheet's legend cannot show them.
         label = fitted_label(friction, centre) if alone else "fitted friction"
         axes.plot(speed, fitted + centre, color=theme.FITTED, lw=1.3, zorder=4, label=label)
     axes.set_xlim(*np.array([-1.0, 1.0]) * max(SMALLEST_SPEED_RAD_S, 1.05 * reach))
     if not alone:
         axes.locator_params(axis="x", nbins=3)
-    parts.write_message(axes, series.not_determined, characters=40 if alone else 24)
+    parts.write_reason(axes, "not determined", friction.reason, characters=40 if alone else 24)
 
 
 def filtered_loop(series: JointSeries) -> tuple[Float, Float, int]:
@@ -233,11 +224,11 @@ def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
     return None if friction.reason or np.isnan(coulomb + viscous) else coulomb * np.sign(dq) + viscous * dq
 
 
-def centre_nm(series: JointSeries) -> float:
+def centre_nm(series: JointSeries, friction: JointFriction) -> float:
     """Return the median of what friction leaves in motion: an offset of the sensor or an error of gravity. [N m]"""
     moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
-    friction = fitted_torque(series.friction, series.dq[moving])
-    return 0.0 if friction is None else float(np.median(series.driving[moving] - friction))
+    torque = fitted_torque(friction, series.dq[moving])
+    return 0.0 if torque is None else float(np.median(series.driving[moving] - torque))
 
 
 def fitted_label(friction: JointFriction, centre: float) -> str:

@@ -158,6 +158,11 @@ def write_message(axes: Axes, sentence: str, *, characters: int = 44, instead: b
     )  # fmt: skip
 
 
+def write_reason(axes: Axes, lack: str, reason: str, *, characters: int = 44) -> None:
+    """Write why a result is lacking, if there is a reason, without the advice in it."""
+    write_message(axes, reason and f"{lack}: {reason.partition(';')[0]}", characters=characters)
+
+
 def mark_zero(axes: Axes, *, x: bool = False, y: bool = True, **look: Any) -> None:
     """Draw thin lines at zero: along the x axis (``y`` = 0) and along the y axis (``x`` = 0)."""
     look = {"color": theme.MUTED, "lw": 0.4, "zorder": 1, **look}

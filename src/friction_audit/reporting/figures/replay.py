@@ -40,12 +40,7 @@ def _draw_over_time(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) ->
                 axes.annotate("diverges", (end, 0.9), xycoords=("data", "axes fraction"), fontsize=6.5)
     if not narrow:
         panels[0].set_ylabel(title)
-    _write_reason(panels[len(panels) // 2], joint, 44 if narrow else 30)
-
-
-def _write_reason(axes: Axes, joint: JointReplay, characters: int) -> None:
-    reason = joint.reason.partition(";")[0]
-    parts.write_message(axes, reason and f"not replayed: {reason}", characters=characters)
+    parts.write_reason(panels[len(panels) // 2], "not replayed", joint.reason, characters=44 if narrow else 30)
 
 
 def _limit(axes: Axes, least: float, most: float) -> None:
@@ -127,7 +122,7 @@ def _draw_loops(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> Non
     axes.set_xlim(-reach, reach)
     axes.locator_params(axis="x", nbins=4)
     if shown is None or joint.history is None:
-        _write_reason(axes, joint, 24)
+        parts.write_reason(axes, "not replayed", joint.reason, characters=24)
         return
     # Until the compensator has its first estimate the curve is the one without it.
     active = np.flatnonzero(shown.compensation_nm)

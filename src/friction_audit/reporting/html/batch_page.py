@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift as tables
@@ -16,10 +15,8 @@ from friction_audit.reporting.words import count_of, enumerate_words, joint_labe
 
 # Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
-# Joints side by side in a table of coefficients; more make another table.
-ACROSS = 7
-# Coefficients that a page lists; all of them are in the file of sessions.
-MOST_CELLS = 12_000
+ACROSS = 7  # joints side by side in a table of coefficients; more make another table
+MOST_CELLS = 12_000  # coefficients that a page lists; all of them are in the file of sessions
 WORDS = {
     "session": "One recording of one arm. Sessions are numbered from 1 in the order of their starts.",
     "reference": "The sessions that the others are compared with: a control chart's normal state.",
@@ -176,13 +173,6 @@ class Drawing:
     formats: Sequence[str] = ()  # suffixes of its files
 
 
-class Drawn(NamedTuple):
-    """Content of the files by their names, and what stands on the page, or None."""
-
-    files: Mapping[str, bytes]
-    figure: html.Figure | None
-
-
 def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: Sequence[str]) -> Iterator[Drawing]:
     """Yield what is to be drawn of the arms that have joints; their files begin with the prefix of its name.
 
@@ -210,8 +200,8 @@ def as_drawn(arm: ArmDrift) -> ArmDrift:
     return replace(arm, sessions=tuple(bare))
 
 
-def draw(drawing: Drawing) -> Drawn:
-    """Draw a figure, and save it in all its forms."""
+def draw(drawing: Drawing) -> tuple[dict[str, bytes], html.Figure | None]:
+    """Draw a figure; return the content of its files by their names, and what stands on the page."""
     from friction_audit.reporting.figures.style import figure_bytes
 
     kind, arm = drawing.kind, drawing.arm
@@ -221,9 +211,9 @@ def draw(drawing: Drawing) -> Drawn:
         files[f"{drawing.name}.{suffix}"] = figure_bytes(figure, suffix)
         figure.set_layout_engine("none")  # it has its place now; finding it takes half of the time
     if not drawing.anchor:
-        return Drawn(files, None)
+        return files, None
     joints = ((joint_label(one.joint, one.name), phrases.joint_sentence(arm, one)) for one in arm.joints)
     every = "; ".join(f"joint {label}: {sentence}" for label, sentence in joints)
     words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
     title = f"{kind.title}{drawing.which}"
-    return Drawn(files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words))
+    return files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words)
