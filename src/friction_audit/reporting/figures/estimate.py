@@ -27,11 +27,6 @@ class JointSeries(NamedTuple):
     cycles: EnergyCycles
 
 
-def moved(_: Estimate, friction: JointFriction) -> bool:
-    """Return whether there is motion to draw."""
-    return friction.moving_s > 0.0 or not friction.reason
-
-
 def series_of(estimate: Estimate, friction: JointFriction) -> JointSeries:
     """Return the series of a joint."""
     seen, column = estimate.interaction, estimate.interaction.joint_numbers.index(friction.joint)
@@ -83,8 +78,9 @@ def _draw_signals(panels: Sequence[Axes], estimate: Estimate, friction: JointFri
 
 
 SIGNALS = parts.Layout(
-    joints=lambda estimate: estimate.friction.joints, has=moved, lacks="did not move", draw=_draw_signals, panels=2,
-    height_in=(1.15, 1.3), head_in=0.6, x="Time [s]", shared=True,
+    joints=lambda estimate: estimate.friction.joints, lacks="did not move", draw=_draw_signals, panels=2,
+    has=lambda _, friction: friction.moving_s > 0.0 or not friction.reason, height_in=(1.15, 1.3), head_in=0.6,
+    x="Time [s]", shared=True,
 )  # fmt: skip
 
 SMALLEST_ENERGY_J = 0.01  # half height of the panel of a joint that stands still
