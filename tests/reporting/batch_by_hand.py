@@ -12,22 +12,16 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.drift import BatchSummary, FailedLog
 
 NAN = float("nan")
-START_S, APART_S = 1772550000.0, 1.5 * 86400.0
-"""2026-03-03 15:00 UTC, and from one session to the next."""
+START_S, APART_S = 1772550000.0, 1.5 * 86400.0  # 2026-03-03 15:00 UTC, and from one session to the next
 LEVELS = {
     "coulomb_nm": (0.245, 0.152, 0.183, 0.359, 0.267, 0.166, 0.211),
     "viscous_nms_per_rad": (0.04, 0.03, 0.025, 0.05, 0.013, 0.011, 0.012),
 }
-NOISE = {"coulomb_nm": 0.015, "viscous_nms_per_rad": 0.06}
-"""Relative standard deviation of an estimate."""
-STEP_JOINT, STEP_SESSION, STEP = 2, 12, 0.15
-"""Joint number, index of the first session after the step, its size."""
-RISE_JOINT, RISE = 5, 0.01
-"""Joint number, rise per session."""
-STILL_JOINT = 7
-"""A joint that never moves."""
-LEFT_OUT = 8
-"""Index of a session with another payload."""
+NOISE = {"coulomb_nm": 0.015, "viscous_nms_per_rad": 0.06}  # relative standard deviation of an estimate
+STEP_JOINT, STEP_SESSION, STEP = 2, 12, 0.15  # joint number, index of the first session after the step, its size
+RISE_JOINT, RISE = 5, 0.01  # joint number, rise per session
+STILL_JOINT = 7  # a joint that never moves
+LEFT_OUT = 8  # index of a session with another payload
 HOSTILE = "<script>alert('x')</script> & \"$\\frac{1}$\""
 STILL = JointSummary(
     joint=STILL_JOINT, name="panda_joint7", coefficients=dict.fromkeys(LEVELS, UNDETERMINED), cycles=0, moving_s=0.0,
@@ -90,13 +84,11 @@ def drift_of(sessions: Sequence[Session], joint: int, coefficient: str, compared
     relative = [value.value / level - 1.0 for value in values]
     control = tuple(
         ControlPoint(
-            session=k,
-            deviation=Coefficient(value=level * off, low=-limit * level, high=limit * level),
-            relative=Coefficient(value=off, low=-limit, high=limit),
-            outside=abs(off) > limit,
+            session=k, deviation=Coefficient(value=level * off, low=-limit * level, high=limit * level),
+            relative=Coefficient(value=off, low=-limit, high=limit), outside=abs(off) > limit,
         )
         for k, off in zip(compared, relative, strict=True)
-    )
+    )  # fmt: skip
     step = ChangePoint(
         session=STEP_SESSION, low=STEP_SESSION - 1, high=STEP_SESSION + 1, before=number(level, noise * level),
         after=number(level * (1.0 + STEP), noise * level), relative=number(STEP, noise), p_value=1e-6,
@@ -121,14 +113,10 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
     rng = np.random.default_rng(0)
     sessions = tuple(session_of(k, joints, robot, rng, dated=dated) for k in range(count))
     compared = [k for k in range(count) if k != LEFT_OUT]
-    found = [
-        JointDrift(
-            joint=one.joint,
-            name=one.name,
-            coefficients=tuple(drift_of(sessions, one.joint, coefficient, compared) for coefficient in LEVELS),
-        )
-        for one in sessions[0].joints
-    ]
+    found = []
+    for one in sessions[0].joints:
+        drift = tuple(drift_of(sessions, one.joint, coefficient, compared) for coefficient in LEVELS)
+        found.append(JointDrift(joint=one.joint, name=one.name, coefficients=drift))
     return ArmDrift(
         robot=robot, sessions=sessions, compared=tuple(compared), ordered_by="start" if dated else "name",
         autocorrelation=0.05, reference=tuple(range(min(5, count))), joints=tuple(found),
@@ -145,11 +133,9 @@ def batch(*arms: ArmDrift) -> BatchSummary:
         report=DriftReport(arms=arms or (arm(),)),
         failed=(FailedLog(path="logs/broken.bag", message="broken.bag: is truncated after 12 kB; record it again"),),
         exceeded=("panda-1, joint 2: Coulomb friction changed by +15.0 %, the limit is 15 %",),
-        settings=SETTINGS,
-        command="friction-audit batch-report logs --fail-on coulomb=15% -o out",
-        computed=20,
+        command="friction-audit batch-report logs --fail-on coulomb=15% -o out", settings=SETTINGS, computed=20,
         known=4,
-    )
+    )  # fmt: skip
 
 
 def hostile() -> BatchSummary:
@@ -163,12 +149,10 @@ def hostile() -> BatchSummary:
     joints = tuple(replace(joint, name=HOSTILE) for joint in plain.joints)
     bad = replace(plain, robot=HOSTILE, sessions=sessions, joints=joints, warnings=(HOSTILE,))
     return BatchSummary(
-        report=DriftReport(arms=(replace(bad, left_out=((LEFT_OUT, HOSTILE),)),)),
-        failed=(FailedLog(path=HOSTILE, message=HOSTILE),),
-        exceeded=(HOSTILE,),
-        settings={HOSTILE: {HOSTILE: [HOSTILE]}},
+        report=DriftReport(arms=(replace(bad, left_out=((LEFT_OUT, HOSTILE),)),)), exceeded=(HOSTILE,),
+        failed=(FailedLog(path=HOSTILE, message=HOSTILE),), settings={HOSTILE: {HOSTILE: [HOSTILE]}},
         command=f"friction-audit batch-report {HOSTILE}",
-    )
+    )  # fmt: skip
 
 
 def empty() -> BatchSummary:

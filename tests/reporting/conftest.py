@@ -18,28 +18,19 @@ if TYPE_CHECKING:
 COULOMB = (0.245, 0.152, 0.183, 0.359, 0.267, 0.166, 0.211)
 VISCOUS = (0.4, 0.3, 0.25, 0.5, 0.13, 0.11, 0.12)
 INERTIA = 0.1
-STILL = 2
-"""Column of the joint that stands still when there are several."""
-
-
-def stroke(duration: float, amplitude: float, rate: float) -> tuple[Float, Float, Float]:
-    """Return q, dq, ddq of a minimum-jerk stroke of ``amplitude`` rad."""
-    s = np.arange(round(duration * rate)) / (duration * rate)
-    q = amplitude * (10 * s**3 - 15 * s**4 + 6 * s**5)
-    dq = amplitude * (30 * s**2 - 60 * s**3 + 30 * s**4) / duration
-    ddq = amplitude * (60 * s - 180 * s**2 + 120 * s**3) / duration**2
-    return q, dq, ddq
+STILL = 2  # column of the joint that stands still when there are several
 
 
 def strokes(count: int, rate: float, rng: np.random.Generator) -> tuple[Float, Float, Float]:
-    """Return q, dq, ddq of strokes back and forth of varied speed."""
-    pieces, place = [], 0.0
+    """Return q, dq, ddq of minimum-jerk strokes of 0.9 rad back and forth, of varied speed."""
+    pieces = []
     for row in range(count):
-        way = 0.9 if row % 2 == 0 else -0.9
-        q, dq, ddq = stroke(rng.uniform(1.0, 2.4), way, rate)
-        pieces.append((place + q, dq, ddq))
-        place += way
-    q, dq, ddq = (np.concatenate(column) for column in zip(*pieces, strict=True))
+        way, duration = -0.9 if row % 2 else 0.9, rng.uniform(1.0, 2.4)
+        s = np.arange(round(duration * rate)) / (duration * rate)
+        q = way * (10 * s**3 - 15 * s**4 + 6 * s**5) + (0.9 if row % 2 else 0.0)
+        dq = way * (30 * s**2 - 60 * s**3 + 30 * s**4) / duration
+        pieces.append(np.stack([q, dq, way * (60 * s - 180 * s**2 + 120 * s**3) / duration**2]))
+    q, dq, ddq = np.concatenate(pieces, axis=1)
     return q, dq, ddq
 
 
@@ -55,21 +46,12 @@ def build_log(joints: int, count: int, rate: float, *, damaged: bool) -> JointLo
     torque += 0.05 * rng.standard_normal(torque.shape)
     dq += 0.003 * rng.standard_normal(dq.shape)
     lost = Finding(code="truncated", message="the file ends early; 3 messages were left out", amount=3, damaged=True)
-    channels = {"q": "q_{i}", "dq": "dq_{i}"}
-    found: dict[str, Any] = {
-        "format": "csv",
-        "robot": "panda",
-        "channels": channels,
-        "findings": (lost,) if damaged else (),
-    }
-    return JointLog(
-        t=np.arange(samples) / rate,
-        q=q,
-        dq=dq,
-        tau_interaction=torque,
-        joint_names=tuple(f"panda_joint{j + 1}" for j in range(joints)),
-        source=Source(path="run 1.csv", sha256="0" * 64, **found),
-    )
+    source = Source(
+        path="run 1.csv", sha256="0" * 64, format="csv", robot="panda", channels={"q": "q_{i}", "dq": "dq_{i}"},
+        findings=(lost,) if damaged else (),
+    )  # fmt: skip
+    names = tuple(f"panda_joint{j + 1}" for j in range(joints))
+    return JointLog(t=np.arange(samples) / rate, q=q, dq=dq, tau_interaction=torque, joint_names=names, source=source)
 
 
 @cache

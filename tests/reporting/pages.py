@@ -7,10 +7,11 @@ from html.parser import HTMLParser
 
 import pytest
 
+from friction_audit.reporting.drift import BatchSummary
 from friction_audit.reporting.figures.registry import figure_names, figures_of
 from friction_audit.reporting.html import batch_page
 from friction_audit.reporting.html import log_page as page_of_log
-from friction_audit.reporting.html.batch_page import write_page
+from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
 from friction_audit.reporting.html.log_page import LOG_FIGURES, log_page
 from friction_audit.reporting.html.page import Figure, render_page
 from friction_audit.reporting.report import LogReport
@@ -54,16 +55,21 @@ def of_log(found: LogReport) -> str:
     return render_page(log_page(found))
 
 
+def of_batch(summary: BatchSummary) -> str:
+    every = ((one.anchor, draw(one)[1]) for one in drawings_of(summary.arms, {}, ()) if one.anchor)
+    return write_page(summary, {anchor: figure for anchor, figure in every if figure is not None})
+
+
 CASES = {
     "plain": lambda: of_log(log_report_by_hand.cut(log_report_by_hand.report(), 1, 3, 6)),
     "hostile": lambda: of_log(log_report_by_hand.hostile()),
     "twenty joints": lambda: of_log(log_report_by_hand.many(20)),
     "no cycles": lambda: of_log(log_report_by_hand.still()),
-    "batch": lambda: write_page(batch_by_hand.batch()),
-    "batch hostile": lambda: write_page(batch_by_hand.hostile()),
-    "batch small": lambda: write_page(SMALL),
-    "batch twenty joints": lambda: write_page(batch_by_hand.batch(batch_by_hand.arm(4, 20))),
-    "batch nothing": lambda: write_page(batch_by_hand.empty()),
+    "batch": lambda: of_batch(batch_by_hand.batch()),
+    "batch hostile": lambda: of_batch(batch_by_hand.hostile()),
+    "batch small": lambda: of_batch(SMALL),
+    "batch twenty joints": lambda: of_batch(batch_by_hand.batch(batch_by_hand.arm(4, 20))),
+    "batch nothing": lambda: of_batch(batch_by_hand.empty()),
 }
 """Pages of a log, and of a batch."""
 

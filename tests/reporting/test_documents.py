@@ -22,7 +22,7 @@ from friction_audit.reporting.drift import BatchSummary, write_batch_document
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.reporting.info import INFO, InfoEntry, summarize_log
 from friction_audit.reporting.replay import replay_document
-from friction_audit.reporting.report import REPORT, LogReport, Unanswered, report_notices
+from friction_audit.reporting.report import REPORT, report_notices
 from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import COULOMB, build_estimate
@@ -67,14 +67,8 @@ def test_estimate(seven: Estimate) -> None:
     low, high = first["coulomb_nm"]["ci95"]
     assert low < COULOMB[0] < high
     assert first["regression"]["inertia_kg_m2"] == pytest.approx(0.1, abs=0.01)
-    assert first["reason"] is None
-    assert len(first["history"]) == first["cycles"] - seven.friction.joints[0].window + 1
-    assert still["coulomb_nm"] is still["viscous_nms_per_rad"] is still["condition_number"] is None
+    assert still["coulomb_nm"] is still["viscous_nms_per_rad"] is still["condition_number"] is first["reason"] is None
     assert "did not move" in still["reason"]
-    assert document["source"]["joints"] == 7
-    settings = document["settings"]
-    assert (settings["cycles_per_point"], settings["cycles"]["initiation_rad_s"]) == (20, 0.2)
-    assert settings["torque_chosen"]["drive"] == "hand"
     assert [(one["code"], one["joint"]) for one in document["warnings"]] == [("not_determined", 3)]
     damaged = checked(estimate_document(build_estimate(1, damaged=True)))
     assert [warning["code"] for warning in damaged["warnings"]] == ["truncated"]
@@ -87,7 +81,6 @@ def test_info(seven: Estimate) -> None:
     failed = InfoEntry(path="b", topics=(topic,), message="two arms")
     document = checked(INFO.json([InfoEntry(path="a", summary=summary), failed, InfoEntry(path="c", summary=part)]))
     log, less = document["logs"]
-    assert (log["channels"], log["joint_count"]) == ({"q": "q_{i}", "dq": "dq_{i}"}, 7)
     assert log["joints"][0]["cycles"] == len(seven.cycles.of_joint(0).joint)
     assert (log["joints"][0]["rejected_cycles"], log["joints"][2]["cycles"], log["gaps"]) == (0, 0, 0)
     assert document["failed"] == [{"path": "b", "topics": [asdict(topic)], "message": "two arms"}]
@@ -123,7 +116,6 @@ def test_a_joint_with_an_effect() -> None:
     assert effect["evidence"][1] == {"name": "warm_up", "two_ln_bayes_factor": 41.3, "correlation": 0.31}
     assert (found["gap"]["shrink"], found["gap"]["held_out_cycles"]) == (pytest.approx(0.04 / 0.041), LOCKED)
     assert found["simulation_gap"] == {"before": 0.052, "after": 0.013, "unit": "rad/s"}
-    assert (found["nominal"]["coulomb_nm"]["value"], found["augmented"]["coulomb_nm"]["value"]) == (0.33, 0.30)
     assert found["profiles"][0]["curve"]["forwards_nm"] == [0.05, 0.0, None]
     assert [profile["curve"] is None for profile in found["profiles"]] == [False, True]
     assert {"code": "standstill", "joint": 1, "message": NAMED.findings[1].message} in document["warnings"]
@@ -151,12 +143,10 @@ def test_what_drifts_and_when() -> None:
     assert [joint for joint, one in by_joint.items() if one["drift"]] == [2, 5]
     assert (by_joint[2]["change_points"], by_joint[1]["change_points"]) == ([13], [])
     assert by_joint[5]["coulomb_trend_nm_per_session"]["value"] == pytest.approx(0.00267)
-    assert by_joint[7]["coulomb_trend_nm_per_session"] is None
-    assert by_joint[7]["verdict"] == "not testable"
+    assert (by_joint[7]["coulomb_trend_nm_per_session"], by_joint[7]["verdict"]) == (None, "not testable")
     coulomb = by_joint[2]["coefficients"]["coulomb_nm"]
     assert coulomb["change_points"][0]["ci95"] == [12, 14]
     assert [point["session"] for point in coulomb["control"] if point["outside"]] == list(range(13, 25))
-    assert len(coulomb["values"]) == 23
     first = document["robots"][0]
     assert [one["session"] for one in document["sessions"]] == [*range(1, 25), 1, 2, 3]
     assert first["left_out"] == [{"session": 9, "reason": "payload 0.7 kg, the reference had none"}]
@@ -165,24 +155,11 @@ def test_what_drifts_and_when() -> None:
 
 
 def test_a_report_holds_the_documents_of_its_parts() -> None:
-    found = log_report_by_hand.report()
-    assert found.diagnosis
-    assert found.replay
+    found: Any = log_report_by_hand.report()
     document = checked(REPORT.json(found, found.unit))
-    parts = {
-        "estimate": checked(estimate_document(found.estimate)),
-        "diagnose": checked(diagnose_document(found.diagnosis)),
-        "replay": checked(replay_document(found.replay)),
-    }
-    for name, whole in parts.items():
+    parts = (estimate_document(found.estimate), diagnose_document(found.diagnosis), replay_document(found.replay))
+    for name, whole in zip(("estimate", "diagnose", "replay"), map(checked, parts), strict=True):
         assert document[name] == {key: whole[key] for key in document[name]}
         assert "joints" in document[name]
-    assert document["settings"]["replay"] == parts["replay"]["settings"]["replay"]
+    assert document["settings"]["replay"] == whole["settings"]["replay"]
     assert [one["code"] for one in document["warnings"]] == [one.code for one in report_notices(found)]
-
-
-def test_a_report_with_parts_that_have_no_answer(seven: Estimate) -> None:
-    found = LogReport(estimate=seven, unanswered=(Unanswered(part="diagnose", message="w"),))
-    document = checked(REPORT.json(found, found.unit))
-    assert document["diagnose"] is document["replay"] is document["command"] is None
-    assert document["unanswered"] == [{"part": "diagnose", "message": "w"}]

@@ -125,8 +125,8 @@ def test_more_joints_than_fit_on_a_sheet_make_several_for_the_page_and_one_for_t
 def test_the_page_takes_figures_drawn_elsewhere() -> None:
     two = by_hand.arm(4, 2, robot="two")
     done = [draw(pickle.loads(pickle.dumps(one))) for one in drawings_of([two], {"two": ""}, ["svg"])]
-    assert [list(one.files) for one in done] == [[f"{kind}.svg"] for kind in NAMES]
-    assert all(content.startswith(b"<?xml") for one in done for content in one.files.values())
-    figures = {f"arm-1-{kind}-1": one.figure for kind, one in zip(NAMES, done, strict=True) if one.figure}
+    assert [list(files) for files, _ in done] == [[f"{kind}.svg"] for kind in NAMES]
+    assert all(content.startswith(b"<?xml") for files, _ in done for content in files.values())
+    figures = {f"arm-1-{kind}-1": figure for kind, (_, figure) in zip(NAMES, done, strict=True) if figure}
     titled = {anchor: figure._replace(title=f"drawn {anchor}") for anchor, figure in figures.items()}
     assert all(f"drawn {anchor}" in write_page(by_hand.batch(two), titled) for anchor in titled)

@@ -21,7 +21,7 @@ from friction_audit.reporting.report import Unanswered, lead_sentence, verdict_w
 from friction_audit.reporting.table import Column, Table
 from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand
 from tests.reporting.log_report_by_hand import report
-from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_log, outline, page
+from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_batch, of_log, outline, page
 
 WHY = "omnibus test: response or base holds values that are not finite"
 
@@ -59,7 +59,7 @@ def test_the_same_result_gives_the_same_page(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(page_of_log, "LOG_FIGURES", LOG_FIGURES[1:2])
     one = log_report_by_hand.cut(report(), 1)
     assert of_log(one) == of_log(one)
-    assert write_page(SMALL) == page("batch small")
+    assert of_batch(SMALL) == page("batch small")
 
 
 @pytest.mark.parametrize("place", ["text", "cell", "title", "command", "caption"])

@@ -104,12 +104,13 @@ def _draw(summary: BatchSummary, batch: Batch) -> tuple[list[str], dict[str, Fig
     for drawing, drawn in batch.processes.run(draw, drawings):
         if isinstance(drawn, Lost):
             raise AnalysisError(f"{drawing.name or drawing.anchor}: cannot be drawn: {drawn.message}")
-        for name, content in drawn.files.items():
+        files, figure = drawn
+        for name, content in files.items():
             with whole_file(batch.folder / name, overwrite=True) as draft:
                 draft.write_bytes(content)
             names.append(name)
-        if drawn.figure is not None:
-            pictures[drawing.anchor] = drawn.figure
+        if figure is not None:
+            pictures[drawing.anchor] = figure
     return sorted(names), pictures
 
 

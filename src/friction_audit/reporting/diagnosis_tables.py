@@ -56,11 +56,6 @@ class EffectRow(NamedTuple):
         unknown = {name: Coefficient(value=nan, low=nan, high=nan) for name in lost}
         return {name: unknown.get(name, number) for name, number in self.effect.parameters.items()}
 
-    @property
-    def chosen(self) -> str:
-        """In how many of the selections without one fold it was chosen; empty for contacts, which are detected."""
-        return f"{self.effect.chosen_in}/{self.effect.folds}" if self.effect.folds else ""
-
 
 def effect_rows(joints: Iterable[JointDiagnosis], which: str = "effects") -> list[EffectRow]:
     """Return the effects of joints in order, those named or with ``which`` those negligible."""
@@ -103,7 +98,10 @@ EFFECT = Record(
     Column("grade", GRADES, "size against the joint's friction", "effect.grade", on="jftp"),
     Column("folds", int, "selections without one fold of the cycles; 0 for contacts", "effect.folds"),
     Column("chosen_in", int, "those of them that chose it", "effect.chosen_in"),
-    Column("chosen", str, get="chosen", title="chosen in folds", short="folds", on=PEOPLE),
+    Column(  # nothing for contacts, which are detected
+        "chosen", str, get="effect", form=lambda one: f"{one.chosen_in}/{one.folds}" if one.folds else "",
+        title="chosen in folds", short="folds", on=PEOPLE,
+    ),
     Column(
         "parameters", {"*": float}, "values by name with the unit",
         lambda row: {name: one.value for name, one in row.known.items()}, on="j",

@@ -21,8 +21,7 @@ from friction_audit.reporting.words import NOTHING, count_of, format_date, forma
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
 DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "temperature", "not testable"
-# The strongest first.
-VERDICTS = (DRIFT, TEMPERATURE, STEADY, UNTESTED)
+VERDICTS = (DRIFT, TEMPERATURE, STEADY, UNTESTED)  # the strongest first
 TONES: Mapping[str, Tone] = {DRIFT: "alert", STEADY: "fine", TEMPERATURE: "unsure", UNTESTED: "off"}
 # What describes a coefficient over the sessions, in words.
 SHAPES = {
@@ -50,7 +49,7 @@ def describe(found: CoefficientDrift, sessions: Sequence[Session]) -> str:
     parts = [headline(found, sessions)]
     if found.shape == "too_few":  # with the reason that most sessions share
         clauses = Counter(re.split("[:;]", reason)[0] for reason in found.reasons)
-        return "; ".join(parts + [f"{why} ({count_of(n, 'session')})" for why, n in clauses.most_common(1)])
+        return "; ".join([*parts, *(f"{why} ({count_of(n, 'session')})" for why, n in clauses.most_common(1))])
     if isfinite(found.speed_ratio):
         parts.append(f"the speed of motion changed with it ({found.speed_ratio:.2g} times), compare at like speed")
     if found.within.low > 0 or found.within.high < 0:
@@ -92,13 +91,13 @@ def _step(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
     """Return a step and the sessions that it lies between: their dates, with the time if they share one, or names."""
     before, after = point.before, point.after
     change = Coefficient(value=after.value - before.value, low=after.low - before.high, high=after.high - before.low)
-    first, last = sessions[point.low - 1], sessions[point.high]
-    when = f"{format_date(first.start_s)} and {format_date(last.start_s)}"
-    if first.start_s is None or last.start_s is None:
-        when = f"{PurePath(first.path).name} and {PurePath(last.path).name}"
-    elif format_date(first.start_s) == format_date(last.start_s):
-        when = f"{format_start(first.start_s)} and {format_start(last.start_s)} UTC"
-    return f"{verb_of(change)} by {how_much(point.relative, change, unit)} between {when}"
+    both = sessions[point.low - 1], sessions[point.high]
+    when = [format_date(one.start_s) for one in both]
+    if any(one.start_s is None for one in both):
+        when = [PurePath(one.path).name for one in both]
+    elif when[0] == when[1]:
+        when = [format_start(both[0].start_s), f"{format_start(both[1].start_s)} UTC"]
+    return f"{verb_of(change)} by {how_much(point.relative, change, unit)} between {' and '.join(when)}"
 
 
 def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:

@@ -26,8 +26,7 @@ from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record
 from friction_audit.reporting.words import count_of, enumerate_words, with_unit
 
 T = TypeVar("T")
-SECTIONS = ("friction", "diagnosis", "compensator", "recording")
-"""Sections of a report that can be left out."""
+SECTIONS = ("friction", "diagnosis", "compensator", "recording")  # sections of a report that can be left out
 Step = Callable[[str], AbstractContextManager[Callable[[float], None] | None]]
 """Takes the name of a step and returns what is entered while it is under way: what takes the share done, or None."""
 

@@ -21,10 +21,8 @@ Form = Literal["j", "f", "t", "p", "n", "w"]
 Tone = Literal["", "alert", "fine", "unsure", "off"]
 Row = Any
 Get = str | Callable[[Row], Any]
-INTERVAL = "interval"
-"""Kind of a pair of bounds."""
+INTERVAL = "interval"  # kind of a pair of bounds
 PEOPLE, ALL = "tp", "jftp"
-
 SUFFIXES = {
     "N m": "nm", "N m s/rad": "nms_per_rad", "N m/rad": "nm_per_rad", "N m/s": "nm_s", "kg m²": "kg_m2", "J": "j",
     "s": "s", "rad": "rad", "rad/s": "rad_s", "Hz": "hz", "°C": "c", "W": "w", "1/K": "per_k",
@@ -32,7 +30,6 @@ SUFFIXES = {
 # Ends of the names of a coefficient's columns in files, and its fields.
 ENDS = (("", "value"), ("_low", "low"), ("_high", "high"))
 TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: "object"}
-WIDEST = 1000  # characters of a line of a terminal
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,7 +254,7 @@ class Table:
             drawn.add_row(*map(Text, (f"{first} {MARK}" if number in marked else first, *others)))
         stream = io.StringIO()
         console = Console(file=stream, highlight=False, markup=False, color_system=None)
-        roomy = console.options.update(max_width=WIDEST)
+        roomy = console.options.update(max_width=1000)
         for part in (one for one in drawn.columns if one.no_wrap):
             part.min_width = max(console.measure(cell, options=roomy).maximum for cell in (part.header, *part.cells))
         console.width = max(console.width, console.measure(drawn, options=roomy).minimum)

@@ -5,7 +5,6 @@ from itertools import pairwise, takewhile
 from textwrap import fill
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -39,8 +38,7 @@ def draw_comparison(comparison: Comparison) -> dict[str, Figure]:
 @theme.figure_style(mathematics=True)
 def draw_energies(comparison: Comparison) -> Figure:
     """Draw the net energies of all methods over time, in one panel as in the paper."""
-    rows = comparison.of_role(PAPER)
-    figure = parts.new_figure(theme.COLUMN_IN, 2.9)
+    rows, figure = comparison.of_role(PAPER), parts.new_figure(theme.COLUMN_IN, 2.9)
     axes = figure.subplots()
     parts.mark_zero(axes)
     for row in rows:
@@ -81,13 +79,10 @@ def draw_loops(comparison: Comparison) -> Figure:
 
 def _loop(row: Row, joint: int) -> tuple[Float, Float]:
     """Return velocity and torque of a joint after the second cycle, filtered as in the paper."""
-    course = row.course
-    part = course.t >= course.from_s
-    if not part.any():
-        return np.empty(0), np.empty(0)
-    t = course.t[part]
-    thin = parts.every_nth(len(t), 3000)
-    return parts.smooth(t, course.dq[part, joint])[thin], parts.smooth(t, course.interaction_nm[part, joint])[thin]
+    part = row.course.t >= row.course.from_s
+    t, thin = row.course.t[part], parts.every_nth(int(part.sum()), 3000)
+    dq, torque = (parts.smooth(t, one[part, joint])[thin] for one in (row.course.dq, row.course.interaction_nm))
+    return dq, torque
 
 
 WIDE = 8.0  # largest over smallest value from which the axis is logarithmic

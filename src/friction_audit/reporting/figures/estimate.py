@@ -1,7 +1,8 @@
 """Estimate -> the series of a joint; signals, net energy and coefficients over time, torque over velocity."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -16,38 +17,22 @@ from friction_audit.reporting.figures import style as theme
 MOST_SHADED = 80  # cycles in one panel above which stripes would only be grey
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class JointSeries:
-    """One joint's signals of shape (n,), its cycles, whose start and stop are indices into them, and its friction."""
+class JointSeries(NamedTuple):
+    """One joint's signals of shape (n,), and its cycles, whose start and stop are indices into them."""
 
     t: Float  # [s]
     dq: Float  # velocity [rad/s]
     torque: Float  # interaction torque F_m [N m]
     driving: Float  # what acts against friction and inertia: F_m and the torque of a logged compensator [N m]
     cycles: EnergyCycles
-    friction: JointFriction
-    not_determined: str  # the words for a panel without an estimate, without advice; empty if there is one
-
-
-def moved(_: Estimate, friction: JointFriction) -> bool:
-    """Return whether there is motion to draw."""
-    return friction.moving_s > 0.0 or not friction.reason
 
 
 def series_of(estimate: Estimate, friction: JointFriction) -> JointSeries:
     """Return the series of a joint."""
-    interaction = estimate.interaction
-    column = interaction.joint_numbers.index(friction.joint)
-    torque, compensation = interaction.torque[:, column], interaction.compensation
-    return JointSeries(
-        t=interaction.t,
-        dq=interaction.dq[:, column],
-        torque=torque,
-        driving=torque if compensation is None else torque + compensation[:, column],
-        cycles=estimate.cycles.of_joint(column),
-        friction=friction,
-        not_determined=f"not determined: {friction.reason.partition(';')[0]}" if friction.reason else "",
-    )
+    seen, column = estimate.interaction, estimate.interaction.joint_numbers.index(friction.joint)
+    torque = seen.torque[:, column]
+    driving = torque if seen.compensation is None else torque + seen.compensation[:, column]
+    return JointSeries(seen.t, seen.dq[:, column], torque, driving, estimate.cycles.of_joint(column))
 
 
 def shade_cycles(axes: Axes, series: JointSeries) -> None:
@@ -81,14 +66,21 @@ def _draw_signals(panels: Sequence[Axes], estimate: Estimate, friction: JointFri
         ):
             stamps, kept = parts.thin_extremes(t, values, POINTS)
             longest_s = GAP_PERIODS / parts.median_rate_hz(t) + 2 * (t[-1] - t[0]) / len(stamps)
-            whole = parts.break_at_gaps(stamps, kept, longest_s)
-            axes.plot(stamps, whole, color=colour, lw=width, label=name, rasterized=True)
+            axes.plot(
+                stamps,
+                parts.break_at_gaps(stamps, kept, longest_s),
+                color=colour,
+                lw=width,
+                label=name,
+                rasterized=True,
+            )
         axes.set_ylabel(label)
 
 
 SIGNALS = parts.Layout(
-    joints=lambda estimate: estimate.friction.joints, has=moved, lacks="did not move", draw=_draw_signals, panels=2,
-    height_in=(1.15, 1.3), head_in=0.6, x="Time [s]", shared=True,
+    joints=lambda estimate: estimate.friction.joints, lacks="did not move", draw=_draw_signals, panels=2,
+    has=lambda _, friction: friction.moving_s > 0.0 or not friction.reason, height_in=(1.15, 1.3), head_in=0.6,
+    x="Time [s]", shared=True,
 )  # fmt: skip
 
 SMALLEST_ENERGY_J = 0.01  # half height of the panel of a joint that stands still
@@ -114,7 +106,7 @@ def _draw_energy(panels: Sequence[Axes], estimate: Estimate, friction: JointFric
         borders = np.concatenate([cycles.start[:1], cycles.stop])
         dots: theme.Look = {"color": theme.BORDER, "ms": 2.0, "mew": 0, "zorder": 5, "label": "zero velocity"}
         axes.plot(series.t[borders], energy[borders], "o", **dots)
-    parts.write_message(axes, series.not_determined)
+    parts.write_reason(axes, "not determined", friction.reason)
 
 
 ENERGY = replace(
@@ -145,7 +137,8 @@ def _draw_coefficients(panels: Sequence[Axes], estimate: Estimate, friction: Joi
             axes.set_yticks([])
             fitted = friction.model in ("combined", label.partition(" ")[0].lower())
             absence = "not determined" if fitted else f"not in the {friction.model} model"
-            parts.write_message(axes, series.not_determined or absence)
+            parts.write_message(axes, "" if friction.reason else absence)
+            parts.write_reason(axes, "not determined", friction.reason)
             continue
         axes.set_ylim(*ends)
         if np.isfinite(values[0]).any():
@@ -164,8 +157,7 @@ def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple
     known = width[np.isfinite(width)]
     settled = ~(width > UNSETTLED * np.median(known)) if len(known) else np.isfinite(value)
     shown = np.concatenate([value[settled], [whole.value, whole.low, whole.high]])
-    largest = float(np.nanmax(np.abs(shown), initial=0.0))
-    smallest = max(SMALLEST_SHARE * largest, SMALLEST_RANGE)
+    smallest = max(SMALLEST_SHARE * float(np.nanmax(np.abs(shown), initial=0.0)), SMALLEST_RANGE)
     return parts.limits(shown, np.concatenate([low, high]), near=NEAR, smallest=smallest)
 
 
@@ -197,14 +189,14 @@ def _draw_loop(panels: Sequence[Axes], estimate: Estimate, friction: JointFricti
     speed = np.array([-reach, -1e-9, 1e-9, reach])
     fitted = fitted_torque(friction, speed)
     if fitted is not None:
-        centre = centre_nm(series)
+        centre = centre_nm(series, friction)
         # The numbers differ from panel to panel, so the sheet's legend cannot show them.
         label = fitted_label(friction, centre) if alone else "fitted friction"
         axes.plot(speed, fitted + centre, color=theme.FITTED, lw=1.3, zorder=4, label=label)
     axes.set_xlim(*np.array([-1.0, 1.0]) * max(SMALLEST_SPEED_RAD_S, 1.05 * reach))
     if not alone:
         axes.locator_params(axis="x", nbins=3)
-    parts.write_message(axes, series.not_determined, characters=40 if alone else 24)
+    parts.write_reason(axes, "not determined", friction.reason, characters=40 if alone else 24)
 
 
 def filtered_loop(series: JointSeries) -> tuple[Float, Float, int]:
@@ -225,19 +217,14 @@ def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
     """Return the friction torque [N m] of the whole-log estimate at velocities of shape (n,); None without estimate."""
     coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
     viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
-    torque = coulomb * np.sign(dq) + viscous * dq
-    return None if friction.reason or np.isnan(coulomb + viscous) else torque
+    return None if friction.reason or np.isnan(coulomb + viscous) else coulomb * np.sign(dq) + viscous * dq
 
 
-def centre_nm(series: JointSeries) -> float:
-    """Return the constant around which the fitted curve is drawn. [N m]
-
-    It is the median of what friction leaves while the joint moves: an offset of the torque sensor or an error of
-    gravity shifts the measured curve; friction itself has no constant.
-    """
+def centre_nm(series: JointSeries, friction: JointFriction) -> float:
+    """Return the median of what friction leaves in motion: an offset of the sensor or an error of gravity. [N m]"""
     moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
-    friction = fitted_torque(series.friction, series.dq[moving])
-    return 0.0 if friction is None else float(np.median(series.driving[moving] - friction))
+    torque = fitted_torque(friction, series.dq[moving])
+    return 0.0 if torque is None else float(np.median(series.driving[moving] - torque))
 
 
 def fitted_label(friction: JointFriction, centre: float) -> str:

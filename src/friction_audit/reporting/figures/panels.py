@@ -51,16 +51,12 @@ class Layout:
     def __call__(self, result: Any, numbers: Numbers = None) -> Figure:
         """Draw one joint at column width, or those of a sheet that have something to show; one alone is no sheet."""
         drawn, note = choose(self.joints(result), numbers, partial(self.has, result), self.lacks)
-        sheet = len(drawn) > 1
+        sheet, height = len(drawn) > 1, self.height_in
         counts = [self.panels if isinstance(self.panels, int) else self.panels(result, one, sheet) for one in drawn]
-        height = self.height_in
-        heights = [
-            (height(one, sheet) if callable(height) else height[0 if sheet else 1],) * count
-            for one, count in zip(drawn, counts, strict=True)
-        ]
-        across = (self.across or counts[0]) if sheet else 1
+        each = [height(one, sheet) if callable(height) else height[0 if sheet else 1] for one in drawn]
+        width, across = (theme.SHEET_IN, self.across or counts[0]) if sheet else (COLUMN_IN, 1)
         shared = self.shared if sheet or not self.shared else "all"
-        figure, axes = grid(sum(heights, ()), across, theme.SHEET_IN if sheet else COLUMN_IN, self.head_in, shared)
+        figure, axes = grid(np.repeat(each, counts).tolist(), across, width, self.head_in, shared)
         panels = iter(axes)
         for one, count in zip(drawn, counts, strict=True):
             self._draw_joint([next(panels) for _ in range(count)], result, one)
@@ -162,6 +158,11 @@ def write_message(axes: Axes, sentence: str, *, characters: int = 44, instead: b
     )  # fmt: skip
 
 
+def write_reason(axes: Axes, lack: str, reason: str, *, characters: int = 44) -> None:
+    """Write why a result is lacking, if there is a reason, without the advice in it."""
+    write_message(axes, reason and f"{lack}: {reason.partition(';')[0]}", characters=characters)
+
+
 def mark_zero(axes: Axes, *, x: bool = False, y: bool = True, **look: Any) -> None:
     """Draw thin lines at zero: along the x axis (``y`` = 0) and along the y axis (``x`` = 0)."""
     look = {"color": theme.MUTED, "lw": 0.4, "zorder": 1, **look}
@@ -184,7 +185,7 @@ def add_legend(figure: Figure, order: Sequence[str] = ()) -> None:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
     rest = sorted((label for label in found if label not in order), key=lambda label: isinstance(found[label], Patch))
-    labels = [label for label in order if label in found] + rest
+    labels = [*(label for label in order if label in found), *rest]
     if not labels:
         return
     longest = max(min(len(label), LONGEST_FORMULA) if "$" in label else len(label) for label in labels)

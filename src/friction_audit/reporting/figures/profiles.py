@@ -29,7 +29,7 @@ STRETCHED, WIDENING = ("speed", "displacement"), 30.0
 POINTS = 30  # stretches with equally many samples over which a fitted torque is averaged for a line
 
 
-def wave_of(effect: NamedEffect) -> OwnAxis | None:
+def _wave(effect: NamedEffect) -> OwnAxis | None:
     """Return the wave that a ripple is drawn over; what no quantity shows is not drawn over its own fitted torque."""
     return effect.own if ORDER in effect.parameters else None
 
@@ -52,7 +52,7 @@ def rows_of(joint: JointDiagnosis) -> list[Row]:
 
     rows: dict[str, Row] = {}
     for effect in joint.added:
-        own = wave_of(effect)
+        own = _wave(effect)
         row = along(effect.curve.axis) if own is None else Row(own.before, own.after, own)
         rows.setdefault(own.label if own else effect.curve.axis, row)
     found = list(rows.values())
@@ -169,11 +169,10 @@ def _draw_nothing_missing(axes: Axes, joint: JointDiagnosis) -> None:
 
 def _draw_effect(axes: Axes, joint: JointDiagnosis, effect: NamedEffect) -> None:
     """Draw the effect as the log shows it, and as it was fitted, a line for each direction."""
-    traces, own = joint.traces, wave_of(effect)
+    traces, own = joint.traces, _wave(effect)
     assert traces is not None
     parts.label_panel(axes, f"{parts.joint_title(joint.joint, joint.name)}: {plain_names(effect.name)}")
-    along = traces.along[effect.curve.axis] if own is None else own.values
-    curve = effect.curve if own is None else own.curve
+    curve, along = (own.curve, own.values) if own else (effect.curve, traces.along[effect.curve.axis])
     draw_profile(axes, curve, along, traces.dq, traces.measured - traces.after + effect.torque)
     for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, theme.DASHED, "backwards")):
         x, y = mean_along(along[which], effect.torque[which])

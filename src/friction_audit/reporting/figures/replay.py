@@ -12,12 +12,11 @@ from friction_audit.compensation.result import JointReplay, Signals
 from friction_audit.pipeline import LogReplay
 from friction_audit.reporting.figures import panels as parts
 from friction_audit.reporting.figures import style as theme
-from friction_audit.reporting.figures.estimate import MOST_SHADED
+from friction_audit.reporting.figures.estimate import MOST_SHADED, POINTS_PER_PERIOD, SMALLEST_SPEED_RAD_S
 
 POINTS = 4000  # of a curve: more than a column has pixels
 LEAST_COEFFICIENT = 0.05  # least height of the panel of the coefficients, which may all be zero [N m, N m s/rad]
 SMALLEST_TORQUE_NM = 0.5  # half height of the torque panel of a joint at rest, whose noise would fill it
-SMALLEST_SPEED_RAD_S = 0.1  # half width of the panel of a joint that stands still
 MOST_OF_WITHOUT = 3.0  # times the largest speed and torque without a compensator beyond which a diverging one is cut
 WITHOUT: dict[str, Any] = {"color": theme.FITTED, "ls": theme.DASHED}
 
@@ -41,11 +40,7 @@ def _draw_over_time(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) ->
                 axes.annotate("diverges", (end, 0.9), xycoords=("data", "axes fraction"), fontsize=6.5)
     if not narrow:
         panels[0].set_ylabel(title)
-    parts.write_message(panels[len(panels) // 2], _reason(joint), characters=44 if narrow else 30)
-
-
-def _reason(joint: JointReplay) -> str:
-    return f"not replayed: {joint.reason.partition(';')[0]}" if joint.reason else ""
+    parts.write_reason(panels[len(panels) // 2], "not replayed", joint.reason, characters=44 if narrow else 30)
 
 
 def _limit(axes: Axes, least: float, most: float) -> None:
@@ -113,7 +108,7 @@ REPLAY = parts.Layout(
 )  # fmt: skip
 
 RAW_WITHOUT = "#f6cfb0"  # as pale to FITTED as RAW is to FILTERED
-DOTS, LOOP_POINTS, POINTS_PER_PERIOD = 8000, 12_000, 10
+DOTS, LOOP_POINTS = 8000, 12_000
 
 
 def _draw_loops(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> None:
@@ -127,7 +122,7 @@ def _draw_loops(panels: Sequence[Axes], _: LogReplay, joint: JointReplay) -> Non
     axes.set_xlim(-reach, reach)
     axes.locator_params(axis="x", nbins=4)
     if shown is None or joint.history is None:
-        parts.write_message(axes, _reason(joint), characters=24)
+        parts.write_reason(axes, "not replayed", joint.reason, characters=24)
         return
     # Until the compensator has its first estimate the curve is the one without it.
     active = np.flatnonzero(shown.compensation_nm)

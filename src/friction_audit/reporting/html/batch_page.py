@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.reporting import drift as tables
@@ -16,10 +15,8 @@ from friction_audit.reporting.words import count_of, enumerate_words, joint_labe
 
 # Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
-# Joints side by side in a table of coefficients; more make another table.
-ACROSS = 7
-# Coefficients that a page lists; all of them are in the file of sessions.
-MOST_CELLS = 12_000
+ACROSS = 7  # joints side by side in a table of coefficients; more make another table
+MOST_CELLS = 12_000  # coefficients that a page lists; all of them are in the file of sessions
 WORDS = {
     "session": "One recording of one arm. Sessions are numbered from 1 in the order of their starts.",
     "reference": "The sessions that the others are compared with: a control chart's normal state.",
@@ -36,15 +33,15 @@ WORDS = {
 """What the words of the page mean."""
 
 
-def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure] | None = None) -> str:
-    """Return the page of a batch as HTML text; figures that are not given, by their anchors, are drawn here."""
+def write_page(summary: tables.BatchSummary, drawn: Mapping[str, html.Figure]) -> str:
+    """Return the page of a batch as HTML text, with figures by their anchors."""
     verdicts = tables.ARM.people(summary.arms, caption="Drift of each arm")
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
     limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
     lead = html.Text(lines=("These files gave no session. They do not affect the others.",))
     files = tables.FAILED.people(summary.failed, caption="Files that gave no session")
     failed = html.Section(anchor="failed", title="Files that failed", parts=(lead, files))
-    span, pictures = phrases.span_of(summary.sessions), _pictures(summary.arms, drawn or {})
+    span, pictures = phrases.span_of(summary.sessions), _pictures(summary.arms, drawn)
     most = max(1, MOST_CELLS // max(1, sum(len(phrases.UNITS) * max(len(arm.joints), 1) for arm in summary.arms)))
     page = html.Page(
         title="Friction over sessions",
@@ -88,9 +85,7 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, html.Figure]) -> d
     found: dict[int, tuple[html.Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
-        drawings = (one for kind in figures_of("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
-        every = (drawn.get(one.anchor) or draw(one).figure for one in drawings)
-        figures = tuple(figure for figure in every if figure is not None)
+        figures = tuple(figure for anchor, figure in drawn.items() if anchor.startswith(f"arm-{k + 1}-"))
         left -= sum(len(figure.svg) for figure in figures)
         if left < 0 and found:
             break
@@ -178,34 +173,21 @@ class Drawing:
     formats: Sequence[str] = ()  # suffixes of its files
 
 
-class Drawn(NamedTuple):
-    """Content of the files by their names, and what stands on the page, or None."""
-
-    files: Mapping[str, bytes]
-    figure: html.Figure | None
-
-
 def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: Sequence[str]) -> Iterator[Drawing]:
-    """Yield what is to be drawn of the arms that have joints; their files begin with the prefix of its name."""
+    """Yield what is to be drawn of the arms that have joints; their files begin with the prefix of its name.
+
+    More joints than fit on a sheet of paper make several on the page and one of all for the files.
+    """
     for number, arm in enumerate(arms, start=1):
         for kind in figures_of("drift"):
-            name = f"{prefixes.get(arm.robot, '')}{kind.name}"
-            match list(page_drawings(arm, f"arm-{number}", kind)):
-                case [alone]:
-                    yield replace(alone, name=name, formats=formats)
-                case [*sheets] if sheets:
-                    yield from sheets
-                    yield Drawing(kind=kind, arm=as_drawn(arm), name=name, formats=formats)
-
-
-def page_drawings(arm: ArmDrift, anchor: str, kind: FigureKind) -> Iterator[Drawing]:
-    """Yield the figures of a kind on the page; more joints than fit on a sheet of paper make several."""
-    for number, (joints, which) in enumerate(html.sheets_of(arm.joints)):
-        part, name = (
-            as_drawn(replace(arm, joints=tuple(joints))),
-            f"{anchor}-{kind.name}-{html.ON_A_SHEET * number + 1}",
-        )
-        yield Drawing(kind=kind, arm=part, anchor=name, which=which)
+            sheets, name = list(html.sheets_of(arm.joints)), f"{prefixes.get(arm.robot, '')}{kind.name}"
+            for k, (joints, which) in enumerate(sheets):
+                part = as_drawn(replace(arm, joints=tuple(joints)))
+                anchor = f"arm-{number}-{kind.name}-{html.ON_A_SHEET * k + 1}"
+                sheet = Drawing(kind=kind, arm=part, anchor=anchor, which=which)
+                yield sheet if sheets[1:] else replace(sheet, name=name, formats=formats)
+            if sheets[1:]:
+                yield Drawing(kind=kind, arm=as_drawn(arm), name=name, formats=formats)
 
 
 def as_drawn(arm: ArmDrift) -> ArmDrift:
@@ -218,8 +200,8 @@ def as_drawn(arm: ArmDrift) -> ArmDrift:
     return replace(arm, sessions=tuple(bare))
 
 
-def draw(drawing: Drawing) -> Drawn:
-    """Draw a figure, and save it in all its forms."""
+def draw(drawing: Drawing) -> tuple[dict[str, bytes], html.Figure | None]:
+    """Draw a figure; return the content of its files by their names, and what stands on the page."""
     from friction_audit.reporting.figures.style import figure_bytes
 
     kind, arm = drawing.kind, drawing.arm
@@ -229,9 +211,9 @@ def draw(drawing: Drawing) -> Drawn:
         files[f"{drawing.name}.{suffix}"] = figure_bytes(figure, suffix)
         figure.set_layout_engine("none")  # it has its place now; finding it takes half of the time
     if not drawing.anchor:
-        return Drawn(files, None)
+        return files, None
     joints = ((joint_label(one.joint, one.name), phrases.joint_sentence(arm, one)) for one in arm.joints)
     every = "; ".join(f"joint {label}: {sentence}" for label, sentence in joints)
     words = f"{kind.title}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {every}."
     title = f"{kind.title}{drawing.which}"
-    return Drawn(files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words))
+    return files, html.draw_inline(figure, drawing.anchor, title=title, caption=kind.caption, description=words)
