@@ -27,10 +27,6 @@ _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
 
 
-class TooLargeError(InputError):
-    """A log does not fit into memory; a part of it may."""
-
-
 def refuse_too_large(path: Path, needed: int, packed: int) -> None:
     """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later."""
     refuse_bomb(path, needed, packed)
@@ -39,7 +35,7 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
     except (AttributeError, ValueError, OSError):  # Windows does not hand out more memory than it has
         return
     if needed > memory:
-        raise TooLargeError(
+        raise InputError(
             f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
             f"memory here; {TAKE_A_PART}"
         )
