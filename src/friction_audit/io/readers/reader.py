@@ -102,6 +102,7 @@ class ReadOptions:
     partial: ClassVar[bool] = False
     hashed: ClassVar[bool] = True
     in_blocks: ClassVar[bool] = False
+    largest_whole: ClassVar[float] = inf  # what is read whole although a part is asked for, if that is less [byte]
 
     @classmethod
     def of(cls, other: "ReadOptions", **changed: Any) -> Self:  # noqa: ANN401
@@ -136,7 +137,7 @@ class ReadOptions:
 
     def reads_part(self, whole_bytes: float) -> bool:
         """Return True if a reader leaves out what lies outside the part: the log is large and a part is asked for."""
-        return self.has_window and whole_bytes > WHOLE_BYTES
+        return self.has_window and whole_bytes > min(WHOLE_BYTES, self.largest_whole)
 
     def window_of_clock(self) -> tuple[float, float]:
         """Return what a reader has to read, margins included, in seconds since the first sample on the log's clock."""
@@ -149,10 +150,7 @@ class FirstLook(ReadOptions):
     """Options with which the part asked for is read alone, of a log of any size, without the hash of the file."""
 
     hashed = False
-
-    def reads_part(self, whole_bytes: float) -> bool:  # noqa: ARG002
-        """Return True if a part is asked for."""
-        return self.has_window
+    largest_whole = -1.0
 
 
 class OneOfSeveral(ReadOptions):
