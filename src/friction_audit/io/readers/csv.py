@@ -112,10 +112,11 @@ class CsvTable(Table):
             kept = block
             if is_last:
                 kept, self._cut = self._dialect.without_cut_line(block, line, self._kinds)
-            columns = _parse(self._dialect, kept, kinds) if kept.strip() else None
+            is_blank = not kept or kept.isspace()
+            columns = None if is_blank else _parse(self._dialect, kept, kinds)
             if time is None and (columns is None or self._cut is not None):
                 raise WholeLogError
-            if not kept.strip():
+            if is_blank:
                 continue
             self._lines += kept.count(b"\n")
             columns = columns or self._by_line(kept, line)
