@@ -100,7 +100,7 @@ def test_the_estimate_is_the_same(
 
 
 def assert_same_log(
-    path: Path, own: dict[str, Any], settings: AuditSettings | None = None, **loose: int
+    path: Path, own: dict[str, Any], settings: AuditSettings | None = None, **loose: Any
 ) -> LogInBlocks:
     """Compare what is read in blocks with what is read at once, and their estimates."""
     settings = settings or AuditSettings(t_start_s=own.get("t_start_s"), t_stop_s=own.get("t_end_s"))

@@ -117,7 +117,7 @@ def test_lists_that_begin_empty(tmp_path: Path) -> None:
 def test_stamps_of_any_unit_and_single_precision(tmp_path: Path, unit: str) -> None:
     time: Any = np.arange(300)
     if unit != "integer ms":
-        time = pd.to_datetime(1_700_000_000_000 + time, unit="ms").as_unit(unit)  # type: ignore[arg-type]
+        time = pd.to_datetime(1_700_000_000_000 + time, unit="ms").as_unit(unit)
     tidy_frame(300).astype("float32").assign(time=time).to_parquet(tmp_path / "run.parquet")
     log = read_log(tmp_path / "run.parquet")
     assert log.q.dtype == np.float64

@@ -13,18 +13,7 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.csv_lines import (
-    PEEK_BYTES,
-    Dialect,
-    blocks_of_lines,
-    count_lines,
-    open_table,
-    separator_of,
-    sniff_csv,
-    split_line,
-    value_of,
-    without_cut_line,
-)
+from friction_audit.io.readers.csv_lines import Dialect, recognises, sniff_csv, split_line, value_of
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, part_in_blocks, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, to_clock
@@ -38,22 +27,8 @@ _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
 _SLOWER = 4  # times as long as numbers take in other files, so that smaller tables are not read twice
 _COUNTED_BYTES = 256 << 20  # lines of a larger file are not counted where it is only listed: that takes seconds
 
+__all__ = ["read", "recognises", "topics"]
 Block = dict[int, NDArray[Any]]  # position of a column -> its numbers or words
-
-
-def recognises(path: Path) -> bool:
-    """Return True if the file is text whose first line has at least two fields; never raises."""
-    try:
-        with open_table(path) as stream:
-            head = stream.read(PEEK_BYTES)
-    except OSError:
-        return False
-    except InputError:  # compressed, and damaged: reading it says so
-        return True
-    text = head.decode("utf-8-sig", errors="ignore")
-    line = next((line for line in text.splitlines() if line.strip()), "")
-    printable = b"\0" not in head and len(text.encode()) > 0.95 * len(head) - 3
-    return printable and not line.lstrip().startswith(("{", "<")) and len(split_line(line, separator_of(line))) > 1
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
@@ -64,7 +39,7 @@ def read(path: Path, options: ReadOptions) -> Recording:
             f"{path}: no header: line 1 holds {dialect.width} numbers; expected names of columns; say which column is "
             "what by its number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
         )
-    table = CsvTable(path, dialect)
+    table = CsvTable(dialect)
     recording = read_table(table, options)
     return _check_libfranka(recording, path, options) if table.is_libfranka else recording
 
@@ -72,8 +47,8 @@ def read(path: Path, options: ReadOptions) -> Recording:
 class CsvTable(Table):
     """A text table, parsed by Arrow in blocks of whole lines, and line by line where a block has a fault."""
 
-    def __init__(self, path: Path, dialect: Dialect) -> None:
-        super().__init__(path, dialect.names[: dialect.width])
+    def __init__(self, dialect: Dialect) -> None:
+        super().__init__(dialect.path, dialect.names[: dialect.width])
         self._dialect = dialect
         second = dialect.names[1].strip().lower() if len(dialect.names) > 1 else ""
         self.is_libfranka = second in ("success rate", "success_rate")
@@ -102,7 +77,7 @@ class CsvTable(Table):
         # The first row of libfranka may hold no numbers.
         plain = columns.joint is None and kind is not str and not self.is_libfranka
         if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
-            rows = count_lines(self.path, dialect)
+            rows = dialect.count_lines()
             return part_in_blocks(columns, unit, rows, partial(self._pieces, rows), path)
         part = _PartOfClock(options, unit, path) if options.reads_part(8 * rows * len(self._kinds)) else None
         if part is None:
@@ -133,14 +108,15 @@ class CsvTable(Table):
 
     def _blocks(self, kinds: Mapping[int, Any], time: TimeColumn | None) -> Iterator[Block]:
         """Yield columns of whole lines, dates in nanoseconds; without a clock WholeLogError if a line has a fault."""
-        for line, block, is_last in blocks_of_lines(self.path, self._dialect):
+        for line, block, is_last in self._dialect.blocks():
             kept = block
             if is_last:
-                kept, self._cut = without_cut_line(self._dialect, block, line, self._kinds)
-            columns = _parse(self._dialect, kept, kinds) if kept.strip() else None
+                kept, self._cut = self._dialect.without_cut_line(block, line, self._kinds)
+            is_blank = not kept or kept.isspace()
+            columns = None if is_blank else _parse(self._dialect, kept, kinds)
             if time is None and (columns is None or self._cut is not None):
                 raise WholeLogError
-            if not kept.strip():
+            if is_blank:
                 continue
             self._lines += kept.count(b"\n")
             columns = columns or self._by_line(kept, line)
@@ -326,5 +302,5 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the one table of a text file."""
     dialect = sniff_csv(path)
-    rows = count_lines(path, dialect) if dialect.size <= _COUNTED_BYTES else None
+    rows = dialect.count_lines() if dialect.size <= _COUNTED_BYTES else None
     return (Topic(name=path.name, type=f"table of {dialect.width} columns", messages=rows, readable=True),)

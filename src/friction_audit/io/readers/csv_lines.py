@@ -60,15 +60,16 @@ class _Unpacked(io.RawIOBase):
 
 _FEWEST_LINES = 4
 _LOOK = 20
-PEEK_BYTES = 4096
+_PEEK_BYTES = 4096
 _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
             "1.#qnan", "-1.#qnan", "1.#ind"}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Dialect:
-    """How a text table is written."""
+    """A text table, and how it is written."""
 
+    path: Path
     separator: str  # ",", ";", tab, or " " for any blanks
     decimal: str  # sign between units and tenths
     names: tuple[str, ...]  # names of the columns as they stand; #1, #2... where the file has no header
@@ -78,6 +79,51 @@ class Dialect:
     line: int  # number of the line there, counted from 1
     size: int  # bytes of the file; what a logger appends later is not read
     rows: tuple[tuple[str, ...], ...]  # the fields of the first lines of numbers
+
+    def blocks(self) -> Iterator[tuple[int, bytes, bool]]:
+        """Yield (number of the first line, whole lines, is it the end of the file)."""
+        line, rest = self.line, b""
+        for chunk, following in pairwise(chain(self._chunks(), [b""])):
+            block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
+            yield line, block + newline, not following
+            line, rest = line + block.count(b"\n") + len(newline), tail
+
+    def _chunks(self) -> Iterator[bytes]:
+        """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
+        with open_table(self.path) as stream:
+            stream.read(self.offset)
+            left = self.size - self.offset
+            while chunk := stream.read(min(_BLOCK_BYTES, left)):
+                left -= len(chunk)
+                yield chunk
+
+    def count_lines(self) -> int:
+        """Return the number of rows, blank lines included."""
+        count, chunk = 0, b""
+        for chunk in self._chunks():
+            count += int(np.count_nonzero(np.frombuffer(chunk, dtype=np.uint8) == ord("\n")))
+        return count + (chunk[-1:] != b"\n")
+
+    def without_cut_line(self, block: bytes, line: int, kinds: Mapping[int, Any]) -> tuple[bytes, Finding | None]:
+        """Leave out a last line that was not finished; NUL bytes are what a power cut leaves."""
+        text = block.rstrip(b"\0")
+        body = text.rstrip(b"\r\n")
+        before, newline, last = body.rpartition(b"\n")
+        fields = split_line(last.decode(errors="replace"), self.separator)
+        is_short, found = True, f"{len(fields)} of {self.width} fields"
+        if len(fields) == self.width:
+            wrong = next((fields[c] for c in kinds if value_of(fields[c], kinds[c], self.decimal) is None), None)
+            found = "" if wrong is None else f"{wrong!r} where a number belongs"
+            if not found and body == text and newline and self.width - 1 in kinds:
+                lines = before.decode(errors="replace").splitlines()[-_LOOK:]
+                ends = [len(text.strip().rpartition(self.separator)[2]) for text in lines]
+                is_short = len(fields[-1]) < min(ends, default=0)
+                found = f"it has no line feed, and {fields[-1].strip()} may lack digits"
+        if not found or not last.strip():
+            return body + b"\n", None
+        number = line + before.count(b"\n") + len(newline)
+        message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
+        return before + newline, Finding(code="truncated", message=message, amount=1.0, damaged=is_short)
 
 
 def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401
@@ -140,6 +186,7 @@ def sniff_csv(path: Path) -> Dialect:
             f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm in motion"
         )
     return Dialect(
+        path=path,
         separator=separator,
         decimal="," if separator == ";" and any("," in field for row in rows for field in row) else ".",
         names=names,
@@ -152,6 +199,21 @@ def sniff_csv(path: Path) -> Dialect:
     )
 
 
+def recognises(path: Path) -> bool:
+    """Return True if the file is text whose first line has at least two fields; never raises."""
+    try:
+        with open_table(path) as stream:
+            head = stream.read(_PEEK_BYTES)
+    except OSError:
+        return False
+    except InputError:  # compressed, and damaged: reading it says so
+        return True
+    text = head.decode("utf-8-sig", errors="ignore")
+    line = next((line for line in text.splitlines() if line.strip()), "")
+    printable = b"\0" not in head and len(text.encode()) > 0.95 * len(head) - 3
+    return printable and not line.lstrip().startswith(("{", "<")) and len(split_line(line, separator_of(line))) > 1
+
+
 def _refuse_no_text(path: Path, head: bytes) -> None:
     """Refuse other files than text in UTF-8 or a kin of ASCII, with lines that end as everywhere."""
     kinds = {
@@ -159,7 +221,7 @@ def _refuse_no_text(path: Path, head: bytes) -> None:
         "text in UTF-16": head.startswith((b"\xff\xfe", b"\xfe\xff")),
         "nothing but zero bytes": head and not head.strip(b"\0"),
         # At the end they are what a power cut leaves.
-        f"no text (it begins with the bytes {head[:8].hex(' ')})": b"\0" in head.rstrip(b"\0")[:PEEK_BYTES],
+        f"no text (it begins with the bytes {head[:8].hex(' ')})": b"\0" in head.rstrip(b"\0")[:_PEEK_BYTES],
         "text whose lines end in a carriage return alone": b"\r" in head and b"\n" not in head,
     }
     found = next((kind for kind, is_so in kinds.items() if is_so), "")
@@ -185,54 +247,3 @@ def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...]
             f"{path}: line {line} has {width} fields; expected {len(names)} as in the header; repair the header"
         )
     return width if len(rows) > 1 else len(names)
-
-
-def blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
-    """Yield (number of the first line, whole lines, is it the end of the file)."""
-    line, rest = dialect.line, b""
-    for chunk, following in pairwise(chain(_chunks(path, dialect), [b""])):
-        block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
-        yield line, block + newline, not following
-        line, rest = line + block.count(b"\n") + len(newline), tail
-
-
-def _chunks(path: Path, dialect: Dialect) -> Iterator[bytes]:
-    """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
-    with open_table(path) as stream:
-        stream.read(dialect.offset)
-        left = dialect.size - dialect.offset
-        while chunk := stream.read(min(_BLOCK_BYTES, left)):
-            left -= len(chunk)
-            yield chunk
-
-
-def count_lines(path: Path, dialect: Dialect) -> int:
-    """Return the number of rows, blank lines included."""
-    count, chunk = 0, b""
-    for chunk in _chunks(path, dialect):
-        count += int(np.count_nonzero(np.frombuffer(chunk, dtype=np.uint8) == ord("\n")))
-    return count + (chunk[-1:] != b"\n")
-
-
-def without_cut_line(
-    dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]
-) -> tuple[bytes, Finding | None]:
-    """Leave out a last line that was not finished; NUL bytes are what a power cut leaves."""
-    text = block.rstrip(b"\0")
-    body = text.rstrip(b"\r\n")
-    before, newline, last = body.rpartition(b"\n")
-    fields = split_line(last.decode(errors="replace"), dialect.separator)
-    is_short, found = True, f"{len(fields)} of {dialect.width} fields"
-    if len(fields) == dialect.width:
-        wrong = next((fields[c] for c in kinds if value_of(fields[c], kinds[c], dialect.decimal) is None), None)
-        found = "" if wrong is None else f"{wrong!r} where a number belongs"
-        if not found and body == text and newline and dialect.width - 1 in kinds:
-            lines = before.decode(errors="replace").splitlines()[-_LOOK:]
-            ends = [len(text.strip().rpartition(dialect.separator)[2]) for text in lines]
-            is_short = len(fields[-1]) < min(ends, default=0)
-            found = f"it has no line feed, and {fields[-1].strip()} may lack digits"
-    if not found or not last.strip():
-        return body + b"\n", None
-    number = line + before.count(b"\n") + len(newline)
-    message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
-    return before + newline, Finding(code="truncated", message=message, amount=1.0, damaged=is_short)

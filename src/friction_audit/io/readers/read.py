@@ -22,15 +22,7 @@ from friction_audit.io.files import DATA_SET, Stamp, sha256_of, stamp_of, starts
 from friction_audit.io.readers.arrays import ArrayTable, arrays_of_frame
 from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.join import join_recordings
-from friction_audit.io.readers.reader import (
-    TAKE_A_PART,
-    OneOfSeveral,
-    Reader,
-    ReadOptions,
-    TooLargeError,
-    Topic,
-    refuse_lfs_pointer,
-)
+from friction_audit.io.readers.reader import TAKE_A_PART, OneOfSeveral, Reader, ReadOptions, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
 from friction_audit.io.recording import DERIVATIVE, Recording, WholeLogError, with_velocity
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source
@@ -97,7 +89,7 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
         except OSError as error:
             raise _unreadable(at[0], error) from error
         except MemoryError as error:
-            raise TooLargeError(
+            raise InputError(
                 f"{at[0]}: not enough memory to read a file of {at[1].size} bytes; {TAKE_A_PART}"
             ) from error
         except InputError as error:

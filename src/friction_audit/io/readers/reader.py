@@ -27,10 +27,6 @@ _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
 
 
-class TooLargeError(InputError):
-    """A log does not fit into memory; a part of it may."""
-
-
 def refuse_too_large(path: Path, needed: int, packed: int) -> None:
     """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later."""
     refuse_bomb(path, needed, packed)
@@ -39,7 +35,7 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
     except (AttributeError, ValueError, OSError):  # Windows does not hand out more memory than it has
         return
     if needed > memory:
-        raise TooLargeError(
+        raise InputError(
             f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
             f"memory here; {TAKE_A_PART}"
         )
@@ -106,6 +102,7 @@ class ReadOptions:
     partial: ClassVar[bool] = False
     hashed: ClassVar[bool] = True
     in_blocks: ClassVar[bool] = False
+    largest_whole: ClassVar[float] = inf  # what is read whole although a part is asked for, if that is less [byte]
 
     @classmethod
     def of(cls, other: "ReadOptions", **changed: Any) -> Self:  # noqa: ANN401
@@ -140,7 +137,7 @@ class ReadOptions:
 
     def reads_part(self, whole_bytes: float) -> bool:
         """Return True if a reader leaves out what lies outside the part: the log is large and a part is asked for."""
-        return self.has_window and whole_bytes > WHOLE_BYTES
+        return self.has_window and whole_bytes > min(WHOLE_BYTES, self.largest_whole)
 
     def window_of_clock(self) -> tuple[float, float]:
         """Return what a reader has to read, margins included, in seconds since the first sample on the log's clock."""
@@ -153,10 +150,7 @@ class FirstLook(ReadOptions):
     """Options with which the part asked for is read alone, of a log of any size, without the hash of the file."""
 
     hashed = False
-
-    def reads_part(self, whole_bytes: float) -> bool:  # noqa: ARG002
-        """Return True if a part is asked for."""
-        return self.has_window
+    largest_whole = -1.0
 
 
 class OneOfSeveral(ReadOptions):

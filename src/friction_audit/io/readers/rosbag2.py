@@ -13,7 +13,7 @@ from friction_audit.io.files import METADATA, STORAGES, starts_with
 from friction_audit.io.readers.mcap import MAGIC, McapStream
 from friction_audit.io.readers.message_stream import MOST_TIMES_PACKED, Block, Damage, MessageStream, Window, bound_of
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream, copy_of_cut
+from friction_audit.io.readers.rosbag2_sqlite import SQLITE_MAGIC, Sqlite3Stream
 
 _COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _STORAGE_NAMES = tuple(suffix + packed for suffix in STORAGES for packed in ("", *_COMPRESSED_SUFFIXES))
@@ -67,9 +67,8 @@ def _opened(path: Path) -> Iterator[MessageStream]:
             file = _decompress_file(packed, folder) if folder and packed in compressed else packed
             is_sqlite = starts_with(file, SQLITE_MAGIC)
             is_mcap = starts_with(file, MAGIC) or (file.suffix == ".mcap" and not is_sqlite)
-            copy = None if is_mcap else copy_of_cut(file, stack)
-            streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file, copy))
-            is_lasting &= file is packed and copy is None
+            streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file))
+            is_lasting &= file is packed
         stream = Rosbag2Stream(path, streams, metadata)
         stream.is_lasting = is_lasting
         yield stream

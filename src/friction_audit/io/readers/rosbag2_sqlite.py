@@ -1,21 +1,17 @@
 """The sqlite3 storage of a ROS 2 bag, also where pages are broken or cut off.
 
-Of a file that is cut off a copy is made that SQLite opens, with the tree of the messages' table made anew; for the
-layout of pages and records see https://www.sqlite.org/fileformat2.html.
+Of a file that is cut off, the messages on its leaf pages are read without SQLite, which would look for the pages above;
+for the layout of pages and records see https://www.sqlite.org/fileformat2.html.
 """
 
 import re
-import shutil
 import sqlite3
 import struct
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, suppress
-from functools import reduce
-from io import SEEK_END
-from itertools import count, islice, pairwise
+from contextlib import closing, suppress
+from itertools import islice, pairwise
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, BinaryIO
 
 from friction_audit.errors import InputError
@@ -31,101 +27,89 @@ from friction_audit.io.readers.message_stream import (
 )
 
 SQLITE_MAGIC = b"SQLite format 3\x00"
-HEADER_BYTES, LARGEST_PAGE = 100, 65_536
-_PAGES = slice(28, 32)
-_LOCK_BYTE = 1 << 30  # its page is never used
+_HEADER_BYTES, _LARGEST_PAGE = 100, 65_536
 _VARINT = rb"[\x80-\xff]{0,7}[\0-\x7f]"
 # Length and id of a message, length of its header, type of the id, of topic_id and timestamp, and of the data.
-_MESSAGE = re.compile(_VARINT + b"(" + _VARINT + rb")[\x05-\x0c]\0[\1-\6\x08\x09]{2}" + _VARINT, re.DOTALL)
+_MESSAGE = re.compile(
+    b"(%b)(%b)([\x05-\x0c])\\0([\1-\6\x08\x09])([\1-\6\x08\x09])(%b)" % (_VARINT, _VARINT, _VARINT), re.DOTALL
+)
+_INTEGERS = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}  # type of an integer -> its bytes; 8 means 0, 9 means 1
 
 
-def stated_bytes(header: bytes) -> int:
-    """Return how long an SQLite file is by its header, 0 if the header does not say."""
+class _Cut:
+    """A database that is cut off: the messages on its leaf pages."""
+
+    def __init__(self, path: Path, header: bytes) -> None:
+        self._path, self._size = path, _page_bytes(header)
+        self._usable, self._pages = self._size - header[20], path.stat().st_size // self._size
+        with open_log(path) as file:
+            self._leaves = list(self._find_leaves(file, int.from_bytes(header[32:36], "big")))
+
+    def messages(self) -> Iterator[tuple[int, int, bytes]]:
+        """Yield topic, time stamp and content."""
+        with open_log(self._path) as file:
+            for page in (self._page(file, number) for number in self._leaves):
+                yield from (found for cell in _messages_on(page) if (found := self._message(file, page, cell)))
+
+    def _message(self, file: BinaryIO, page: bytes, cell: re.Match[bytes]) -> tuple[int, int, bytes] | None:
+        record, first = self._record(file, page, cell), cell[3][0]
+        second = first + _INTEGERS[cell[4][0]]
+        third = second + _INTEGERS[cell[5][0]]
+        if not len(record) == _number(cell[1]) == third + (_number(cell[6]) - 12) // 2:
+            return None
+        topic = int.from_bytes(record[first:second], "big", signed=True) + (cell[4] == b"\x09")
+        return topic, int.from_bytes(record[second:third], "big", signed=True), record[third:]
+
+    def _page(self, file: BinaryIO, number: int) -> bytes:
+        file.seek(max(number - 1, 0) * self._size)
+        return file.read(self._size) if 0 < number <= self._pages else b""
+
+    def _find_leaves(self, file: BinaryIO, trunk: int) -> Iterator[int]:
+        """Yield the leaf pages of the table of messages in the order of ids, without free pages: deleted messages."""
+        free = set[int]()
+        while 0 < trunk <= self._pages and trunk not in free:
+            free.add(trunk)
+            trunk, listed, *numbers = struct.unpack(f">{self._size // 4}I", self._page(file, trunk))
+            free.update(numbers[:listed])
+        pages = ((number, _messages_on(self._page(file, number))) for number in range(1, self._pages + 1))
+        ids = [([_number(cell[2]) for cell in cells], number) for number, cells in pages if number not in free]
+        sound = [(own[-1], own[0], n) for own, n in ids if own and all(one < other for one, other in pairwise(own))]
+        before = -1
+        for last, first, number in sorted(sound):  # by last ids, so that a page with wrong ids displaces one at most
+            if first > before:
+                before = last
+                yield number
+
+    def _record(self, file: BinaryIO, page: bytes, cell: re.Match[bytes]) -> bytes:
+        """Return a record, of which a page may hold the beginning; what is cut off is missing."""
+        size, start, most, room = _number(cell[1]), cell.end(2), self._usable - 35, self._usable - 4
+        least = (self._usable - 12) * 32 // 255 - 23
+        local = least + (size - least) % room if size > most else size
+        local = local if local <= most else least
+        record, following = page[start : start + local], page[start + local : start + local + 4]
+        for _ in range(-(-(min(size, _LARGEST_MESSAGE) - local) // room)):
+            more = self._page(file, int.from_bytes(following, "big"))
+            record, following = record + more[4 : self._usable], more[:4]
+        return record[:size]
+
+
+def _page_bytes(header: bytes) -> int:
     page = int.from_bytes(header[16:18], "big")
-    stated = len(header) == HEADER_BYTES and header[24:28] == header[92:96]
-    return (LARGEST_PAGE if page == 1 else page) * int.from_bytes(header[_PAGES], "big") if stated else 0
+    return _LARGEST_PAGE if page == 1 else page
 
 
-def copy_of_cut(path: Path, stack: ExitStack) -> Path | None:
-    """Return a copy of a database that is cut off, its header corrected; None if whole.
-
-    SQLite refuses a file that is shorter than its header says; of the copy it refuses the missing pages alone.
-    """
-    with open_log(path) as file:
-        header = file.read(HEADER_BYTES)
-    size, stated = path.stat().st_size, stated_bytes(header)
-    if not header.startswith(SQLITE_MAGIC) or size >= stated:
-        return None
-    page = stated // int.from_bytes(header[_PAGES], "big")
-    copy = Path(stack.enter_context(TemporaryDirectory())) / path.name
-    try:
-        shutil.copyfile(path, copy)
-        with copy.open("r+b") as file:
-            file.truncate(size // page * page)
-            file.seek(_PAGES.start)
-            file.write(bytes(4))  # SQLite then goes by the size of the file
-    except OSError as error:
-        raise InputError(
-            f"{path}: is cut off, and there is no room in {copy.parent} for the copy from which it is saved "
-            f"({error.strerror}); set TMPDIR to a larger place"
-        ) from error
-    return copy
+def _number(varint: bytes) -> int:
+    number = 0
+    for byte in varint:
+        number = number << 7 | byte & 0x7F
+    return number
 
 
-def rebuild_tree(file: BinaryIO, header: bytes, root: int) -> None:
-    """Write the interior pages of the table of messages anew, over those of its leaf pages that are there.
-
-    SQLite begins an interior page when there are hundreds of leaf pages already, so that it may lie after the cut.
-    """
-    size = stated_bytes(header) // int.from_bytes(header[_PAGES], "big")
-    pages = file.seek(0, SEEK_END) // size
-    usable = size - header[20]
-    most = (usable - 12) // (12 + 2)  # a header, and for each cell its place of two bytes
-    level = _leaves(file, size, pages, root, int.from_bytes(header[32:36], "big"))
-    spare = (number for number in count(pages + 1) if number != _LOCK_BYTE // size + 1)
-    while len(level) > 1:
-        groups, parents = -(-len(level) // most), []
-        for begin, end in pairwise([len(level) * group // groups for group in range(groups + 1)]):
-            *left, (last, right) = level[begin:end]
-            keys = ([key >> shift & 0x7F | (shift > 0) << 7 for shift in range(49, -1, -7)] for key, _ in left)
-            cells = b"".join(struct.pack(">I8B", child, *key) for (_, child), key in zip(left, keys, strict=True))
-            start = usable - len(cells)
-            head = struct.pack(f">BHHHBI{len(left)}H", 5, 0, len(left), start, 0, right, *range(start, usable, 12))
-            parents.append((last, root if groups == 1 else next(spare)))
-            file.seek((parents[-1][1] - 1) * size)
-            file.write((head.ljust(start, b"\0") + cells).ljust(size, b"\0"))
-        level = parents
-
-
-def _leaves(file: BinaryIO, size: int, pages: int, root: int, trunk: int) -> list[tuple[int, int]]:
-    """Return the last id and the number of each leaf page of the table of messages, unless the root is one."""
-
-    def page(number: int) -> bytes:
-        file.seek((number - 1) * size)
-        return file.read(size)
-
-    if not 1 < root <= pages or _ids_on(page(root)):
-        return []
-    free: set[int] = set()
-    while 0 < trunk <= pages and trunk not in free:  # the list of free pages, which may hold deleted messages
-        free.add(trunk)
-        trunk, listed, *numbers = struct.unpack(f">{size // 4}I", page(trunk))
-        free.update(number for number in numbers[:listed] if number <= pages)
-    found = ((*ids, number) for number in range(1, pages + 1) if number not in free and (ids := _ids_on(page(number))))
-    leaves = [(-1, 0)]
-    for last, first, number in sorted(found):  # by their last id, so that a page with wrong ids displaces one at most
-        if first > leaves[-1][0]:
-            leaves.append((last, number))
-    return leaves[1:]
-
-
-def _ids_on(page: bytes) -> tuple[int, int] | None:
-    """Return the last and the first id on a leaf page of messages; None if it is another, or a cell is no message."""
+def _messages_on(page: bytes) -> list[re.Match[bytes]]:
+    """Return the cells of a leaf page of messages; none if it is another, or a cell is no message."""
     places = page[8 : 8 + 2 * int.from_bytes(page[3:5], "big")] if page.startswith(b"\x0d") else b""
     cells = [_MESSAGE.match(page, place) for (place,) in struct.iter_unpack(">H", places)]
-    ids = [reduce(lambda number, byte: number << 7 | byte & 0x7F, cell[1], 0) for cell in cells if cell]
-    sound = 0 < len(ids) == len(cells) and all(first < second for first, second in pairwise(ids))
-    return (ids[-1], ids[0]) if sound else None
+    return [cell for cell in cells if cell] if all(cells) else []
 
 
 # What sqlite3 raises on a broken database; the second where the name of a broken thing is part of the message.
@@ -143,20 +127,18 @@ Row = tuple[int, int, bytes]  # id, time stamp and content of a message
 class Sqlite3Stream(MessageStream):
     """The messages in one sqlite3 storage file."""
 
-    def __init__(self, path: Path, database: Path | None = None) -> None:
-        """Read topics, definitions and message counts; ``database`` is a copy that can be opened of a cut-off file."""
+    def __init__(self, path: Path) -> None:
+        """Read topics, definitions and message counts."""
         super().__init__(path)
-        self._database = database or path
         self._last_sound = _LAST_ID
         with open_log(path, SQLITE_MAGIC, "an SQLite file") as file:
-            header = SQLITE_MAGIC + file.read(HEADER_BYTES - len(SQLITE_MAGIC))
-        if database is not None:
-            self._note(self._bytes, "the file is cut off there", stated_bytes(header))
+            header = SQLITE_MAGIC + file.read(_HEADER_BYTES - len(SQLITE_MAGIC))
+        is_stated = len(header) == _HEADER_BYTES and header[24:28] == header[92:96]
+        whole = _page_bytes(header) * int.from_bytes(header[28:32], "big") if is_stated else 0
+        self._cut = _Cut(path, header) if self._bytes < whole else None
+        if self._cut is not None:
+            self._note(self._bytes, "the file is cut off there", whole)
         try:
-            if database is not None:
-                query = "SELECT CAST(rootpage AS INTEGER) FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
-                with closing(self._connect()) as opened, database.open("r+b") as file:
-                    rebuild_tree(file, header, *(opened.execute(query).fetchone() or (0,)))
             with closing(self._connect()) as opened:
                 self.connections = self._read_connections(opened)
         except _DATABASE_ERRORS as error:
@@ -166,13 +148,13 @@ class Sqlite3Stream(MessageStream):
         """Yield the messages of some topics, one topic after the other."""
         try:
             with closing(self._connect()) as database:
-                if self._database != self._path:
-                    window = None  # where a file is cut off, its index is broken too
-                ids = (0, _LAST_ID) if window is None else _ids_in(database, window)
+                # Where a file is cut off, its index is broken too.
+                ids = (0, _LAST_ID) if window is None or self._cut else _ids_in(database, window)
                 for key in keys:
-                    for rows in self._rows(database, key, *ids):
-                        if (block := self._block(key, rows)) is not None:
-                            yield block
+                    found = self._cut.messages() if self._cut else ()
+                    cut = _in_lots((0, time, data) for topic, time, data in found if topic == key)
+                    lots = cut if self._cut else self._rows(database, key, *ids)
+                    yield from (block for rows in lots if (block := self._block(key, rows)) is not None)
         except _DATABASE_ERRORS as error:
             raise self._broken(error) from error
 
@@ -186,9 +168,7 @@ class Sqlite3Stream(MessageStream):
                 first = rows[-1][0] + 1
         except _DATABASE_ERRORS:
             walk = self._walk(database, "timestamp, CASE topic_id WHEN ? THEN data END", first, last, key)
-            found = ((row, time, data) for row, topic, time, data in walk if topic == key)
-            while rows := list(islice(found, _MESSAGES_PER_BLOCK)):
-                yield rows
+            yield from _in_lots((row, time, data) for row, topic, time, data in walk if topic == key)
 
     def _walk(
         self, database: sqlite3.Connection, columns: str, at: int, last: int, *values: object
@@ -205,8 +185,7 @@ class Sqlite3Stream(MessageStream):
                     at, broken = row[0] + 1, 0
             except _DATABASE_ERRORS as error:
                 at, broken = at + 1, broken + 1
-                if self._database == self._path:
-                    self._note(None, f"{error}; the messages on whole pages were read")
+                self._note(None, f"{error}; the messages on whole pages were read")
             else:
                 return
         self._last_sound = at - broken - 1
@@ -225,10 +204,12 @@ class Sqlite3Stream(MessageStream):
         """Open without writing any file next to it, unless a journal of its own must be taken into account."""
         journal = self._path.with_name(f"{self._path.name}-wal")
         immutable = "" if journal.exists() and journal.stat().st_size else "&immutable=1"
-        database = sqlite3.connect(f"{self._database.resolve().as_uri()}?mode=ro{immutable}", uri=True)
+        database = sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro{immutable}", uri=True)
+        if self._cut:
+            database.execute("PRAGMA writable_schema = ON")  # else SQLite refuses it
         database.text_factory = lambda text: text.decode(errors="replace")
         # No message is larger than its file, unless an expression in the table's definition makes it.
-        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(max(self._bytes, LARGEST_PAGE), _LARGEST_MESSAGE))
+        database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, min(max(self._bytes, _LARGEST_PAGE), _LARGEST_MESSAGE))
         return database
 
     def _broken(self, error: Exception | str) -> InputError:
@@ -263,12 +244,19 @@ class Sqlite3Stream(MessageStream):
 
     def _count_messages(self, database: sqlite3.Connection, keys: Sequence[int]) -> Mapping[int, int]:
         """Count the messages of each topic; of a single one by the index of time stamps, without reading them."""
+        if self._cut:
+            return Counter(topic for topic, *_ in self._cut.messages())
         try:
             if len(keys) == 1:
                 return {keys[0]: database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]}
             return dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
         except _DATABASE_ERRORS:
             return Counter(topic for _, topic, _ in self._walk(database, "NULL", 0, _LAST_ID))
+
+
+def _in_lots(rows: Iterator[Row]) -> Iterator[list[Row]]:
+    while lot := list(islice(rows, _MESSAGES_PER_BLOCK)):
+        yield lot
 
 
 def _ids_in(database: sqlite3.Connection, window: Window) -> tuple[int, int]:
