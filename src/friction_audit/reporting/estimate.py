@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.friction.history import Coefficient, CoefficientHistory, JointFriction
 from friction_audit.io.tidy_table import TidyTable
+from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import REASONS
 from friction_audit.preprocessing.interaction import TorqueChoice
@@ -20,8 +21,8 @@ from friction_audit.reporting.words import format_coefficient, in_unit, joint_la
 MARK = "*"
 
 
-def _pairs(history: CoefficientHistory, name: str) -> "zip[tuple[float, float]]":
-    return zip(getattr(history, name.format("_low")), getattr(history, name.format("_high")), strict=True)
+def _pairs(history: CoefficientHistory, name: str) -> Float:
+    return np.column_stack([getattr(history, name.format(end)) for end in ("_low", "_high")])
 
 
 REGRESSION = Record(
