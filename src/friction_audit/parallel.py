@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of mallopt(3)
+LARGE, KEPT = (
+    1 << 25,
+    1 << 26,
+)  # bytes: as far as malloc adapts by itself; to map arrays anew for every block takes long
 WORKERS = min(4, os.cpu_count() or 1)  # each one needs working memory for a joint of its own
 
 _OWN = ContextVar("_OWN", default=False)
@@ -38,6 +42,7 @@ def own_process() -> Iterator[None]:
     A program that uses this package as a library may have threads that hold anything, and is not forked.
     """
     token = _OWN.set(True)
+    _tune_malloc(mapped=LARGE, kept=KEPT)
     try:
         yield
     finally:
@@ -114,7 +119,7 @@ def sparing_memory() -> Iterator[None]:
     try:
         yield
     finally:
-        _tune_malloc(mapped=1 << 25, kept=1 << 26)  # as far as it adapts by itself, until it is tuned
+        _tune_malloc(mapped=LARGE, kept=KEPT)
 
 
 def _tune_malloc(*, mapped: int, kept: int) -> None:

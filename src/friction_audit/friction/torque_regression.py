@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from friction_audit.friction.history import TorqueRegression
@@ -36,7 +35,6 @@ FEWEST_ROWS = 100
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
 SETTLED = 41  # samples by which the filter's response to an impulse exceeds the part that is used
 LONGEST = 2.0  # times its nominal duration that a row's support may last; beyond, there is a hole in it
-FEW = 32  # samples of the response per sample between rows, below which products with it are faster than the filter
 BLOCK_S = 0.02  # the position is averaged over so long, against its noise and resolution [s]
 LEAST_SWING = 1e-3  # of the direction of gravity: what does not turn is an offset
 # Of a regression matrix with columns of unit length: beyond, the columns are as good as collinear (D. A. Belsley,
@@ -156,45 +154,46 @@ class RegressionRows:
     def __init__(self, column: int, samples: int, rate_hz: float) -> None:
         """Take the joint (0-based), the number of samples of the log and their rate."""
         self._column, self._step_s = column, 1.0 / rate_hz
-        self._block = block_length(self._step_s)
-        self.around = self._block + self._block // 2 + 1
-        spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s)), samples // MOST_ROWS, 1)
-        self._index = np.arange(self.around, samples - self.around, spacing)
+        block = block_length(self._step_s)
+        self.around = around = block + block // 2 + 1
+        self._spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s)), samples // MOST_ROWS, 1)
+        self._index = np.arange(around, samples - around, self._spacing)
         self._smooth = partial(filter_velocity, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
         # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
         # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.
-        impulse = np.zeros(2 * self.around + SETTLED)
+        impulse = np.zeros(2 * around + SETTLED)
         middle = len(impulse) // 2
         impulse[middle] = 1.0
-        kernel = self._smooth(impulse)[middle - self.around + 1 : middle + self.around]
+        kernel = self._smooth(impulse)[middle - around + 1 : middle + around]
         self._weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
-        # The torque is filtered at the rows alone where these are few: the same as products with its whole response.
+        # The torque is filtered at the rows alone: the same as products with its whole response.
         self._reach = settling_samples(rate_hz, CUTOFF_HZ) - 1
         impulse = np.zeros(4 * self._reach)
         impulse[2 * self._reach] = 1.0
         response = self._smooth(impulse)[self._reach + 1 : 3 * self._reach]
         self._response = np.convolve(response, SIMPSON)
-        self._are_few = len(self._response) < FEW * spacing
+        self._blocks = three_blocks(block)
         self._found: list[dict[str, Float]] = []
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
         """Take the rows of some samples, by their numbers in the log; the velocity is filtered at CUTOFF_HZ."""
-        t, column, around = part.t, self._column, self.around
+        column, around = self._column, self.around
         index = self._index[slice(*np.searchsorted(self._index, (start, stop)))] - part.first
         load = part.torque[:, column]
         if part.compensation is not None:
             load = load + part.compensation[:, column]
         near = velocity[index[:, None] + NEIGHBOURS]
-        steps = t[index[:, None] + np.arange(-around, around + 1)] @ self._weights
-        by_position = differences(t, part.q[:, column], index, self._block)
+        window = index[:, None] + np.arange(-around, around + 1)
+        times, places = (signal[window] - signal[index, None] for signal in (part.t, part.q[:, column]))
+        by_position = differences(*((signal @ self._blocks).T for signal in (times, places)))
         self._found.append(
             {
-                "lasting": t[index + around] - t[index - around],
+                "lasting": part.t[index + around] - part.t[index - around],
                 "velocity": velocity[index],
                 "direction": np.sign(near[:, 1]),
                 "coulomb": np.sign(near) @ SIMPSON,
                 "viscous": near @ SIMPSON,
-                "inertia": 0.5 * (near[:, 2] - near[:, 0]) / steps,
+                "inertia": 0.5 * (near[:, 2] - near[:, 0]) / (times @ self._weights),
                 **dict(zip(("gravity_x", "gravity_y"), _gravity(part, column, index), strict=True)),
                 **dict(zip(("velocity by position", "acceleration by position"), by_position, strict=True)),
                 "torque": self._filtered(load, index),
@@ -203,9 +202,16 @@ class RegressionRows:
 
     def _filtered(self, load: Float, index: NDArray[np.int64]) -> Float:
         """Return a torque at the rows, filtered and averaged over neighbours as the velocity is."""
-        reach = self._reach
-        if self._are_few and len(index) and reach <= index[0] and index[-1] < len(load) - reach:
-            return np.asarray(sliding_window_view(load, len(self._response))[index - reach] @ self._response)
+        reach, spacing = self._reach, self._spacing
+        stretches = -(-len(self._response) // spacing)
+        rows = len(index) + stretches - 1
+        if len(index) and reach <= index[0] and index[0] - reach + rows * spacing <= len(load):
+            # Stretches of one spacing times the weights of all stretches of a response: to copy windows that overlap
+            # would take most of the time.
+            weights = np.append(self._response, np.zeros(stretches * spacing - len(self._response)))
+            stretched = load[index[0] - reach :][: rows * spacing].reshape(rows, spacing)
+            products = stretched @ weights.reshape(stretches, spacing).T
+            return np.asarray(sum(products[k : k + len(index), k] for k in range(stretches)))
         return np.asarray(self._smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON)
 
     def velocity(self) -> Float:
@@ -247,15 +253,14 @@ def block_length(step_s: float) -> int:
     return 2 * int(0.5 * BLOCK_S / step_s) + 1
 
 
-def differences(t: Float, q: Float, index: NDArray[np.int64], block: int) -> tuple[Float, Float]:
-    """Return velocity [rad/s] and acceleration [rad/s^2] from averages of three neighbouring blocks of the position.
+def three_blocks(block: int) -> Float:
+    """Return the weights of the averages of three neighbouring blocks, with a sample more at both ends, (w, 3)."""
+    return np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
 
-    The samples at the rows, of which the indices are given, lie one block and a half from both ends at least.
-    """
-    reach = block + block // 2
-    around = index[:, None] + np.arange(-reach, reach + 1)
-    before, here, after = q[around].reshape(len(index), 3, block).mean(axis=2).T
-    first, middle, last = t[around].reshape(len(index), 3, block).mean(axis=2).T
+
+def differences(t: Float, q: Float) -> tuple[Float, Float]:
+    """Return velocity [rad/s] and acceleration [rad/s^2] from averages of three neighbouring blocks, shape (3, m)."""
+    (before, here, after), (first, middle, last) = q, t
     left, right = (here - before) / (middle - first), (after - here) / (last - middle)
     return (after - before) / (last - first), 2.0 * (right - left) / (last - first)
 

@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float
 Int = NDArray[np.int64]
 WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
 SUMS = 7
-BLOCK = 1 << 15  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
+BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 
 
 def find_borders(

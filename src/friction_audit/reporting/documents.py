@@ -10,6 +10,7 @@ from friction_audit.pipeline import Estimate
 from friction_audit.reporting.notices import Notice, estimate_notices, left_out_notices, log_notices
 from friction_audit.reporting.table import Column, Document, Record, to_json
 
+ENCODE = json.JSONEncoder(allow_nan=False).encode  # without indentation, it is compiled code
 NO_OPTIONS: Mapping[str, object] = MappingProxyType({})
 
 
@@ -54,7 +55,20 @@ CHAIN: tuple[Column, ...] = (SOURCE, SETTINGS, WARNINGS)
 
 def write_document(document: Mapping[str, Any]) -> str:
     """Return the document as text in ASCII, so that any file name can be written, with a newline at its end."""
-    return json.dumps(document, indent=2, allow_nan=False) + "\n"
+    return _text(document, "\n") + "\n"
+
+
+def _text(value: Any, margin: str) -> str:  # noqa: ANN401 - what JSON knows
+    """Return a value on indented lines; rows of a table, such as the cycles of a history, have a line each."""
+    deeper = margin + "  "
+    if isinstance(value, Mapping) and value:
+        items = (f"{ENCODE(key)}: {_text(item, deeper)}" for key, item in value.items())
+        return f"{{{deeper}{f',{deeper}'.join(items)}{margin}}}"
+    if isinstance(value, list) and value:
+        is_table = isinstance(value[0], Mapping) and not any(isinstance(one, Mapping) for one in value[0].values())
+        items = (ENCODE(one) if is_table else _text(one, deeper) for one in value)
+        return f"[{deeper}{f',{deeper}'.join(items)}{margin}]"
+    return ENCODE(value)
 
 
 def settings_document(estimate: Estimate, reading: Mapping[str, object]) -> dict[str, Any]:

@@ -157,9 +157,9 @@ class Record:
         if not self.arrays:
             there = (column for column in columns if not column.optional or column.value(row))
             return {column.key: column.json(row, torque_unit) for column in there}
-        cells = zip(*(column.value(row) for column in columns), strict=True)
+        cells = zip(*(_column_json(column.value(row)) for column in columns), strict=True)
         keys = [column.key for column in columns]
-        return [dict(zip(keys, map(to_json, values), strict=True)) for values in cells]
+        return [dict(zip(keys, values, strict=True)) for values in cells]
 
     def schema(self) -> dict[str, Any]:
         """Return the JSON Schema of a row."""
@@ -302,6 +302,15 @@ def to_json(value: Any) -> Any:  # noqa: ANN401, PLR0911 - any value of a result
         case Path():
             return str(value)
     return value
+
+
+def _column_json(values: Iterable[Any]) -> list[Any]:
+    """Return the values of a column as JSON knows them; an array at once."""
+    if not isinstance(values, np.ndarray):
+        return [to_json(value) for value in values]
+    whole = values.dtype.kind != "f" or np.isfinite(values).all()
+    found: list[Any] = (values if whole else np.where(np.isfinite(values), values, None)).tolist()
+    return found
 
 
 def _found(row: Row, get: Get) -> Any:  # noqa: ANN401

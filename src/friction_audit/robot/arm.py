@@ -54,15 +54,22 @@ class Arm:
 
     def gravity(self, q: Float) -> Float:
         """Return the torque that holds the arm against gravity, shape (n, j). [N m]"""
-        import mujoco as mj
-
-        model, data = self.model, mj.MjData(self.model)
-        torque, place = np.empty(q.shape), data.qpos
-        for position, row in zip(self.to_model(q), torque, strict=True):
-            place[:] = position
-            mj.mj_kinematics(model, data)
-            mj.mj_comPos(model, data)
-            mj.mj_rne(model, data, 0, row)
+        model, torque = self.model, np.empty(q.shape)
+        fixed = self._fixed_rotations()
+        for rows in chunks(len(q)):
+            angle = self.to_model(q[rows]).T
+            down, mass = self._down(angle, fixed), model.body_mass.copy()
+            # Mass times centre of mass of each body with those that it carries, in its own axes.
+            moment = [mass[body] * model.body_ipos[body][:, None] for body in range(model.nbody)]
+            for body in range(model.nbody - 1, 0, -1):
+                joint, parent, own = model.body_jntadr[body], model.body_parentid[body], moment[body]
+                if joint >= 0:
+                    axis, anchor = model.jnt_axis[joint], mass[body] * model.jnt_pos[joint][:, None]
+                    turning = np.cross(axis, np.eye(3)).T @ (own - anchor)
+                    torque[rows, joint] = -np.sum(turning * down[body], axis=0)
+                    own = anchor + _turned(own - anchor, axis, angle[joint])
+                moment[parent] = moment[parent] + fixed[body] @ own + mass[body] * model.body_pos[body][:, None]
+                mass[parent] += mass[body]
         return self.from_model(torque)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
@@ -106,27 +113,33 @@ class Arm:
         Returns:
             Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
         """
+        direction, fixed = np.empty((*q.shape, 2)), self._fixed_rotations()
+        across = [np.linalg.svd(axis[None])[2][1:] for axis in self.model.jnt_axis]
+        for rows in chunks(len(q)):
+            down = self._down(self.to_model(q[rows]).T, fixed)
+            for joint, body in enumerate(self.model.jnt_bodyid):
+                direction[rows, joint] = (across[joint] @ down[body]).T
+        return self.from_model(direction / np.linalg.norm(self.model.opt.gravity))
+
+    def _fixed_rotations(self) -> Float:
+        """Return the matrix from the axes of each body to those of its parent, joints at 0, shape (b, 3, 3)."""
         import mujoco as mj
 
+        fixed = np.empty((self.model.nbody, 9))
+        for matrix, quaternion in zip(fixed, self.model.body_quat, strict=True):
+            mj.mju_quat2Mat(matrix, quaternion)
+        return fixed.reshape(-1, 3, 3)
+
+    def _down(self, angle: Float, fixed: Float) -> list[Float]:
+        """Return gravity in the axes of each body, shape (3, n), at angles of the model's joints, shape (j, n)."""
         # MuJoCo takes one posture at a time: called for every sample it takes as long as reading the log
         # (benchmarks/bench_parquet.py, the row of a model). Here every body turns the vector of its parent.
-        model, direction = self.model, np.empty((*q.shape, 2))
-        fixed = np.empty((model.nbody, 9))
-        for matrix, quaternion in zip(fixed, model.body_quat, strict=True):
-            mj.mju_quat2Mat(matrix, quaternion)
-        across = [np.linalg.svd(axis[None])[2][1:] for axis in model.jnt_axis]
-        for rows in chunks(len(q)):
-            angle = self.to_model(q[rows]).T
-            down = [(model.opt.gravity / np.linalg.norm(model.opt.gravity))[:, None]]
-            for body, parent in enumerate(model.body_parentid[1:], start=1):
-                vector, joint = fixed[body].reshape(3, 3).T @ down[parent], model.body_jntadr[body]
-                if joint >= 0:  # the formula of Rodrigues
-                    axis, sine, cosine = model.jnt_axis[joint], np.sin(angle[joint]), np.cos(angle[joint])
-                    along = np.outer(axis, axis) @ vector
-                    vector = along + cosine * (vector - along) - sine * (np.cross(axis, np.eye(3)).T @ vector)
-                    direction[rows, joint] = (across[joint] @ vector).T
-                down.append(vector)
-        return self.from_model(direction)
+        model = self.model
+        down = [model.opt.gravity[:, None]]
+        for body, parent in enumerate(model.body_parentid[1:], start=1):
+            vector, joint = fixed[body].T @ down[parent], model.body_jntadr[body]
+            down.append(vector if joint < 0 else _turned(vector, model.jnt_axis[joint], -angle[joint]))
+        return down
 
     def with_load(self, mass_kg: float, centre_m: Float, inertia_kg_m2: Float) -> "Arm":
         """Return the arm with a body fixed to the flange.
@@ -170,6 +183,12 @@ class Arm:
     def from_model(self, array: Float) -> Float:
         """Arrange what the model gives, shape (n, j, ...), in the order of a log."""
         return array if self.columns == tuple(range(len(self.columns))) else array[:, np.argsort(self.columns)]
+
+
+def _turned(vectors: Float, axis: Float, angle: Float) -> Float:
+    """Return vectors, shape (3, n) or (3, 1), turned about an axis by each angle: the formula of Rodrigues."""
+    along = np.outer(axis, axis) @ vectors
+    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * (np.cross(axis, np.eye(3)).T @ vectors)
 
 
 def chunks(samples: int) -> Iterator[slice]:

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
@@ -71,16 +72,20 @@ class Windows:
         self._places = np.full(len(self._times), clock.rows - 1)
         self._found = np.empty((len(self._times), 3, joints))
 
-    def take(self, first: int, t: Float, q: Float, dq: Float, integral: Float) -> None:
-        """Take the rows of a piece."""
+    def rows_in(self, first: int, t: Float) -> NDArray[np.intp]:
+        """Return the rows of the next piece at which windows begin or end, and note them."""
         stop = len(self._times)
         if first + len(t) < self._rows:
             stop = self._next + int(np.searchsorted(self._times[self._next :], t[-1], side="right"))
-        own = slice(self._next, stop)
-        rows = np.minimum(np.searchsorted(t, self._times[own]), len(t) - 1)
-        self._places[own], self._next = first + rows, stop
-        for k, signal in enumerate((q, dq, integral)):
-            self._found[own, k] = signal[rows]
+        rows = np.minimum(np.searchsorted(t, self._times[self._next : stop]), len(t) - 1)
+        self._places[self._next : stop] = first + rows
+        return rows
+
+    def take(self, q: Float, dq: Float, integral: Float) -> None:
+        """Take the signals at these rows."""
+        own = slice(self._next, self._next + len(q))
+        self._found[own, 0], self._found[own, 1], self._found[own, 2] = q, dq, integral
+        self._next = own.stop
 
     def whole(self, holes: Sequence[tuple[int, float, float]], gap_s: float) -> tuple[Float, Float]:
         """Return q, dq and the integral of dq at begin and end of the windows without a gap, shape (m, 3, j) each."""
@@ -101,15 +106,18 @@ class Motion:
 
     def take(self, first: int, t: Float, before: tuple[float, Float], q: Float, dq: Float) -> None:
         """Take the rows of a piece, given stamp and dq of the row before it."""
-        steps, integral = 0.5 * np.diff(t, prepend=before[0]), np.empty(dq.shape, order="F")
-        for joint, (column, area) in enumerate(zip(dq.T, integral.T, strict=True)):
-            np.multiply(column, steps, out=area)
-            area[1:] += column[:-1] * steps[1:]
-            area[0] += before[1][joint] * steps[0] + self._integral[joint]
-            np.cumsum(area, out=area)
-        self._integral = integral[-1].copy()
-        for windows in self._windows:
-            windows.take(first, t, q, dq, integral)
+        several = [windows.rows_in(first, t) for windows in self._windows]
+        rows = np.unique(np.concatenate([*several, [len(t) - 1]]))
+        # Each dq counts for half of the steps on both of its sides; the step after a row is not yet in its integral.
+        steps = 0.5 * np.diff(t, prepend=before[0])
+        after = np.append(steps[1:], 0.0)
+        starts, weights = np.append(0, rows[:-1] + 1), steps + after
+        sums = np.stack([np.add.reduceat(column * weights, starts) for column in dq.T], axis=1)
+        sums[0] += before[1] * steps[0] + self._integral
+        integral = np.cumsum(sums, axis=0) - dq[rows] * after[rows, None]
+        self._integral = integral[-1]
+        for windows, own in zip(self._windows, several, strict=True):
+            windows.take(q[own], dq[own], integral[np.searchsorted(rows, own)])
 
     def ratios(self, holes: Sequence[tuple[int, float, float]]) -> "MotionRatio":
         """Regress the change of q on the integral of dq, per joint.

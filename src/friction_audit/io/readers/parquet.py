@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import pyarrow as pa
     from pyarrow.parquet import FileMetaData, ParquetFile
 
-_BATCH_ROWS, _BATCH_BYTES = 1 << 16, 8 << 20  # of which several are in memory; of fewer rows, calls take the time
+_BATCH_ROWS, _BATCH_BYTES = 1 << 17, 16 << 20  # of which several are in memory; of fewer rows, calls take the time
 _BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 _NANOSECONDS = 1_000_000_000

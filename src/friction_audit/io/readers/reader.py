@@ -165,6 +165,12 @@ class InBlocks(ReadOptions):
     in_blocks = True
 
 
+class InBlocksUnhashed(InBlocks):
+    """The same, without the hash of the file, for a result that does not show it."""
+
+    hashed = False
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Topic:
     """A topic (or table) found in a file, for ``info`` and for messages."""

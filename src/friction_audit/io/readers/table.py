@@ -75,7 +75,11 @@ class ColumnTable(Table):
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
         if not is_part:
             return self.read_all(columns)
-        clock = self.read_clock(columns.time) if options.hashed else self.first_stamps(columns.time, options)
+        clock = (
+            self.read_clock(columns.time)
+            if options.hashed or options.in_blocks
+            else self.first_stamps(columns.time, options)
+        )
         clock, kept, first_s = take_part(clock, options, path=str(self.path))
         refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
         return replace(self.read_rows(columns, clock, kept), first_s=first_s)
