@@ -18,9 +18,8 @@ from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_o
 from benchmarks.hidden_effects.run import NOT_REACHED, SIZES, scaled
 from benchmarks.hidden_effects.strength import prepared
 from benchmarks.resume import Row
-from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import Samples, make_samples
+from friction_audit.diagnosis.samples import NominalModel, Samples, least_squares, make_samples, nominal_model
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.effects.registry import effects

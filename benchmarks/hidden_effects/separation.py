@@ -19,9 +19,9 @@ from scipy.stats import chi2, ncx2
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from benchmarks.hidden_effects.limits import SampledJoint, integral_time, same_moments, samples_of
 from benchmarks.hidden_effects.strength import prepared
-from friction_audit.diagnosis import nominal_model
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.samples import least_squares as linear_fit
 from friction_audit.effects.registry import effects
 from friction_audit.effects.slow import CONTACT_EVENT as CONTACT
 from friction_audit.joint_log import Float
@@ -122,7 +122,7 @@ class _Free:
             data=samples.data, samples=samples.rows, nominal=nominal, age=zeros, fold=zeros, curves=()
         )
         self.y, self.basis = samples.residual(), np.linalg.qr(nominal.columns)[0]
-        self.baseline = nominal.baseline(nominal_model.least_squares(nominal.columns, nominal.y))
+        self.baseline = nominal.baseline(linear_fit(nominal.columns, nominal.y))
         self.dictionary = Dictionary.build(problem, asked, self.baseline)
         self.blocks: dict[str, list[Block]] = {}
         for block in [*self.dictionary.blocks, *self.dictionary.scan_orders(self.y)]:

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
-from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.diagnosis.samples import make_samples
+from friction_audit.diagnosis.samples import least_squares, make_samples, nominal_model
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import FrictionAuditError

@@ -8,8 +8,8 @@ from scipy.signal import lfilter
 
 from friction_audit.diagnosis.contact_events import detect, impulses, touched
 from friction_audit.diagnosis.noise_model import NoiseModel
-from friction_audit.diagnosis.nominal_model import least_squares
 from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.samples import least_squares
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.slow import Contact
 from friction_audit.joint_log import Float

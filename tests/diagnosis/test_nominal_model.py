@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
 from friction_audit.diagnosis.prepare import prepare
-from friction_audit.diagnosis.samples import make_samples
+from friction_audit.diagnosis.samples import least_squares, make_samples, nominal_model
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.io.readers.read import read_log

@@ -62,15 +62,6 @@ def test_cycles_are_those_of_the_segmentation() -> None:
         assert inside[-1] < stop
 
 
-def test_a_quick_reversal_is_certain_and_a_rest_is_not() -> None:
-    data = prepared(bench())
-    speed = np.abs(data.dq)
-    rests = (speed < data.dead_speed_rad_s) & data.valid
-    # Bench strokes end at rest: what is not moving lies below the dead speed, and most of what is below is not moving.
-    assert np.all(speed[~data.moving] <= data.dead_speed_rad_s)
-    assert np.mean(data.moving[rests]) < 0.5
-
-
 @pytest.mark.parametrize("corner_hz", [30.0, 2.0])
 def test_a_filtered_difference_gives_way_to_the_position(corner_hz: float) -> None:
     estimate = bench()

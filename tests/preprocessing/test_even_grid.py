@@ -6,9 +6,19 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.interpolate import CubicSpline
+from scipy.signal import lfilter
 
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, gaps, moments_of_samples, steady_clock
+from friction_audit.preprocessing.even_grid import (
+    LowPass,
+    first_order,
+    fresh_samples,
+    gaps,
+    moments_of_samples,
+    natural_spline,
+    steady_clock,
+)
 from friction_audit.simulation import BenchSettings, simulate
 
 STEP = 1e-3
@@ -160,3 +170,19 @@ def test_the_position_shows_whether_samples_are_as_late_as_their_stamps(samples_
 def test_a_handful_of_stamps_shows_no_clock() -> None:
     t = STEP * np.arange(99) + np.random.default_rng(3).uniform(0, 1e-4, 99)
     assert steady_clock(t) is t
+
+
+@given(n=st.integers(2, 30), seed=st.integers(0, 1000))
+def test_the_spline_is_the_natural_one_of_scipy(n: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y = np.cumsum(rng.uniform(0.5, 2.0, n)), rng.standard_normal(n)
+    at = np.linspace(x[0] - 0.1, x[-1] + 0.1, 50)
+    expected = CubicSpline(x, y, bc_type="natural" if n > 2 else "not-a-knot")(at)
+    assert natural_spline(x, y, at) == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(("pole", "before"), [(0.97, 0.3), (0.97 * np.exp(0.1j), 0.2 - 0.1j)])
+def test_the_first_order_filter_is_that_of_scipy(pole: complex, before: complex) -> None:
+    signal = np.random.default_rng(0).standard_normal(200).astype(type(pole))
+    expected = lfilter([1.0 - pole], [1.0, -pole], signal, zi=[pole * before])[0]
+    assert first_order(signal, pole, before) == pytest.approx(expected, rel=1e-12)

@@ -14,10 +14,8 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis, SimulationGap
 from friction_audit.dynamics.forward import simulate_along
-from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
-from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import terms
 from friction_audit.effects.transmission import FAR_SHARE
 from friction_audit.errors import AnalysisError
@@ -52,7 +50,7 @@ def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) 
     """
     unknown: tuple[JointModel | None, ...] = (None,) * len(log.joint_names)
     joints = list(unknown if nominal is None else nominal.joints)
-    lacking = []
+    lacking, known = [], {term.name for term in terms()}
     for joint in (joint for joint in found.joints if joint.augmented):
         cycles = 0 if joint.traces is None else len(np.unique(joint.traces.cycle))
         origin = Provenance(method=METHOD, log=log.source.path, sha256=log.source.sha256, cycles=cycles)
@@ -61,91 +59,47 @@ def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) 
         except AnalysisError as error:
             lacking.append((joint.joint, f"no augmented model: {error}"))
         lacking += [
-            (joint.joint, f"{name} is no term of a model, so the augmented one lacks it")
-            for name in _without_term(joint)
+            (joint.joint, f"{effect.name} is no term of a model, so the augmented one lacks it")
+            for effect in (*joint.effects, *joint.negligible)
+            if effect.name not in known
         ]
     return AugmentedModels(model=ArmModel(names=log.joint_names, joints=tuple(joints)), lacking=tuple(lacking))
 
 
 def augment_model(joint: JointDiagnosis, nominal: JointModel | None, origin: Provenance) -> JointModel:
-    """Return the augmented model of one joint that was fitted.
-
-    Args:
-        joint: Its diagnosis.
-        nominal: Its nominal model; None for inertia, Coulomb and viscous friction.
-        origin: Where the model comes from.
+    """Return the augmented model of one joint that was fitted, its nominal model and its origin given.
 
     Raises:
         AnalysisError: If a parameter is outside of its bounds, e.g. friction below zero, or a term is there twice.
     """
-    fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.augmented.items()}
-    augmented = [
-        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.coefficients), *_nonlinear(term, nominal)))
-        for term in terms()
-        if term.name != "inertia" and all(p.name in fitted for p in term.coefficients if not p.optional)
-    ]
+    fitted = {
+        name: _within(number, 0.0) if name in FRICTION else number.value for name, number in joint.augmented.items()
+    }
+    augmented = []
+    for term in terms():
+        if term.name != "inertia" and all(p.name in fitted for p in term.coefficients if not p.optional):
+            # Of a nominal term the coefficients are fitted, its nonlinear parameters stay.
+            stated = (nominal and nominal.values(term.name)) or ()
+            coefficients = (fitted.get(p.name, 0.0) for p in term.coefficients)
+            augmented.append(FittedTerm(term.name, (*coefficients, *stated[len(term.coefficients) :])))
     held = () if nominal is None else nominal.held
     augmented += [] if nominal is None else [term for term in nominal.terms if term.name in held]
     found = {effect.name: effect.parameters for effect in (*joint.effects, *joint.negligible)}
     augmented += [
-        FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name), p) for p in term.parameters))
+        FittedTerm(
+            term.name,
+            tuple(_within(own[p.name], p.lower) if p.name in own else p.default for p in term.parameters),
+        )
         for term in terms()
-        if term.name in found
+        if (own := found.get(term.name)) is not None
     ]
     inertia = fitted["inertia_kg_m2"] if nominal is None else nominal.inertia_kg_m2
     return JointModel(inertia_kg_m2=inertia, terms=tuple(augmented), provenance=origin, held=held)
 
 
-def _allowed(number: Coefficient) -> float:
-    """Friction that comes out below zero is zero where its interval holds zero."""
-    return max(number.value, 0.0) if number.high >= 0.0 else number.value
-
-
-def _bounded(number: Coefficient | None, parameter: Parameter) -> float:
-    """A parameter, not below its lower bound if its interval holds that; the default of one that is not used."""
-    if number is None:
-        return parameter.default
-    return max(number.value, parameter.lower) if number.high >= parameter.lower else number.value
-
-
-def _nonlinear(term: Effect, nominal: JointModel | None) -> tuple[float, ...]:
-    """Return the nonlinear parameters of a nominal term; its coefficients are fitted."""
-    values = None if nominal is None else nominal.values(term.name)
-    return () if values is None else values[len(term.coefficients) :]
-
-
-def _without_term(joint: JointDiagnosis) -> list[str]:
-    known = {term.name for term in terms()}
-    return [effect.name for effect in (*joint.effects, *joint.negligible) if effect.name not in known]
-
-
-def gap_in_motion(
-    joint: JointDiagnosis,
-    nominal: JointModel | None,
-    data: JointData,
-    cycles: NDArray[np.int64],
-    *,
-    known_inertia_kg_m2: float = 0.0,
-) -> SimulationGap | None:
-    """Simulate whole cycles of a joint that was diagnosed, without and with what was found.
-
-    Args:
-        joint: What a diagnosis says of it; its nominal and augmented numbers are those fitted.
-        nominal: Its nominal model; None for inertia, Coulomb and viscous friction.
-        data: The joint.
-        cycles: As of ``simulate_cycles``.
-        known_inertia_kg_m2: Likewise.
-
-    Returns:
-        As ``simulate_cycles``; None also where a number that was fitted is none that a model allows, as friction below
-        zero.
-    """
-    bare = replace(joint, effects=(), augmented=joint.nominal)
-    try:
-        models = [augment_model(one, nominal, Provenance()) for one in (bare, joint)]
-    except AnalysisError:
-        return None
-    return simulate_cycles(models[0], models[1], data, cycles, known_inertia_kg_m2=known_inertia_kg_m2)
+def _within(number: Coefficient, lower: float) -> float:
+    """A number, not below a bound if its interval holds that."""
+    return max(number.value, lower) if number.high >= lower else number.value
 
 
 def simulate_cycles(
@@ -167,12 +121,13 @@ def simulate_cycles(
             moves with it all the same.
 
     Returns:
-        The gap; None where no cycle is without a hole, where a model cannot be simulated, or where the joint has no
+        The gap; None where no cycle is without a gap, where a model cannot be simulated, or where the joint has no
         inertia that a motion could be simulated with: then only the gap in torque is known.
     """
     pieces, models = _whole(data, cycles), [_heavier(model, known_inertia_kg_m2) for model in (nominal, augmented)]
     drive = data.torque + known_inertia_kg_m2 * data.ddq
-    if not len(pieces) or any(_weightless(model, data, drive) for model in models):
+    lightest = LEAST_S * _rms(drive) / max(_rms(data.dq), 1e-300)
+    if not len(pieces) or any(model.inertia_kg_m2 < lightest for model in models):
         return None
     motion = replace(data.motion(), way=None)  # what is simulated has its own direction
     load = None if data.load is None else data.load - known_inertia_kg_m2 * data.ddq
@@ -192,32 +147,42 @@ def simulate_cycles(
     )
 
 
+def gap_in_motion(
+    joint: JointDiagnosis,
+    nominal: JointModel | None,
+    data: JointData,
+    cycles: NDArray[np.int64],
+    *,
+    known_inertia_kg_m2: float = 0.0,
+) -> SimulationGap | None:
+    """Do the same for a joint that was diagnosed, without and with what was found.
+
+    None also where a number that was fitted is none that a model allows, as friction below zero.
+    """
+    bare = replace(joint, effects=(), augmented=joint.nominal)
+    try:
+        models = [augment_model(one, nominal, Provenance()) for one in (bare, joint)]
+    except AnalysisError:
+        return None
+    return simulate_cycles(models[0], models[1], data, cycles, known_inertia_kg_m2=known_inertia_kg_m2)
+
+
 def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
-    """The model with more inertia, that of links, which a gear drives."""
+    """The model with more inertia, that of links, which a gear drives: on the far side of a link."""
     if inertia_kg_m2 == 0.0:
         return model
-    whole = model.inertia_kg_m2 + inertia_kg_m2
-    terms = tuple(_driving(term, model.inertia_kg_m2 / whole) for term in model.terms)
-    return replace(model, inertia_kg_m2=whole, terms=terms)
-
-
-def _driving(term: FittedTerm, own: float) -> FittedTerm:
-    """A term with more inertia on its far side; `own` is the share that the model itself holds."""
-    names = [parameter.name for parameter in term.effect.parameters]
-    if FAR_SHARE.name not in names:
-        return term
-    at = names.index(FAR_SHARE.name)
-    before = (1.0 - term.values[at]) * own
-    return replace(term, values=(*term.values[:at], min(max(1.0 - before, 0.0), 1.0), *term.values[at + 1 :]))
-
-
-def _weightless(model: JointModel, data: JointData, drive: Float) -> bool:
-    """Whether the drive would bring the joint to its usual speed in no time."""
-    return model.inertia_kg_m2 * _rms(data.dq) < LEAST_S * _rms(drive)
+    whole, heavier = model.inertia_kg_m2 + inertia_kg_m2, []
+    for term in model.terms:
+        names, values = [parameter.name for parameter in term.effect.parameters], list(term.values)
+        if FAR_SHARE.name in names:
+            at = names.index(FAR_SHARE.name)
+            values[at] = float(np.clip(1.0 - (1.0 - values[at]) * model.inertia_kg_m2 / whole, 0.0, 1.0))
+        heavier.append(replace(term, values=tuple(values)))
+    return replace(model, inertia_kg_m2=whole, terms=tuple(heavier))
 
 
 def _whole(data: JointData, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """First and last sample of the cycles without a hole, shape (p, 2)."""
+    """First and last sample of the cycles without a gap, shape (p, 2)."""
     pieces = []
     for number in cycles:
         samples = np.flatnonzero(data.cycle == number)

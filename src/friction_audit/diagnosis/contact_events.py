@@ -41,21 +41,13 @@ SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute val
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class MatchedFilters:
-    """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples.
+    """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples."""
 
-    Attributes:
-        pushes: A pulse, then each push, as the samples see it, shape (k,) each.
-        slot: Slot of each sample, shape (m,).
-        slot_s: Time from slot to slot. [s]
-        innovations: Whitened residual, torque of the model, and errors of the formulas, shape (2 + e, m).
-        operator: Weights of each sample and of the p before it in its innovation, shape (m, p + 1).
-    """
-
-    pushes: tuple[Float, ...]
-    slot: Index
-    slot_s: float
-    innovations: Float
-    operator: Float
+    pushes: tuple[Float, ...]  # a pulse, then each push, as the samples see it, shape (k,) each
+    slot: Index  # slot of each sample, shape (m,)
+    slot_s: float  # time from slot to slot [s]
+    innovations: Float  # whitened residual, torque of the model, and errors of the formulas, shape (2 + e, m)
+    operator: Float  # weights of each sample and of the p before it in its innovation, shape (m, p + 1)
 
     @classmethod
     def of(
@@ -108,19 +100,12 @@ class MatchedFilters:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Reference:
-    """Where else in a log of m samples the joint moves as at one moment.
+    """Where else in a log of m samples the joint moves as at one moment."""
 
-    Attributes:
-        states: Position and velocity, velocity and acceleration, in standard deviations, shape (m, 2) each.
-        way: Sign of the velocity, shape (m,).
-        cycle: Number of the cycle, shape (m,).
-        slot: Slot of each sample, shape (m,).
-    """
-
-    states: tuple[Float, ...]
-    way: Float
-    cycle: Index
-    slot: Index
+    states: tuple[Float, ...]  # position and velocity, velocity and acceleration, in standard deviations, (m, 2) each
+    way: Float  # sign of the velocity, shape (m,)
+    cycle: Index  # number of the cycle, shape (m,)
+    slot: Index  # slot of each sample, shape (m,)
 
     @classmethod
     def of(cls, problem: RegressionProblem, slot: Index) -> "Reference":
@@ -184,10 +169,15 @@ def detect(
         for k, at in _stand_out(filters, Reference.of(problem, filters.slot))
     ]
     first, last = problem.data.t[0] + END_S, problem.data.t[-1] - END_S
-    contacts = _merged(sorted(span for span in spans if first <= span[0] and span[1] <= last))
-    inside, cycle = touched(problem, contacts), problem.samples.cycle
+    contacts: list[Contact] = []
+    for start_s, stop_s in sorted(span for span in spans if first <= span[0] and span[1] <= last):
+        if contacts and start_s - contacts[-1].stop_s <= APART_S:
+            contacts[-1] = Contact(start_s=contacts[-1].start_s, stop_s=max(contacts[-1].stop_s, stop_s))
+        else:
+            contacts.append(Contact(start_s=start_s, stop_s=stop_s))
+    inside, cycle = touched(problem, tuple(contacts)), problem.samples.cycle
     often = len(np.unique(cycle[inside])) > MOST_CYCLES * len(np.unique(cycle))
-    return () if often else contacts
+    return () if often else tuple(contacts)
 
 
 def impulses(problem: RegressionProblem, fine: Float) -> Float:
@@ -264,13 +254,3 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
 def _reach(problem: RegressionProblem) -> float:
     """Half of the length of the filter of the samples. [s]"""
     return len(problem.samples.kernel) // 2 * problem.data.step_s
-
-
-def _merged(spans: list[tuple[float, float]]) -> tuple[Contact, ...]:
-    found: list[Contact] = []
-    for start_s, stop_s in spans:
-        if found and start_s - found[-1].stop_s <= APART_S:
-            found[-1] = Contact(start_s=found[-1].start_s, stop_s=max(found[-1].stop_s, stop_s))
-        else:
-            found.append(Contact(start_s=start_s, stop_s=stop_s))
-    return tuple(found)

@@ -85,23 +85,14 @@ RULES = {
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DataFinding:
-    """One number about the data and the bound it has to keep.
+    """One number about the data and the bound it has to keep."""
 
-    Attributes:
-        code: Stable short name.
-        value: The number; NaN where it is not known.
-        unit: Its unit, empty for a share or a count.
-        bound: Its bound; NaN for a number that is only stated.
-        verdict: ``"fine"``, ``"limit"`` (less can be shown) or ``"fault"`` (no effect may be named).
-        message: One sentence for people; empty where all is fine.
-    """
-
-    code: str
-    value: float
-    unit: str
-    bound: float
-    verdict: str
-    message: str
+    code: str  # stable short name
+    value: float  # the number; NaN where it is not known
+    unit: str  # its unit, empty for a share or a count
+    bound: float  # its bound; NaN for a number that is only stated
+    verdict: str  # ``"fine"``, ``"limit"`` (less can be shown) or ``"fault"`` (no effect may be named)
+    message: str  # one sentence for people; empty where all is fine
 
 
 def audit_joints(log: JointLog, interaction: Interaction, joints: Sequence[JointData]) -> list[tuple[DataFinding, ...]]:
@@ -113,20 +104,14 @@ def audit_joints(log: JointLog, interaction: Interaction, joints: Sequence[Joint
 def audit_data(
     log: JointLog, interaction: Interaction, data: JointData, clock: tuple[DataFinding, ...]
 ) -> tuple[DataFinding, ...]:
-    """Look for faults of one joint's data.
-
-    Args:
-        log: The log, in the window of the interaction.
-        interaction: Motion and torque.
-        data: The joint on its even grid.
-        clock: What ``audit_clock`` found in the log.
-    """
-    constant = _constant_channels(log, interaction, data)
+    """Look for faults of one joint's data; those of the log's clock are given."""
+    constant, number = _constant_channels(log, interaction, data), interaction.joint_numbers[data.joint]
+    scores = [one.score for one in interaction.choice.sign_evidence if one.joint == number]
     return (
         *clock,
         *constant,
         *(() if faults(constant[1:]) else _velocity(interaction, data)),
-        _power(interaction, data),
+        _judged("power", scores[0]) if scores and not np.isnan(scores[0]) else _stated("power", NAN, ""),
         *_sensors(interaction, data),
         *_excitation(data),
     )
@@ -205,12 +190,6 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
         _judged("dq_delay", abs(float(shift / scale)) if scale else NAN, most_delay),
         noise,
     )
-
-
-def _power(interaction: Interaction, data: JointData) -> DataFinding:
-    number = interaction.joint_numbers[data.joint]
-    scores = [one.score for one in interaction.choice.sign_evidence if one.joint == number]
-    return _judged("power", scores[0]) if scores and not np.isnan(scores[0]) else _stated("power", NAN, "")
 
 
 def _sensors(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:

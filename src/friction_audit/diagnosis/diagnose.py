@@ -55,16 +55,7 @@ def subjects_of(
     settings: DiagnosisSettings,
     arm: Arm | None = None,
 ) -> tuple[Subject, ...]:
-    """Prepare every joint; of the log's own samples nothing is needed afterwards.
-
-    Args:
-        log: The log, in the window of the interaction.
-        interaction: Motion and torque.
-        cycles: Its energy cycles.
-        friction: What the energy method found, for comparison.
-        settings: What is asked.
-        arm: The model of the arm where it is known.
-    """
+    """Prepare every joint of a log in the window of its interaction; of its samples nothing is needed afterwards."""
     inertias, subjects = known_inertias(arm, interaction.choice, log.q), []
     prepared = [*prepare(interaction, cycles, log, arm)]
     joined: dict[str, Any] = {}

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -10,12 +9,12 @@ from friction_audit.diagnosis import intervals, profiles, residual_checks, selec
 from friction_audit.diagnosis.augmented_model import gap_in_motion
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.dictionary import Block
-from friction_audit.diagnosis.procedure import State, accepted, nominal, select, sizes
+from friction_audit.diagnosis.procedure import State, accepted, fitted, nominal, select, sizes
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, ResidualCheck, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.diagnosis.validation import Gain, gains, gap, held_out, wild_cluster_bootstrap
+from friction_audit.diagnosis.validation import gains, gap, held_out, wild_cluster_bootstrap
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, displacement
 from friction_audit.effects.joint_model import JointModel
@@ -35,27 +34,16 @@ ENOUGH = 0.5  # share of the explainable power that names must explain, or nothi
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Subject:
-    """A joint to diagnose.
+    """A joint to diagnose."""
 
-    Attributes:
-        data: The joint on the fine grid.
-        number: Number for people.
-        name: Its name.
-        findings: What the audit of its data found.
-        from_energy: What the energy method says of it.
-        model: Its nominal model, None for the simple one.
-        known_inertia_kg_m2: Inertia whose torque a rigid-body model took out of the log.
-        lacking: Why the energy method has no estimate, with the motion that would help; empty where it has one.
-    """
-
-    data: JointData
-    number: int
+    data: JointData  # the joint on the fine grid
+    number: int  # number for people
     name: str
-    findings: tuple[DataFinding, ...]
-    from_energy: dict[str, Coefficient]
-    model: JointModel | None = None
-    known_inertia_kg_m2: float = 0.0
-    lacking: str = ""
+    findings: tuple[DataFinding, ...]  # what the audit of its data found
+    from_energy: dict[str, Coefficient]  # what the energy method says of it
+    model: JointModel | None = None  # its nominal model, None for the simple one
+    known_inertia_kg_m2: float = 0.0  # inertia whose torque a rigid-body model took out of the log
+    lacking: str = ""  # why the energy method has no estimate, with the motion that would help; empty where it has one
 
 
 def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: DiagnosisSettings) -> JointDiagnosis:
@@ -96,7 +84,8 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     found = replace(
         found, simulation=gap_in_motion(found, subject.model, subject.data, test, known_inertia_kg_m2=known)
     )
-    return profiles.with_own_axes(replace(found, contacts=profiles.contact_trace(state)))
+    assert found.traces is not None
+    return profiles.with_own_axes(replace(found, contacts=profiles.contact_trace(state)), found.traces)
 
 
 def _unanswered(subject: Subject, verdict: Verdict, reason: str) -> JointDiagnosis:
@@ -195,71 +184,53 @@ def _lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
     return next((why[e.name] for e in state.dictionary.effects if e.name in why and e.axis == "time"), "")
 
 
-class _Standing(NamedTuple):
-    block: Block
-    gain: Gain
-    size_nm: float
-    friction_share: float
-    grade: str
-
-
 def _effects(
     state: State, estimates: intervals.Estimates, least_nm: float
 ) -> tuple[tuple[NamedEffect, ...], tuple[NamedEffect, ...]]:
-    """Effects that count, and those that stand and are too small to count, the largest first."""
-    data, baseline = state.problem.data, nominal(state.problem, state.search.training, state.active)
+    """Effects that count, and those that stand and are too small to count, the largest first.
+
+    Each with what is left on held-out cycles before and after it is added to those before it.
+    """
+    gram, problem, active = state.gram, state.problem, state.active
+    data, baseline = problem.data, nominal(problem, state.search.training, active)
     friction = np.abs(baseline.coulomb_nm * data.way + baseline.viscous_nms_per_rad * data.dq)[data.used]
     friction_nm = max(float(np.sqrt(np.mean(friction**2))), 1e-12)
-    standing = []
-    sized = zip(state.active, gains(state.gram, state.active), sizes(state.gram, state.active).tolist(), strict=True)
-    for block, gain, size in sorted(sized, key=lambda one: -one[2]):
-        share = size / friction_nm
-        grade = "negligible" if share < NEGLIGIBLE or size < least_nm else ("minor" if share < MINOR else "major")
-        standing.append(_Standing(block, gain, size, share, grade))
-    named, negligible = (
-        _ladder(state, estimates, [one for one in standing if (one.grade == "negligible") is small])
-        for small in (False, True)
-    )
-    return named, negligible
-
-
-def _ladder(state: State, estimates: intervals.Estimates, standing: Sequence[_Standing]) -> tuple[NamedEffect, ...]:
-    """Effects with what is left on held-out cycles before and after each of them is added to those before it."""
-    gram, problem, active = state.gram, state.problem, state.active
-    blocks = [one.block for one in standing]
-    steps = [held_out(gram, blocks[:k], replaced=active).rms for k in range(len(blocks) + 1)] if blocks else []
-    coefficients = selection.split(state.search.training.fit(active), active)
-    torques = {block.name: c @ block.columns for block, c in zip(active, coefficients, strict=True)}
-    numbers = dict(zip(torques, zip(estimates.effects, estimates.not_identifiable, strict=True), strict=True))
     left, power = residual_of(gram, active), float(np.sum(residual_of(gram, ()) ** 2))
-    found = []
-    for one, before, after in zip(standing, steps, steps[1:], strict=False):
-        name, effect, torque = one.block.name, one.block.effect, torques[one.block.name]
-        competing = selection.competing_effects(state.search, active, one.block)
-        itself = Evidence(name=name, two_ln_bayes_factor=0.0, correlation=1.0)
-        found.append(
+    each = zip(fitted(gram, active), gains(gram, active), sizes(gram, active).tolist(), *estimates[1:], strict=True)
+    added: dict[bool, list[Block]] = {False: [], True: []}  # by whether they are negligible
+    found: dict[bool, list[NamedEffect]] = {False: [], True: []}
+    for (block, factors), gain, size, parameters, unknown in sorted(each, key=lambda one: -one[2]):
+        effect, torque, share = block.effect, factors @ block.columns, size / friction_nm
+        grade = "negligible" if share < NEGLIGIBLE or size < least_nm else ("minor" if share < MINOR else "major")
+        competing, small = selection.competing_effects(state.search, active, block), grade == "negligible"
+        before = found[small][-1].gap_after_nm if found[small] else held_out(gram, (), replaced=active).rms
+        added[small].append(block)
+        found[small].append(
             NamedEffect(
-                name=name,
+                name=block.name,
                 label=effect.label,
-                alternatives=selection.indistinguishable(gram, competing, one.block, active),
-                parameters=numbers[name][0],
-                p_value=one.gain.p_value,
-                evidence=(itself, *competing[:COMPETING_SHOWN]),
+                alternatives=selection.indistinguishable(gram, competing, block, active),
+                parameters=parameters,
+                p_value=gain.p_value,
+                evidence=(
+                    Evidence(name=block.name, two_ln_bayes_factor=0.0, correlation=1.0),
+                    *competing[:COMPETING_SHOWN],
+                ),
                 axis=effect.axis,
                 gap_before_nm=before,
-                gap_after_nm=after,
+                gap_after_nm=held_out(gram, added[small], replaced=active).rms,
                 torque=torque,
                 curve=profiles.along_effect(problem, left + torque, effect.axis),
-                size_nm=one.size_nm,
-                friction_share=one.friction_share,
-                residual_share=min(one.size_nm**2 * len(torque) / max(power, 1e-300), 1.0),
-                grade=one.grade,
+                size_nm=size,
+                friction_share=share,
+                residual_share=min(size**2 * len(torque) / max(power, 1e-300), 1.0),
+                grade=grade,
                 folds=problem.folds,
-                chosen_in=(state.folds or {}).get(name, 0),
-                not_identifiable=numbers[name][1],
+                chosen_in=(state.folds or {}).get(block.name, 0),
+                not_identifiable=unknown,
             )
         )
-    return tuple(found)
+    return tuple(found[False]), tuple(found[True])
 
 
 def _without_gravity(state: State, floor: float) -> float:

@@ -34,35 +34,20 @@ STORED = np.float32  # of columns alone, a thousand of them; products add up in 
 
 @dataclass(eq=False, kw_only=True)
 class Block:
-    """Columns of one effect at one point of its grid.
-
-    Attributes:
-        effect: The effect.
-        shape: The nonlinear parameters.
-        stored: Columns on the samples, in the order of the folds, without columns of zeros, shape (p, m).
-        back: Place of each sample in that order, shape (m,).
-        there: Which of the effect's columns these are, shape (q,).
-        log_prior: Logarithm of the share of the prior that this point has among those of its effect.
-        numbers: Nonlinear parameters that vary over the grid.
-        refined: Whether it lies between the points of the grid.
-        start: Its first row in the Gram matrix.
-        penalty: 2 ln of the prior's mass that the neighbours of this point share, from the last integration.
-        name: Name of the effect.
-        p: Number of columns.
-    """
+    """Columns of one effect at one point of its grid."""
 
     effect: Effect
-    shape: dict[str, float]
-    stored: NDArray[np.float32]
-    back: Index
-    there: NDArray[np.bool_]
-    log_prior: float
-    numbers: int
-    refined: bool = False
-    start: int = 0
-    penalty: float = 0.0
-    name: str = field(init=False)
-    p: int = field(init=False)
+    shape: dict[str, float]  # the nonlinear parameters
+    stored: NDArray[np.float32]  # columns on the samples, in the order of the folds, without zero ones, shape (p, m)
+    back: Index  # place of each sample in that order, shape (m,)
+    there: NDArray[np.bool_]  # which of the effect's columns these are, shape (q,)
+    log_prior: float  # logarithm of the share of the prior that this point has among those of its effect
+    numbers: int  # nonlinear parameters that vary over the grid
+    refined: bool = False  # whether it lies between the points of the grid
+    start: int = 0  # its first row in the Gram matrix
+    penalty: float = 0.0  # 2 ln of the prior's mass that neighbours of this point share, from the last integration
+    name: str = field(init=False)  # of the effect
+    p: int = field(init=False)  # number of columns
 
     def __post_init__(self) -> None:
         """Read name and number of columns, which are asked for a thousand times a second."""
@@ -101,14 +86,9 @@ class Dictionary:
     not_testable: dict[str, str] = field(default_factory=dict)
 
     @cached_property
-    def order(self) -> Index:
-        """Samples in the order of their folds, shape (m,)."""
-        return fold_order(self.problem)
-
-    @cached_property
     def back(self) -> Index:
-        """Place of each sample in that order, shape (m,)."""
-        return np.argsort(self.order)
+        """Place of each sample in the order of their folds, shape (m,)."""
+        return np.argsort(self.problem.order)
 
     @classmethod
     def build(cls, problem: RegressionProblem, effects: Sequence[Effect], baseline: Nominal) -> "Dictionary":
@@ -148,7 +128,7 @@ class Dictionary:
 
     def _stored(self, columns: Float, there: NDArray[np.bool_]) -> NDArray[np.float32]:
         kept = columns if there.all() else columns[there]
-        return np.take(kept.astype(STORED), self.order, axis=1)
+        return np.take(kept.astype(STORED), self.problem.order, axis=1)
 
     def _built(
         self, effect: Effect, shapes: Sequence[Nonlinear], baseline: Nominal, y: Float
@@ -198,7 +178,7 @@ class Dictionary:
 
     def torques_at(self, block: Block, shapes: Sequence[Nonlinear], nominals: Sequence[Nominal]) -> Float:
         """Torques of an effect whose coefficient follows, each on its own nominal model, shape (k, m)."""
-        out = np.empty((len(shapes), len(self.order)))
+        out = np.empty((len(shapes), len(self.problem.y)))
         for place, fine in block.effect.regressors_of(self.problem.data, nominals, shapes):
             out[place] = block.effect.coefficient_of(shapes[place]) * self.problem.columns(fine)[0]
         return out
@@ -259,11 +239,6 @@ class Dictionary:
 
     def _grid(self, effect: Effect) -> Sequence[Nonlinear]:
         return effect.grid(self.problem.data) or effect.identifiable_part(self.problem.data)
-
-
-def fold_order(problem: RegressionProblem) -> Index:
-    """Samples fold by fold, in the order of time within each, shape (m,)."""
-    return np.argsort(problem.fold, kind="stable")
 
 
 def grid_of(effect: Effect, data: JointData, testable: bool) -> Sequence[Nonlinear]:

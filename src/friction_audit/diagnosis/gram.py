@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.diagnosis.dictionary import Block, fold_order
+from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import Index, Nuisance, RegressionProblem
 from friction_audit.joint_log import Float
@@ -29,7 +29,7 @@ class Gram:
     ) -> None:
         """Whiten the nominal model; samples are put in the order of their folds."""
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
-        self.order = fold_order(problem)
+        self.order = problem.order
         self.ends = np.searchsorted(problem.fold[self.order], np.arange(problem.folds + 1))
         self.sorted_noise = replace(noise, age=noise.age[self.order], weight=noise.weight[self.order])
         self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])

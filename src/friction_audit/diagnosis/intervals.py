@@ -7,8 +7,8 @@ a decade, or its grid, is not identifiable from the log.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -27,19 +27,12 @@ PRIOR_STEPS = 10.0  # standard deviation of a parameter in steps of its grid, so
 REACHES = (4 * DIFFERENCE, 1.0)  # in steps of the grid; moments within a rest, and impacts, need the longer one
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Estimates:
-    """Numbers with intervals.
+class Estimates(NamedTuple):
+    """Numbers with intervals."""
 
-    Attributes:
-        nominal: Of the nominal columns as fitted together with the effects, by name.
-        effects: Of each effect, by name: coefficients, then nonlinear parameters.
-        not_identifiable: Of each effect, names of parameters that the log does not hold; their intervals are infinite.
-    """
-
-    nominal: dict[str, Coefficient]
-    effects: tuple[dict[str, Coefficient], ...]
-    not_identifiable: tuple[tuple[str, ...], ...]
+    nominal: dict[str, Coefficient]  # of the nominal columns as fitted together with the effects, by name
+    effects: tuple[dict[str, Coefficient], ...]  # of each effect, by name: coefficients, then nonlinear parameters
+    not_identifiable: tuple[tuple[str, ...], ...]  # of each effect, parameters with infinite intervals
 
 
 def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Nominal) -> Estimates:
@@ -63,7 +56,8 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: No
         fixed = {n: Coefficient(value=v, low=v, high=v) for n, v in block.shape.items() if n not in scale.names}
         nonlinear, unknown = _free(block, scale, half[step_at : step_at + len(scale.names)])
         step_at += len(scale.names)
-        labels = [name for name, there in zip(coefficient_names(block), block.there, strict=True) if there]
+        named = zip(block.effect.coefficients, block.there, strict=False)
+        labels = [parameter.name for parameter, there in named if there]
         if block.effect.follows:
             numbers = {labels[0]: _following(block, nonlinear)}
             unknown = (*unknown, *(name for name, one in numbers.items() if not np.isfinite(one.high)))
@@ -81,11 +75,6 @@ def _following(block: Block, nonlinear: dict[str, Coefficient]) -> Coefficient:
     value, *limits = (block.effect.coefficient_of(at) for at in (block.shape, *ends))
     known = min(limits) <= value <= max(limits)  # one over an infinite stiffness is not between them
     return Coefficient(value=value, low=min(limits) if known else -np.inf, high=max(limits) if known else np.inf)
-
-
-def coefficient_names(block: Block) -> list[str]:
-    """Names of all coefficients of an effect."""
-    return [parameter.name for parameter in block.effect.coefficients[: len(block.there)]]
 
 
 def _around(value: float, half: float) -> Coefficient:

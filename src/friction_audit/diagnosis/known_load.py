@@ -34,15 +34,7 @@ class KnownLoad(NamedTuple):
 
 
 def know_load(choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion, logged: Float | None) -> KnownLoad:
-    """Evaluate the model of an arm along a motion.
-
-    Args:
-        choice: How the interaction torque was made.
-        arm: The model, or None.
-        t: Times of the grid, shape (n,). [s]
-        motion: Motion of all joints on the grid.
-        logged: Gravity of the log on the grid, shape (n, j), or None. [N m]
-    """
+    """Evaluate the model of an arm along a motion on a grid; gravity of the log there, shape (n, j), or None. [N m]"""
     if arm is None:
         return KnownLoad(load=None if logged is None else choice.sign * logged, removed=None, rigid=None)
     every = max(int(1.0 / (RATE_HZ * (t[1] - t[0])) + 0.5), 1)
@@ -131,11 +123,6 @@ def known_inertias(arm: Arm | None, choice: TorqueChoice, q: Float) -> Float:
     """Return the inertia of each joint whose torque a model removed from the recorded one, else zero, shape (j,).
 
     The mean diagonal of the mass matrix along the motion. [kg m^2]
-
-    Args:
-        arm: The model of the arm, or None.
-        choice: How the interaction torque was made.
-        q: Positions of all joints, shape (n, j). [rad]
     """
     if arm is None or choice.inertia != "model":
         return np.zeros(q.shape[1])

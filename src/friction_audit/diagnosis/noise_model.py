@@ -19,21 +19,13 @@ LARGEST_REFLECTION = 0.98  # autocovariances over broken stretches need not be p
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class NoiseModel:
-    """AR(p) noise with unequal variances.
+    """AR(p) noise with unequal variances."""
 
-    Attributes:
-        predictors: Coefficients of the predictors of order 0 to p, shape (p + 1, p).
-        scales: One over the standard deviation of their errors, shape (p + 1,).
-        age: Samples before each one in its stretch, at most p, shape (m,).
-        weight: Standard deviation of the noise over that with the model error, 0..1, shape (m,).
-        effective_samples: Squared innovations of the residual: samples less what filter and loading took.
-    """
-
-    predictors: Float
-    scales: Float
-    age: Index
-    weight: Float
-    effective_samples: float
+    predictors: Float  # coefficients of the predictors of order 0 to p, shape (p + 1, p)
+    scales: Float  # one over the standard deviation of their errors, shape (p + 1,)
+    age: Index  # samples before each one in its stretch, at most p, shape (m,)
+    weight: Float  # standard deviation of the noise over that with the model error, 0..1, shape (m,)
+    effective_samples: float  # squared innovations of the residual: samples less what filter and loading took
 
     def whiten(self, columns: Float) -> Float:
         """Innovations of columns, shape (k, m)."""
@@ -43,12 +35,10 @@ class NoiseModel:
 
     @classmethod
     def fit(cls, problem: RegressionProblem, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":
-        """Fit to what models leave; of several residuals that with the shortest autocorrelation time counts.
+        """Fit to what models leave, and the standard deviation of the model error, shape (m,) each. [N m]
 
-        Args:
-            problem: The joint.
-            residuals: Nonlinear (m,) each; what a model misses remembers longer than the noise.
-            model_error: Standard deviation of the model error, shape (m,). [N m]
+        Of several residuals that with the shortest autocorrelation time counts: what a model misses remembers longer
+        than the noise.
         """
         return min((cls._of(problem, r, model_error) for r in residuals), key=lambda one: one[0])[1]
 
@@ -63,7 +53,8 @@ class NoiseModel:
         weight = np.sqrt(variance / (variance + model_error**2))
         # An offset that is not in the model yet would pass for noise with a long autocorrelation time.
         scaled = (residual - np.average(residual, weights=weight**2)) * weight
-        sums = np.array([_at_lag(scaled, problem.age, lag) for lag in range(MOST_LAGS + 1)])
+        later = [np.flatnonzero(problem.age >= lag) for lag in range(MOST_LAGS + 1)]
+        sums = np.array([scaled[k] @ scaled[k - lag] / max(len(k), 1) for lag, k in enumerate(later)])
         sums[0] *= 1.0 + LOADING
         predictors, errors = levinson_durbin(sums)
         n = len(residual)
@@ -95,11 +86,6 @@ def levinson_durbin(covariance: Float) -> tuple[Float, Float]:
         predictors[k, k - 1] = reflection
         errors[k] = errors[k - 1] * (1.0 - reflection**2)
     return predictors, errors
-
-
-def _at_lag(residual: Float, age: Index, lag: int) -> float:
-    later = np.flatnonzero(age >= lag)
-    return float(residual[later] @ residual[later - lag]) / max(len(later), 1)
 
 
 @compiled("f8[:, ::1](f8[:, ::1], f8[:, ::1], f8[::1], i8[::1])")

@@ -35,25 +35,15 @@ TINY_SPEED = 1e-6
 TURN_S = 0.01  # a reversal that takes no longer may leave the direction certain on both sides of it
 # Unless the joint rests in it for longer: the median of a log, and a single one, which noise makes uncertain by 1 ms.
 MEDIAN_REST_S, REST_S = 1e-3, 3e-3
-NEAR_S, FAR_S = (
-    0.008,
-    0.03,
-)  # straight lines are fitted between these times from a reversal, out of the low-pass's reach
+NEAR_S, FAR_S = 0.008, 0.03  # from a reversal, for straight lines out of the low-pass's reach
 
 
 def prepare(
     interaction: Interaction, cycles: EnergyCycles, log: JointLog, arm: Arm | None = None
 ) -> tuple[JointData, ...]:
-    """Bring every joint of an interaction onto an even grid.
+    """Bring every joint of an interaction onto an even grid, in the order of its columns.
 
-    Args:
-        interaction: Motion and torque at the friction port, n samples of j joints.
-        cycles: Its energy cycles.
-        log: The log it was made from, in the same window, with all its joints.
-        arm: The model of the arm where it is known.
-
-    Returns:
-        One ``JointData`` per joint, in the order of the columns.
+    The log is that which the interaction was made from, in the same window, with all its joints.
     """
     # With repeated samples effects_stiction_16001 and effects_time_delay_16001 are adequate; with stamps as they are,
     # those and stranger_time_delay_1 and stranger_joint_elasticity_1.
@@ -68,24 +58,20 @@ def prepare(
     logged = None if log.gravity is None else low_pass.all_of(t, log.gravity, fresh)
     load, removed, rigid = know_load(choice, arm, low_pass.t, (motion.q, motion.dq, motion.ddq), logged)
 
-    def torque(joint: int, column: int) -> Float:
-        """Everything that drives the side on which friction acts, shape (n,). [N m]"""
-        # The inertial torque in the interaction torque ends at 10 Hz: what a reversal leaves above would look like
-        # friction. That of the motion on the grid holds all that the sensor saw.
-        own = (
-            low_pass.of(t, interaction.torque[fresh, joint])
-            if removed is None
-            else sensed[:, column] - removed[:, column]
-        )
-        if interaction.compensation is None:
-            return own
-        return own + low_pass.of(t, interaction.compensation[fresh, joint])
-
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
+        if removed is None:
+            torque = low_pass.of(t, interaction.torque[fresh, joint])
+        else:
+            # The inertial torque in the interaction torque ends at 10 Hz: what a reversal leaves above would look like
+            # friction. That of the motion on the grid holds all that the sensor saw.
+            torque = sensed[:, column] - removed[:, column]
+        if interaction.compensation is not None:
+            torque = torque + low_pass.of(t, interaction.compensation[fresh, joint])
         # Copies: columns of a matrix of all joints are read at an eighth of the speed.
         q, own_dq = (np.ascontiguousarray(every[:, column]) for every in (motion.q, motion.dq))
-        dead = _dead_speed(own_dq[valid])
+        usual = float(np.quantile(np.abs(own_dq[valid]), 0.95)) if valid.any() else 0.0
+        dead = max(DEAD_SIGMAS * grid_noise(own_dq[valid]), DEAD_SHARE * usual, TINY_SPEED)
         breakaways = find_breakaways(q, own_dq, dead, low_pass.step_s)
         dq, ddq = signed_rest(own_dq, motion.ddq[:, column], breakaways, dead)
         return JointData(
@@ -94,7 +80,7 @@ def prepare(
             q=q,
             dq=dq,
             ddq=ddq,
-            torque=torque(joint, column),
+            torque=torque,
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[fresh, column]),
             others_dq=motion.dq,
             others_ddq=motion.ddq,
@@ -228,11 +214,6 @@ def _filtered_motion(
     return moved
 
 
-def _dead_speed(dq: Float) -> float:
-    usual = float(np.quantile(np.abs(dq), 0.95)) if len(dq) else 0.0
-    return max(DEAD_SIGMAS * grid_noise(dq), DEAD_SHARE * usual, TINY_SPEED)
-
-
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> NDArray[np.int64]:
     """Number of the joint's cycle, half-open in time, -1 outside of any."""
     own = cycles.joint == joint
@@ -250,11 +231,6 @@ def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np
     A joint that its motor turns around rests until the torque has changed by twice the friction: some milliseconds of
     static friction, which a filtered velocity does not show. Straight lines through the velocity before and after the
     reversal do: they reach zero at different times. Without these samples effects_stiction_16001 is adequate.
-
-    Args:
-        dq: Velocity on an even grid, shape (n,). [rad/s]
-        dead_speed: Below it the sign is that of the noise. [rad/s]
-        step_s: Spacing of the grid. [s]
     """
     sure = np.abs(dq) > dead_speed
     at = np.flatnonzero(sure)

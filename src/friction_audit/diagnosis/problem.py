@@ -10,8 +10,15 @@ from math import exp, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
-from friction_audit.diagnosis.samples import SAMPLE_HZ, Samples, corner_for, make_samples
+from friction_audit.diagnosis.samples import (
+    SAMPLE_HZ,
+    NominalModel,
+    Samples,
+    corner_for,
+    least_squares,
+    make_samples,
+    nominal_model,
+)
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, displacement
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
@@ -21,9 +28,8 @@ Index = NDArray[np.int64]
 FOLDS = 10  # at most (R. Kohavi, Proc. IJCAI (1995) 1137); of ten cycles five folds would take two at once
 KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
-SIGN_WIDTHS_RAD_S = np.geomspace(
-    5e-4, 1.2e-2, 9
-)  # a sign smoothed by up to 10 mrad/s is a regularised drive, no effect
+# A sign smoothed by up to 10 mrad/s is a regularised drive, no effect.
+SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)
 SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
@@ -35,21 +41,11 @@ MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Axis:
-    """A quantity of every sample.
+    """A quantity of every sample."""
 
-    Attributes:
-        name: One word.
-        label: For the axis of a figure, with the unit.
-        value: ``value(data)``: the quantity, shape (n,), or None where the log does not have it.
-    """
-
-    name: str
-    label: str
-    value: Callable[[JointData], Float | None]
-
-
-def _travelled(data: JointData) -> Float:
-    return np.abs(displacement(data))
+    name: str  # one word
+    label: str  # for the axis of a figure, with the unit
+    value: Callable[[JointData], Float | None]  # the quantity, shape (n,), or None where the log does not have it
 
 
 def _neighbour(data: JointData) -> Float | None:
@@ -62,7 +58,7 @@ def _neighbour(data: JointData) -> Float | None:
 AXES: tuple[Axis, ...] = (
     Axis(name="speed", label="speed [rad/s]", value=lambda data: np.abs(data.dq)),
     Axis(name="position", label="position [rad]", value=lambda data: data.q),
-    Axis(name="displacement", label="displacement since reversal [rad]", value=_travelled),
+    Axis(name="displacement", label="displacement since reversal [rad]", value=lambda data: np.abs(displacement(data))),
     Axis(name="acceleration", label="acceleration [rad/s²]", value=lambda data: data.ddq),
     Axis(name="time", label="time [s]", value=lambda data: data.t),
     Axis(name="load", label="predicted load [N m]", value=lambda data: data.load),
@@ -73,53 +69,32 @@ AXES: tuple[Axis, ...] = (
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Nuisance:
-    """A column that is no physics of the joint, with a normal prior about zero.
+    """A column that is no physics of the joint, with a normal prior about zero."""
 
-    Attributes:
-        column: On the samples, shape (m,).
-        sd: Standard deviation of its coefficient, unit of the coefficient.
-        replaced_by: Effects that stand for the same thing and take its place.
-    """
-
-    column: Float
-    sd: float
-    replaced_by: tuple[str, ...] = ()
+    column: Float  # on the samples, shape (m,)
+    sd: float  # standard deviation of its coefficient, unit of the coefficient
+    replaced_by: tuple[str, ...] = ()  # effects that stand for the same thing and take its place
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Curve:
-    """A piecewise linear curve over one quantity for each direction of motion, on the samples.
+    """A piecewise linear curve over one quantity for each direction of motion, on the samples."""
 
-    Attributes:
-        axis: The quantity.
-        columns: Nonlinear (k, m).
-        values: The quantity itself, shape (m,).
-    """
-
-    axis: Axis
-    columns: Float
-    values: Float
+    axis: Axis  # the quantity
+    columns: Float  # shape (k, m)
+    values: Float  # the quantity itself, shape (m,)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RegressionProblem:
-    """Samples of one joint at the Nyquist rate of their filter; m samples, b nominal columns.
+    """Samples of one joint at the Nyquist rate of their filter; m samples, b nominal columns."""
 
-    Attributes:
-        data: The joint on the fine grid.
-        samples: Filter, times and cycles of the samples.
-        nominal: The nominal model, its columns on the samples.
-        age: Samples before each one in its unbroken stretch, shape (m,).
-        fold: Number of the fold of each sample, whole cycles, shape (m,).
-        curves: A curve over every quantity that varies.
-    """
-
-    data: JointData
-    samples: Samples
-    nominal: NominalModel
-    age: Index
-    fold: Index
-    curves: tuple[Curve, ...]
+    data: JointData  # the joint on the fine grid
+    samples: Samples  # filter, times and cycles of the samples
+    nominal: NominalModel  # the nominal model, its columns on the samples
+    age: Index  # samples before each one in its unbroken stretch, shape (m,)
+    fold: Index  # number of the fold of each sample, whole cycles, shape (m,)
+    curves: tuple[Curve, ...]  # a curve over every quantity that varies
 
     @classmethod
     def build(cls, data: JointData, model: JointModel | None) -> "RegressionProblem":
@@ -160,6 +135,11 @@ class RegressionProblem:
     def y(self) -> Float:
         """Response, shape (m,). [N m]"""
         return self.nominal.y
+
+    @cached_property
+    def order(self) -> Index:
+        """Samples fold by fold, in the order of time within each, shape (m,)."""
+        return np.argsort(self.fold, kind="stable")
 
     @cached_property
     def X(self) -> Float:

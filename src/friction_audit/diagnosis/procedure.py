@@ -1,6 +1,6 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -47,8 +47,8 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
-    left -= contact_events.impulses(problem, fine_torques(state)[1])
-    contacts = contact_events.detect(problem, left, state.gram.noise, formula_errors(state))
+    left -= contact_events.impulses(problem, fine_residual(state))
+    contacts = contact_events.detect(problem, left, state.gram.noise, _formula_errors(state))
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
         state.contacts, state.disturbed = contacts, problem
@@ -141,15 +141,13 @@ def _refitted(state: State, numbers: int) -> State:
     rows = np.vstack([state.gram.base_raw, *(b.columns for b in state.active)])
     left = problem.y - _ols(rows, problem.y) @ rows
     noise = NoiseModel.fit(
-        problem, [left], np.linalg.norm([problem.model_error(baseline), *formula_errors(state)], axis=0)
+        problem, [left], np.linalg.norm([problem.model_error(baseline), *_formula_errors(state)], axis=0)
     )
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque
     if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
-        fit = state.search.training.fit(state.active)
-        pairs = zip(state.active, selection.split(fit, state.active), strict=True)
-        others = [c @ b.columns for b, c in pairs if not b.effect.transmits]
+        others = [c @ b.columns for b, c in fitted(state.gram, state.active) if not b.effect.transmits]
         state.dictionary.rebuild(baseline, problem.y - np.sum(others, axis=0))
     made = _state(problem, state.dictionary, state.nuisances, noise, numbers)
     made.active = state.active
@@ -169,11 +167,9 @@ def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baselin
     return tuple(kept)
 
 
-def formula_errors(state: State) -> list[Float]:
+def _formula_errors(state: State) -> list[Float]:
     """Standard deviation of what the formula of each named effect gets wrong, shape (m,) each. [N m]"""
-    fit = state.search.training.fit(state.active)
-    each = zip(state.active, selection.split(fit, state.active), strict=True)
-    return [_formula_error(block) * (coefficients @ block.columns) for block, coefficients in each]
+    return [_formula_error(block) * (c @ block.columns) for block, c in fitted(state.gram, state.active)]
 
 
 def _formula_error(block: Block) -> float:
@@ -181,6 +177,11 @@ def _formula_error(block: Block) -> float:
     if block.effect.exact:
         return 0.0
     return TRANSMISSION_ERROR if block.effect.transmits else EFFECT_ERROR
+
+
+def fitted(gram: Gram, active: Sequence[Block]) -> Iterator[tuple[Block, Float]]:
+    """Each effect with its coefficients, fitted together."""
+    return zip(active, selection.split(Training(gram).fit(active), active), strict=True)
 
 
 def accepted(state: State, active: Sequence[Block]) -> list[Block]:
@@ -225,12 +226,8 @@ def _may_absorb_error(state: State, active: Sequence[Block], block: Block, other
 
 def sizes(gram: Gram, active: Sequence[Block]) -> Float:
     """Rms of each effect's torque free of the nominal model, shape (k,). [N m]"""
-    fit, X = Training(gram).fit(active), gram.problem.X
-    found = []
-    for block, coefficients in zip(active, selection.split(fit, active), strict=True):
-        torque = coefficients @ block.columns
-        found.append(float(np.sqrt(np.mean((torque - _ols(X, torque) @ X) ** 2))))
-    return np.array(found)
+    X, torques = gram.problem.X, (c @ block.columns for block, c in fitted(gram, active))
+    return np.array([float(np.sqrt(np.mean((torque - _ols(X, torque) @ X) ** 2))) for torque in torques])
 
 
 def nominal(problem: RegressionProblem, training: Training, active: Sequence[Block]) -> Nominal:
@@ -238,16 +235,13 @@ def nominal(problem: RegressionProblem, training: Training, active: Sequence[Blo
     return problem.nominal.baseline(training.fit(active).coefficients[: len(problem.X)])
 
 
-def fine_torques(state: State) -> tuple[dict[str, Float], Float]:
-    """Torque of each effect, and what the augmented model leaves, on the fine grid, shape (n,) each. [N m]"""
-    problem, training = state.problem, state.search.training
-    fit, baseline = training.fit(state.active), nominal(problem, training, state.active)
-    torques = {
-        block.name: state.dictionary.fine_at(block, block.shape, baseline) @ coefficients
-        for block, coefficients in zip(state.active, selection.split(fit, state.active), strict=True)
-    }
-    left = problem.data.torque - baseline.torque - np.sum(list(torques.values()), axis=0)
-    return torques, np.asarray(left)
+def fine_residual(state: State) -> Float:
+    """What the augmented model leaves on the fine grid, shape (n,). [N m]"""
+    baseline = nominal(state.problem, state.search.training, state.active)
+    torques = [
+        state.dictionary.fine_at(block, block.shape, baseline) @ c for block, c in fitted(state.gram, state.active)
+    ]
+    return np.asarray(state.problem.data.torque - baseline.torque - np.sum(torques, axis=0))
 
 
 def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance]) -> list[Float]:

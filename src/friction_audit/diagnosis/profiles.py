@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis import contact_events
 from friction_audit.diagnosis.problem import Curve, RegressionProblem
-from friction_audit.diagnosis.procedure import State, fine_torques
+from friction_audit.diagnosis.procedure import State, fine_residual
 from friction_audit.diagnosis.result import (
     ContactTrace,
     Evidence,
@@ -27,23 +27,16 @@ from friction_audit.preprocessing.even_grid import filtered
 BINS = 12
 FEWEST_ROWS = 5
 FOLDS = 5
-STRETCHES = 24
-"""Of the axis, with equally many rows each."""
-MOST_HIDDEN = 0.5
-"""Share of the torque's mean square that may lie off the curve."""
+STRETCHES = 24  # of the axis, with equally many samples each
+MOST_HIDDEN = 0.5  # share of the torque's mean square that may lie off the curve
 ORDER = "ripple_order"  # parameter of an effect that repeats with the position: its waves per revolution
 SOURCE = "gravity_error_source"  # 0 where the error follows the joint's own angle
 OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
-COPY = 1e-12
-"""Eigenvalue, over the largest one, of the cross products of what is a copy."""
+COPY = 1e-12  # eigenvalue, over the largest one, of the cross products of what is a copy
 
 
 def profile_all(
-    residual: Float,
-    curves: Sequence[Curve],
-    dq: Float,
-    cycle: NDArray[np.int64],
-    p_values: Mapping[str, float],
+    residual: Float, curves: Sequence[Curve], dq: Float, cycle: NDArray[np.int64], p_values: Mapping[str, float]
 ) -> tuple[Profile, ...]:
     """The residual along each axis, what takes most of it first.
 
@@ -51,26 +44,37 @@ def profile_all(
         residual: What a model leaves, shape (m,). [N m]
         curves: A curve per axis.
         dq: Velocity, shape (m,). [rad/s]
-        cycle: Number of the cycle of each row, shape (m,).
+        cycle: Number of the cycle of each sample, shape (m,).
         p_values: That nothing depends on an axis, by its name; NaN where it was not tested.
     """
-    found = [_profile(residual, curve, dq, cycle, p_values.get(curve.axis.name, float("nan"))) for curve in curves]
+    found = []
+    for curve in curves:
+        values, edges = curve.values, np.unique(np.quantile(curve.values, np.linspace(0.0, 1.0, BINS + 1)))
+        bins = _bins(values, edges)
+        centre = [values[bins == k].mean() if (bins == k).any() else np.nan for k in range(len(edges) - 1)]
+        found.append(
+            Profile(
+                axis=curve.axis.name,
+                label=curve.axis.label,
+                edges=edges,
+                centre=np.array(centre),
+                **_binned(residual, values, edges, dq > 0, cycle),
+                share=_share(residual, curve.columns.T, cycle),
+                p_value=p_values.get(curve.axis.name, float("nan")),
+            )
+        )
     return tuple(sorted(found, key=lambda profile: -profile.share))
 
 
-def _profile(residual: Float, curve: Curve, dq: Float, cycle: NDArray[np.int64], p_value: float) -> Profile:
-    edges = np.unique(np.quantile(curve.values, np.linspace(0.0, 1.0, BINS + 1)))
-    bins = _bins(curve.values, edges)
-    centre = [curve.values[bins == k].mean() if (bins == k).any() else np.nan for k in range(len(edges) - 1)]
-    return Profile(
-        axis=curve.axis.name,
-        label=curve.axis.label,
-        edges=edges,
-        centre=np.array(centre),
-        **_binned(residual, curve.values, edges, dq > 0, cycle),
-        share=_share(residual, curve.columns.T, cycle),
-        p_value=p_value,
-    )
+def profiles_of(problem: RegressionProblem, residual: Float, test: Screening) -> tuple[Profile, ...]:
+    """The same for a joint."""
+    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, test.curves)
+
+
+def along_effect(problem: RegressionProblem, shown: Float, axis: str) -> Profile:
+    """What an effect and the noise leave along the effect's quantity."""
+    own = [one for one in problem.curves if one.axis.name == axis] or problem.curves
+    return profile_all(shown, own, problem.kinematics[1], problem.samples.cycle, {})[0]
 
 
 def _bins(values: Float, edges: Float) -> NDArray[np.int64]:
@@ -90,17 +94,9 @@ def _binned(
 def bin_means(
     residual: Float, bins: NDArray[np.int64], cycle: NDArray[np.int64], which: NDArray[np.bool_], count: int
 ) -> tuple[Float, Float]:
-    """Mean of each bin and its standard error, the means of the cycles taken as independent.
+    """Mean of each bin and its standard error, the means of the cycles taken as independent, shape (count,) each.
 
-    Args:
-        residual: Shape (m,). [N m]
-        bins: Number of the bin of each row, shape (m,).
-        cycle: Number of the cycle of each row, shape (m,).
-        which: Rows that count, shape (m,).
-        count: Number of bins.
-
-    Returns:
-        Mean and standard error, NaN where a bin has hardly any row or a single cycle, shape (count,) each. [N m]
+    NaN where hardly any of the samples that count are in a bin, the error also where one cycle is.
     """
     mean, error = np.full(count, np.nan), np.full(count, np.nan)
     for k in range(count):
@@ -137,29 +133,18 @@ def shows_along(torque: Float, along: Float, dq: Float) -> bool:
     """Return whether most of a torque is a curve over a quantity, one for each direction of motion.
 
     A torque that rings, comes late or follows other joints has both signs at each place of any axis of this joint's
-    motion: its mean there is next to nothing, and where that mean is largest is chance.
-
-    Args:
-        torque: Of an effect at the rows, free of noise, shape (m,). [N m]
-        along: The quantity, shape (m,).
-        dq: Velocity, shape (m,). [rad/s]
+    motion: its mean there is next to nothing, and where that mean is largest is chance. All have shape (m,).
     """
-    off_curve = sum(_scatter(torque[which], along[which]) for which in (dq > 0, dq <= 0))
+    off_curve = 0.0
+    for which in (dq > 0, dq <= 0):
+        parts = np.array_split(torque[which][np.argsort(along[which], kind="stable")], STRETCHES)
+        off_curve += float(sum(len(part) * part.var() for part in parts if len(part)))
     return off_curve <= MOST_HIDDEN * float(torque @ torque)
 
 
-def _scatter(torque: Float, along: Float) -> float:
-    """Return the sum of squares about the means of the stretches. [N^2 m^2]"""
-    parts = np.array_split(torque[np.argsort(along, kind="stable")], STRETCHES)
-    return float(sum(len(part) * part.var() for part in parts if len(part)))
-
-
-def with_own_axes(joint: JointDiagnosis) -> JointDiagnosis:
+def with_own_axes(joint: JointDiagnosis, traces: Traces) -> JointDiagnosis:
     """Return the joint, its effects with the axis of their own where no axis of the motion shows them."""
-    if joint.traces is None:
-        return joint
-    effects = joint.added
-    found = {effect.name: own_axis(effect, joint.traces) for effect in effects}
+    found = {effect.name: own_axis(effect, traces) for effect in joint.added}
     return replace(joint, effects=tuple(replace(effect, own=found.get(effect.name)) for effect in joint.effects))
 
 
@@ -198,17 +183,6 @@ def _over(label: str, values: Float, traces: Traces, torque: Float) -> Profile:
         share=float("nan"),
         p_value=float("nan"),
     )
-
-
-def profiles_of(problem: RegressionProblem, residual: Float, test: Screening) -> tuple[Profile, ...]:
-    """The residual along every quantity, what takes most of it first."""
-    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, test.curves)
-
-
-def along_effect(problem: RegressionProblem, shown: Float, axis: str) -> Profile:
-    """What an effect and the noise leave along the effect's quantity."""
-    own = [one for one in problem.curves if one.axis.name == axis] or problem.curves
-    return profile_all(shown, own, problem.kinematics[1], problem.samples.cycle, {})[0]
 
 
 def contact_effects(state: State, profiles: tuple[Profile, ...]) -> tuple[NamedEffect, ...]:
@@ -254,7 +228,7 @@ def contact_trace(state: State) -> ContactTrace | None:
     if not state.contacts:
         return None
     data, samples = state.problem.data, state.problem.samples
-    _, fine = fine_torques(state)
+    fine = fine_residual(state)
     left = filtered(fine[None], samples.kernel, np.arange(0, len(fine), samples.every))[0]
     seen = (data.moving & data.valid)[:: samples.every]
     return ContactTrace(

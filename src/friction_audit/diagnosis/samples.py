@@ -1,5 +1,7 @@
 """JointData -> Samples: torque and regression columns through one low-pass, at a rate near its Nyquist rate.
 
+On them stands the nominal model: B ddq + mu_c sgn(dq) + mu_v dq, and the terms of a model file.
+
 Columns are built on the fine grid, where the sign of the velocity is sharp, and pass the low-pass of the torque: a
 reversal is smeared alike in both. The corner is 25 Hz, above the frequencies of the motion (below 4 Hz) and just below
 the first resonance of a Panda (26 to 28 Hz); it is lower where the noise of inertia times acceleration would come near
@@ -15,13 +17,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.breakaway import Breakaways, breakaways_of, torque_known
-from friction_audit.effects.joint_data import CORNER_HZ, JointData
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
+from friction_audit.effects.joint_model import FittedTerm, JointModel
+from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
+from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import filtered, kaiser_low_pass
 from friction_audit.preprocessing.velocity import noise_density
 
 Index = NDArray[np.int64]
+INERTIA = "inertia_kg_m2"
+FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}  # terms with their one coefficient
+RINGING = ("spring", "gap")  # forward models of terms that amplify noise of the position
 SAMPLE_HZ = 100.0
 LOWEST_CORNER_HZ = 8.0
 # Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, half of the
@@ -88,7 +97,9 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
     place = np.concatenate([moving, breakaways.onset // every])
     order = np.argsort(place)
     breakaway = np.repeat([False, True], [len(moving), len(breakaways.onset)])
-    relative = _relative_weight(breakaways.weights, data.step_s)
+    # Noise that the highest corner leaves of white noise, over that which other weights leave. Where the corner is
+    # lower the torque's noise is hardly white: a lower weight would be too low.
+    relative = min(float(np.sqrt(2.0 * CORNER_HZ * data.step_s) / np.linalg.norm(breakaways.weights)), 1.0)
     samples = Samples(
         kernel=kernel,
         onsets=replace(breakaways, weights=relative * breakaways.weights),
@@ -102,14 +113,6 @@ def make_samples(data: JointData, corner_hz: float = CORNER_HZ) -> Samples:
         cycle=data.cycle[place[order] * every],
     )
     return replace(samples, y=samples.of(data.torque))
-
-
-def _relative_weight(weights: Float, step_s: float) -> float:
-    """Noise that the highest corner leaves of white noise, over that which other weights leave, at most 1.
-
-    Where the corner is lower the torque's noise is hardly white: a lower weight would be too low.
-    """
-    return min(float(np.sqrt(2.0 * CORNER_HZ * step_s) / np.linalg.norm(weights)), 1.0)
 
 
 def corner_for(data: JointData, inertia_kg_m2: float) -> float:
@@ -129,3 +132,99 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
     # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f
     crossing = np.sqrt((crossing**2 + np.hypot(crossing**2, 2.0 * crossing * data.crossover_hz)) / 2.0)
     return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class NominalModel:
+    """The nominal model, b columns."""
+
+    # names of the coefficients with their unit: Coulomb and viscous friction, inertia unless a model file states it,
+    # then the coefficients of other terms of the file; without those of terms that the file holds
+    names: tuple[str, ...]
+    fine: Float  # their columns on the fine grid, shape (n, b)
+    columns: Float  # the same on the samples, shape (m, b)
+    stated: Float  # torque of the numbers that are not fitted, on the fine grid, shape (n,) [N m]
+    y: Float  # torque of the samples without it, shape (m,) [N m]
+    model: JointModel | None  # the model file's model of the joint, None without one
+
+    def baseline(self, coefficients: Float) -> Nominal:
+        """The fitted model, from coefficients, shape (b,), as columns of effects need it."""
+        stated = {} if self.model is None else _stated(self.model)
+        value = stated | dict(zip(self.names, coefficients.tolist(), strict=True))
+        return Nominal(
+            inertia_kg_m2=value[INERTIA],
+            coulomb_nm=value["coulomb_nm"],
+            viscous_nms_per_rad=value["viscous_nms_per_rad"],
+            torque=self.fine @ coefficients + self.stated,
+            declared=frozenset(stated),
+        )
+
+
+def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -> NominalModel:
+    """Build the columns of the nominal model; the inertia of a model file and the terms that it holds are not fitted.
+
+    Raises:
+        AnalysisError: If everything is stated, so that nothing is left to fit.
+    """
+    fine = {"coulomb_nm": data.way, "viscous_nms_per_rad": data.dq}
+    stated = np.zeros(len(data.t))
+    if model is None:
+        fine[INERTIA] = data.ddq
+    else:
+        rest = model.rest(data.motion())
+        stated = model.inertia_kg_m2 * data.ddq
+        for term in model.terms:
+            motion = _motion_of(term, model, data, samples) if term.effect.forward in RINGING else data.motion(rest)
+            columns = _columns(term, motion)
+            if term.name in model.held:
+                stated = stated + term.torque(motion)
+                fine = {name: column for name, column in fine.items() if name not in columns}
+            else:
+                fine |= columns
+    if not fine:
+        raise AnalysisError("model: Coulomb and viscous friction are both held; leave one out of held to be fitted")
+    stacked = np.column_stack(list(fine.values()))
+    return NominalModel(
+        names=tuple(fine),
+        fine=stacked,
+        columns=samples.of(stacked),
+        stated=stated,
+        y=samples.y - samples.of(stated),
+        model=model,
+    )
+
+
+def _stated(model: JointModel) -> dict[str, float]:
+    """Inertia, Coulomb and viscous friction of a model file that are not fitted, by name."""
+    held = {name: values[0] for name in model.held if (values := model.values(name)) is not None}
+    return {INERTIA: model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
+
+
+def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
+    """The motion as measured or low-passed: the one with which the term explains more."""
+    every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
+    motions = [replace(motion, rest=model.rest(motion)) for motion in every]
+    simple = (data.way, data.dq, data.ddq)
+    left = []
+    for motion in motions:
+        columns = samples.of(np.column_stack([*simple, *_columns(term, motion).values()]))
+        left.append(np.linalg.norm(samples.y - columns @ least_squares(columns, samples.y)))
+    return motions[int(np.argmin(left))]
+
+
+def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
+    """Columns of a term by name of their coefficient; none for what the file lacks."""
+    shape = term.values[len(term.effect.coefficients) :]
+    regressor = term.effect.columns(motion, shape)
+    return {
+        parameter.name: regressor[:, k]
+        for k, (parameter, value) in enumerate(zip(term.effect.coefficients, term.values, strict=False))
+        if value != 0.0 or not parameter.optional
+    }
+
+
+def least_squares(columns: Float, y: Float) -> Float:
+    """Coefficients of least norm, shape (p,); exactly 0 for a column of zeros."""
+    size = np.sqrt(np.mean(columns**2, axis=0))
+    scale = np.where(size > 0, size, 1.0)
+    return np.asarray(np.where(size > 0, np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale, 0.0))

@@ -120,7 +120,7 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
     """
     step = float(motion.t[1] - motion.t[0])
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
-    signals = tuple(map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load)))
+    q, dq, ddq, way, load = map(read_only, (motion.q, motion.dq, motion.ddq, motion.direction, load))
     alike: dict[tuple[int, bool], list[int]] = {}  # those that take as many steps and are of one kind
     heavy, rates = [part_of(own, link.far_share) for own, link in zip(far, links, strict=True)], [0.0] * len(far)
     for place, link in enumerate(links):
@@ -149,7 +149,8 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
             ]
             far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (driven, between))
             lanes = (0.0,) * len(filled)
-            torque = _follow(*signals, step, between_samples(step, steps), far_sides, flexible, gap, lanes)
+            weights = between_samples(step, steps)
+            torque = _follow(q, dq, ddq, way, load, step, weights, far_sides, flexible, gap, lanes)
             yield from ((k, torque[lane]) for lane, k in enumerate(places))
             del torque  # the next ones shall take its place
 

@@ -63,11 +63,11 @@ def first_order(signal: NDArray[Any], pole: complex, before: complex) -> NDArray
 
     A banded triangular system; scipy.signal, which has the filter, takes 0.5 s to load.
     """
-    from scipy.linalg import get_lapack_funcs
+    from scipy.linalg.lapack import dtbtrs, ztbtrs
 
     driven = (1.0 - pole) * signal
     driven[0] += pole * before
-    (solve,) = get_lapack_funcs(("tbtrs",), (driven,))
+    solve = ztbtrs if np.iscomplexobj(driven) else dtbtrs
     band = np.stack([np.ones(len(driven), driven.dtype), np.full(len(driven), -pole, driven.dtype)])
     return np.asarray(solve(band, driven[:, None], uplo="L")[0][:, 0])
 
