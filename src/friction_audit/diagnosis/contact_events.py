@@ -21,12 +21,12 @@ from friction_audit.joint_log import Float
 Index = NDArray[np.int64]
 Marks = NDArray[np.bool_]
 LENGTHS_S = (0.1, 0.2, 0.4, 0.8)  # twice as long each: half a sine between two of them loses 5 % of its size
-BY_CHANCE = 3e-4  # probability that normal noise holds a contact: model error has longer tails (flips, seed 16004)
-CELLS = 60  # reference cells, each as long as the push; with fewer, the quantile of Student's t grows
+BY_CHANCE = 2e-3  # probability that normal noise holds a contact: model error has longer tails (flips, seed 16004)
+CELLS = 120  # reference cells, each as long as the push; with 60, the quantile of Student's t is 7 % larger
 ALIKE = 0.3  # distance of similar states of motion, in standard deviations of each quantity
 FEWEST_AGAIN = 2  # similar states in other cycles from which it can be said what the motion repeats
 NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
-GLITCH = 1.2  # output of a pulse over that of pushes, from which one sample is wrong (stranger_none_30034)
+GLITCH = 0.9  # output of a pulse over that of pushes, from which one sample is wrong (stranger_none_30034)
 IMPULSE_S = 0.025  # half of the window of the median: a quarter of the shortest push, which stays
 OUTLIER = 5.0  # standard deviations: 6e-7 of normal noise is beyond
 APART_S = 0.2  # pushes between which less time passes are one contact
