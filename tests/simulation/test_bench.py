@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.compensation.compensators import Compensator, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.replay import run
+from friction_audit.compensation.controller import run
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import (
