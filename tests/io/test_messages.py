@@ -129,20 +129,20 @@ def test_custom_definition_is_read_by_its_fields(tmp_path: Path) -> None:
 
 def test_fields_mapped_by_the_user(tmp_path: Path) -> None:
     kind_name = "my_msgs/msg/ArmLog"
-    store = ros1_store((kind_name, "float64[2] angle\nfloat64[2] rate\nfloat64[2] tau_J\nfloat64 clock\n"))
+    store = ros1_store((kind_name, "float64[2] alpha\nfloat64[2] rate\nfloat64[2] tau_J\nfloat64 clock\n"))
     kind: Any = store.types[kind_name]
     a = np.arange(8.0).reshape(4, 2)
     messages = [(stamp_ns(i), kind(a[i], 2 * a[i], 3 * a[i], 0.5 * i)) for i in range(4)]
     path = write_rosbag1(tmp_path / "a.bag", store, [("/log", kind_name, messages)])
     with pytest.raises(InputError, match="no topic with measured joint states"):
         read(path)
-    with pytest.raises(InputError, match=r"topic /log: no field spin in .*; its fields are angle, rate, tau_J, clock"):
+    with pytest.raises(InputError, match=r"topic /log: no field spin in .*; its fields are alpha, rate, tau_J, clock"):
         read(path, mapping={"dq": "spin"})
-    mapping = {"q": "angle[{i}]", "dq": "rate[{i}]", "tau_J": "tau_J[{i}]", "t": "clock"}
+    mapping = {"q": "alpha[{i}]", "dq": "rate[{i}]", "tau_J": "tau_J[{i}]", "t": "clock"}
     recording = read(path, mapping=mapping)
     assert_read(recording, {"q": a, "dq": 2 * a, "tau_J": 3 * a})
     assert recording.t.tolist() == [0.0, 0.5, 1.0, 1.5]
-    with pytest.raises(InputError, match=r"no field angel, spin .*did you mean angle"):
+    with pytest.raises(InputError, match=r"no field angel, spin .*did you mean alpha"):
         read(path, topic="/log", mapping={"q": "angel", "dq": "spin"})
     beside = [("/log", kind_name, messages), joint_states(store, samples(9))]
     assert read(write_rosbag1(tmp_path / "b.bag", store, beside), mapping=mapping).topic == "/log"
