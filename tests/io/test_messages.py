@@ -142,8 +142,8 @@ def test_fields_mapped_by_the_user(tmp_path: Path) -> None:
     recording = read(path, mapping=mapping)
     assert_read(recording, {"q": a, "dq": 2 * a, "tau_J": 3 * a})
     assert recording.t.tolist() == [0.0, 0.5, 1.0, 1.5]
-    with pytest.raises(InputError, match=r"no field angel, spin .*did you mean alpha"):
-        read(path, topic="/log", mapping={"q": "angel", "dq": "spin"})
+    with pytest.raises(InputError, match=r"no field alhpa, spin .*did you mean alpha"):
+        read(path, topic="/log", mapping={"q": "alhpa", "dq": "spin"})
     beside = [("/log", kind_name, messages), joint_states(store, samples(9))]
     assert read(write_rosbag1(tmp_path / "b.bag", store, beside), mapping=mapping).topic == "/log"
 
