@@ -68,11 +68,13 @@ def terms() -> tuple["Effect", ...]:
     return nominal + tuple(effect for effect in effects() if effect.coefficients)
 
 
+@cache
 def effect_of(name: str) -> "Effect":
     """Return an effect of ``effects()`` by name; KeyError if there is none."""
     return {effect.name: effect for effect in effects()}[name]
 
 
+@cache
 def term_of(name: str) -> "Effect":
     """Return a term by name; AnalysisError, with those that are near, if there is none."""
     known = {term.name: term for term in terms()}
