@@ -17,9 +17,17 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from friction_audit.joint_log import Float
+    from friction_audit.robot import Arm
 
 JOINTS = range(1, 8)
 RATE_HZ = 1000
+GROUP = 1 << 20  # rows of a row group, written one after the other: a day of log needs no more memory than an hour
 COULOMB_NM, VISCOUS_NMS_PER_RAD = 0.3, 0.05
 TOLERANCE = 0.05
 """Relative error of the coefficients that shows that the command has done its work."""
@@ -27,6 +35,8 @@ TOLERANCE = 0.05
 GOAL_MEMORY_MB = 400
 COMMAND = "**`friction-audit estimate`**"
 MEGABYTE = 1e6
+# As after an installation, Python keeps compiled modules: the run that checks the estimates makes them.
+INSTALLED = {name: text for name, text in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
 
 BARE = """
 import sys, pyarrow.parquet
@@ -73,8 +83,18 @@ def write_log(path: Path, case: Case, hours: float, seed: int = 1) -> None:
 
     from friction_audit.robot import load_arm  # noqa: PLC0415
 
-    rng = np.random.default_rng(seed)
-    t = np.arange(int(hours * 3600 * RATE_HZ)) / RATE_HZ
+    rng, arm, samples = np.random.default_rng(seed), load_arm(), int(hours * 3600 * RATE_HZ)
+    schema = pa.schema([(name, pa.float64()) for name in case.columns])
+    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+        for first in range(0, samples, GROUP):
+            t = np.arange(first, min(first + GROUP, samples)) / RATE_HZ
+            writer.write_table(pa.table(_columns(t, case, rng, arm), schema=schema))
+
+
+def _columns(t: "Float", case: Case, rng: "np.random.Generator", arm: "Arm") -> "dict[str, Float]":
+    """Return the columns of a row group."""
+    import numpy as np  # noqa: PLC0415
+
     pace = 0.5 + 0.1 * np.array(JOINTS)
     swell = 0.011 * np.array(JOINTS)
     size, growth = 0.6 + 0.24 * np.sin(np.outer(t, swell)), 0.24 * swell * np.cos(np.outer(t, swell))
@@ -83,7 +103,7 @@ def write_log(path: Path, case: Case, hours: float, seed: int = 1) -> None:
     dq = size * pace * np.cos(phase) + growth * np.sin(phase)
     noise = rng.standard_normal((3, *q.shape))
     friction = COULOMB_NM * np.sign(dq) + VISCOUS_NMS_PER_RAD * dq + 0.05 * noise[2]
-    gravity = load_arm(None, None, (0.0, 0.0, -9.81)).gravity(q)
+    gravity = arm.gravity(q)
     channels = {
         "q": q + 1e-5 * noise[0],
         "dq": dq + 1e-3 * noise[1],
@@ -91,14 +111,13 @@ def write_log(path: Path, case: Case, hours: float, seed: int = 1) -> None:
         "tau_J": gravity - friction,
         "gravity": gravity,
     }
-    columns = {"time": t} | {f"{c}_{joint}": channels[c][:, joint - 1] for c in case.channels for joint in JOINTS}
-    pq.write_table(pa.table(columns), path, compression="zstd")
+    return {"time": t} | {f"{c}_{joint}": channels[c][:, joint - 1] for c in case.channels for joint in JOINTS}
 
 
 def run(command: list[str]) -> Run:
     """Run a process and measure it."""
     before = time.perf_counter()
-    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, env=INSTALLED)
     _, status, usage = os.wait4(process.pid, 0)
     if status != 0:
         raise SystemExit(f"{command}: exit status {status}")
@@ -108,7 +127,7 @@ def run(command: list[str]) -> Run:
 
 def check_estimates(command: list[str]) -> None:
     """Make sure that the command has an answer for every joint, and the right one."""
-    output = subprocess.run([*command, "--json", "--quiet"], check=True, capture_output=True).stdout
+    output = subprocess.run([*command, "--json", "--quiet"], check=True, capture_output=True, env=INSTALLED).stdout
     for joint in json.loads(output)["joints"]:
         for name, truth in (("coulomb_nm", COULOMB_NM), ("viscous_nms_per_rad", VISCOUS_NMS_PER_RAD)):
             assert abs(joint[name]["value"] / truth - 1) < TOLERANCE, (joint["joint"], joint[name])

@@ -25,10 +25,7 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of mallopt(3)
-LARGE, KEPT = (
-    1 << 25,
-    1 << 26,
-)  # bytes: as far as malloc adapts by itself; to map arrays anew for every block takes long
+LARGE, KEPT = 1 << 25, 1 << 26  # bytes: to map the arrays of every block anew takes a tenth of the time
 WORKERS = min(4, os.cpu_count() or 1)  # each one needs working memory for a joint of its own
 
 _OWN = ContextVar("_OWN", default=False)

@@ -181,7 +181,9 @@ class _Pass:
     """The joints of a log on their way through its blocks."""
 
     def __init__(self, port: PortTorque, settings: AuditSettings) -> None:
-        own = enumerate(_thresholds(port, settings))
+        from friction_audit.preprocessing.segmentation import thresholds_in_blocks
+
+        own = enumerate(thresholds_in_blocks(port.log, port.columns, settings.cycles))
         self.port, self._settings, self.part = port, settings, cast("Interaction | None", None)
         self.joints = [_JointPass(port.log, settings, column, thresholds) for column, thresholds in own]
 
@@ -203,36 +205,6 @@ class _Pass:
         same = all(getattr(mine.plan, name) == getattr(right.plan, name) for name in ("source", "gravity", "inertia"))
         same = same and (mine.plan.arm is None) == (right.plan.arm is None)
         return same and mine.sign == right.sign and settings == self._settings and self.part is not None
-
-
-def _thresholds(port: PortTorque, settings: AuditSettings) -> "list[Thresholds]":
-    """Return the thresholds of every joint; automatic ones take a pass over the velocities."""
-    from friction_audit.preprocessing.segmentation import MOST_SAMPLES, thresholds_of
-
-    cycles, rate_hz = settings.cycles, port.log.rate_hz
-    fixed = cycles.initiation_rad_s, cycles.termination_rad_s
-    if cycles.thresholds != "auto":
-        return [fixed] * len(port.columns)
-    samples, margin = port.log.samples, settling_samples(rate_hz, cycles.cutoff_hz)
-    every, done = max(samples // MOST_SAMPLES, 1), 0
-    before = [np.empty(0) for _ in port.columns]
-    found: list[list[tuple[Float, Float]]] = [[] for _ in port.columns]
-    for number, t, signal in port.log.blocks_of("dq"):
-        first, end = number - len(before[0]), number + len(t)
-        stop = end if end == samples else max(end - margin, done)
-        thin = slice(done - first + -done % every, stop - first, every)
-
-        def work(k: int, dq: Float = signal, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
-            measured = dq[:, port.columns[k]]
-            measured = np.concatenate([before[k], measured]) if len(before[k]) else measured
-            filtered = filter_velocity(measured, rate_hz=rate_hz, cutoff_hz=cycles.cutoff_hz)
-            found[k].append((measured[thin].copy(), filtered[thin].copy()))
-            before[k] = measured[kept:].copy()
-
-        per_joint(work, len(port.columns))
-        done = stop
-    joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in found)
-    return [thresholds_of(cycles, rate_hz, fixed, *own) for own in joined]
 
 
 class _JointPass:

@@ -19,7 +19,7 @@ from friction_audit.friction.history import (
 from friction_audit.friction.reasons import Extremes, cautions_of, dead_channel, missing_motion, one_speed
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.friction.torque_regression import CUTOFF_HZ, HIGHEST_CONDITION, RegressionRows, regress_torque
-from friction_audit.friction.weighted import FRICTION, Equations, fit_windows, set_up
+from friction_audit.friction.weighted import FRICTION, fit_windows, set_up
 from friction_audit.joint_log import Float, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
@@ -139,6 +139,9 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSet
     condition, correlation = equations.conditioning()
     window = min(settings.window_of(len(kept.joint)), len(kept.joint))
     offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
+    moved = fit_windows(equations, window)  # over the first cycles together a change would hide in the mean
+    found = ((name, *moved.column(name)) for name in UNITS)
+    columns = {name: (value, value - half, value + half) for name, value, half in found}
     return {
         "coulomb": whole.coefficient("coulomb"),
         "viscous": whole.coefficient("viscous"),
@@ -146,15 +149,8 @@ def _solve_weighted(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSet
         "gravity_error_nm": float(np.hypot(np.nan_to_num(x), np.nan_to_num(y))),
         "condition_number": condition,
         "correlation": correlation,
-        "history": _history(own, window, _after_every_cycle(equations, window)),
+        "history": _history(own, window, columns),
     }
-
-
-def _after_every_cycle(equations: Equations, window: int) -> Columns:
-    """Estimate over a window of cycles that moves: over the first ones together a change would hide in the mean."""
-    fit = fit_windows(equations, window)
-    found = ((name, *fit.column(name)) for name in UNITS)
-    return {name: (value, value - half, value + half) for name, value, half in found}
 
 
 def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettings) -> dict[str, Any]:

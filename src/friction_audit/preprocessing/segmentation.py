@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.joint_log import Float, median_step
+from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing import cycle_sums
 from friction_audit.preprocessing.energy_cycles import (
@@ -23,7 +23,7 @@ from friction_audit.preprocessing.energy_cycles import (
 )
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.settings import CycleSettings
-from friction_audit.preprocessing.velocity import filter_velocity
+from friction_audit.preprocessing.velocity import filter_velocity, settling_samples
 
 # Parts of equal path into which each cycle is cut. Within a stroke the speed runs through its whole range, so the parts
 # separate Coulomb from viscous friction even where all strokes are equally fast.
@@ -263,6 +263,32 @@ def thresholds_of(
         return fixed
     thin = slice(None, None, max(len(measured) // MOST_SAMPLES, 1))
     return _automatic_thresholds(measured[thin], filtered[thin], 2.0 * settings.cutoff_hz / rate_hz)
+
+
+def thresholds_in_blocks(log: JointLog, columns: list[int], settings: CycleSettings) -> list[Thresholds]:
+    """Return the thresholds of some joints (0-based) of a log; automatic ones take a pass over the velocities."""
+    rate_hz, fixed = log.rate_hz, (settings.initiation_rad_s, settings.termination_rad_s)
+    if settings.thresholds != "auto":
+        return [fixed] * len(columns)
+    margin, every, done = settling_samples(rate_hz, settings.cutoff_hz), max(log.samples // MOST_SAMPLES, 1), 0
+    before = [np.empty(0) for _ in columns]
+    found: list[list[tuple[Float, Float]]] = [[] for _ in columns]
+    for number, t, signal in log.blocks_of("dq"):
+        first, end = number - len(before[0]), number + len(t)
+        stop = end if end == log.samples else max(end - margin, done)
+        thin = slice(done - first + -done % every, stop - first, every)
+
+        def work(k: int, dq: Float = signal, thin: slice = thin, kept: int = max(stop - margin - first, 0)) -> None:
+            measured = dq[:, columns[k]]
+            measured = np.concatenate([before[k], measured]) if len(before[k]) else measured
+            filtered = filter_velocity(measured, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
+            found[k].append((measured[thin].copy(), filtered[thin].copy()))
+            before[k] = measured[kept:].copy()
+
+        per_joint(work, len(columns))
+        done = stop
+    joined = ([np.concatenate(one) for one in zip(*own, strict=True)] for own in found)
+    return [thresholds_of(settings, rate_hz, fixed, *own) for own in joined]
 
 
 def _automatic_thresholds(measured: Float, filtered: Float, share: float) -> tuple[float, float]:

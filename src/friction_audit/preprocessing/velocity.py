@@ -7,7 +7,6 @@ import math
 from collections.abc import Collection, Iterator
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,18 +73,18 @@ def _low_pass(blocks: Float, gain: float, a1: float, a2: float) -> Float:
     Before and behind, what is filtered is as at its end. Blocks of the state-space form: products of matrices, as fast
     as a compiled loop, without the compiler's 140 MB; those of both directions are one product.
     """
-    form = _block_form(gain, a1, a2)
+    inputs, carried, inside, free, at_last, power = _block_form(gain, a1, a2)
     pieces = [slice(first, first + ROWS_AT_ONCE) for first in range(0, len(blocks), ROWS_AT_ONCE)]
-    left = np.concatenate([blocks[rows] @ form.inputs for rows in pieces])
+    left = np.concatenate([blocks[rows] @ inputs for rows in pieces])
     rest = np.array([1.0 - gain, gain - a2])  # the state where the signal has always been 1
-    forwards = _states(left[:, :2], rest * blocks[0, 0], form.power)
-    last = blocks[-1] @ form.last[2:] + forwards[-1] @ form.last[:2]
-    left = left[::-1, 2:] + forwards[::-1] @ form.carried
-    states = np.column_stack([forwards, _states(left, rest * last, form.power)[::-1]])
+    forwards = _states(left[:, :2], rest * blocks[0, 0], power)
+    last = blocks[-1] @ at_last[2:] + forwards[-1] @ at_last[:2]
+    left = left[::-1, 2:] + forwards[::-1] @ carried
+    states = np.column_stack([forwards, _states(left, rest * last, power)[::-1]])
     found = np.empty_like(blocks)
     for rows in pieces:
-        np.matmul(blocks[rows], form.inside, out=found[rows])
-        found[rows] += states[rows] @ form.free
+        np.matmul(blocks[rows], inside, out=found[rows])
+        found[rows] += states[rows] @ free
     return found
 
 
@@ -100,33 +99,23 @@ def _states(left: Float, before: Float, power: Float) -> Float:
     return states
 
 
-class _Form(NamedTuple):
-    """A filter over a block, forwards and then backwards: both as matrices of its samples and of the two states."""
-
-    inputs: Float  # samples -> what they leave forwards, and backwards once they are filtered
-    carried: Float  # state forwards -> what it leaves backwards
-    inside: Float  # samples -> output
-    free: Float  # both states -> output
-    last: Float  # state and samples -> last sample of the first direction
-    power: Float  # state -> state a block later
-
-
 @lru_cache(maxsize=16)
-def _block_form(gain: float, a1: float, a2: float) -> _Form:
+def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float, Float, Float, Float]:
+    """Return a filter over a block, forwards and then backwards, as matrices of its samples and of its two states.
+
+    They are: from the samples, what they leave forwards, and backwards once they are filtered; from the state forwards,
+    what it leaves backwards; from the samples, the output; from both states, the output; from the state forwards and
+    the samples, the last sample of the first direction; from a state, that a block later.
+    """
     step, entry = np.array([[-a1, 1.0], [-a2, 0.0]]), gain * np.array([2.0 - a1, 1.0 - a2])
     powers = np.stack([np.linalg.matrix_power(step, i) for i in range(FILTER_BLOCK + 1)])
     free = powers[:-1, 0].T  # the output that follows from the state, without input
     response, order = np.append(gain, entry @ free[:, :-1]), np.arange(FILTER_BLOCK)
     forced = np.where(order >= order[:, None], response[order - order[:, None]], 0.0)
     inputs, back = powers[-2::-1] @ entry, forced[::-1, ::-1]
-    return _Form(
-        inputs=np.column_stack([inputs, forced @ inputs[::-1]]),
-        carried=free @ inputs[::-1],
-        inside=forced @ back,
-        free=np.concatenate([free @ back, free[:, ::-1]]),
-        last=np.append(free[:, -1], forced[:, -1]),
-        power=powers[-1],
-    )
+    both, carried = np.column_stack([inputs, forced @ inputs[::-1]]), free @ inputs[::-1]
+    output = np.concatenate([free @ back, free[:, ::-1]])
+    return both, carried, forced @ back, output, np.append(free[:, -1], forced[:, -1]), powers[-1]
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:

@@ -306,11 +306,11 @@ def to_json(value: Any) -> Any:  # noqa: ANN401, PLR0911 - any value of a result
 
 def _column_json(values: Iterable[Any]) -> list[Any]:
     """Return the values of a column as JSON knows them; an array at once."""
-    if not isinstance(values, np.ndarray):
+    if not isinstance(values, np.ndarray) or values.dtype.kind != "f":
         return [to_json(value) for value in values]
-    whole = values.dtype.kind != "f" or np.isfinite(values).all()
-    found: list[Any] = (values if whole else np.where(np.isfinite(values), values, None)).tolist()
-    return found
+    cells = values.astype(object)
+    cells[~np.isfinite(values)] = None
+    return list(cells.tolist())
 
 
 def _found(row: Row, get: Get) -> Any:  # noqa: ANN401

@@ -93,7 +93,8 @@ class _Wild:
 
     def __init__(self, joint: int, columns: Mapping[str, Column], step_s: float, rows: int) -> None:
         self.joint, self._step_s, self._rows = joint, step_s, rows
-        usual = {name: _usual_change(column.changes(joint)) for name, column in columns.items()}
+        every = ((name, np.abs(column.changes(joint))) for name, column in columns.items())
+        usual = {n: float(np.quantile(a, 1.0 - _unusual(a))) if len(a) else 0.0 for n, a in every}
         self._usual_dq = usual["dq"]
         self._scales = {name: _scale(name, one.sample[:, joint], usual[name]) for name, one in columns.items()}
         self._jumping = [name for name, scale in self._scales.items() if columns[name].jump[joint] > scale]
@@ -231,11 +232,6 @@ def _scale(channel: str, sample: Float, step: float) -> float:
     low, high = np.quantile(sample, (_unusual(sample), 1.0 - _unusual(sample)))
     least = _LEAST.get(channel, _LEAST_TORQUE) * (1.0 if step > 0.0 else _TIMES_STILL)
     return max(_TIMES_STEP * step, _TIMES_RANGE.get(channel, _TIMES_RANGE_OF_TORQUE) * float(high - low), least)
-
-
-def _usual_change(changes: Float) -> float:
-    """Return the largest of changes but for the few unusual ones."""
-    return float(np.quantile(np.abs(changes), 1.0 - _unusual(changes))) if len(changes) else 0.0
 
 
 def _unusual(sample: Float) -> float:

@@ -1,45 +1,36 @@
 """Parquet -> Recording: scalar columns, or one list-valued column per channel."""
 
 import json
-import os
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import partial
-from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pyarrow as pa
 from numpy.typing import NDArray
+from pyarrow.parquet import FileMetaData, ParquetFile
 
 from friction_audit.errors import InputError
+from friction_audit.io.readers import arrow
 from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit
+from friction_audit.io.readers.reader import ReadOptions, Topic
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
 from friction_audit.joint_log import Finding
 from friction_audit.parallel import per_joint
 
-if TYPE_CHECKING:
-    import pyarrow as pa
-    from pyarrow.parquet import FileMetaData, ParquetFile
-
-_BATCH_ROWS, _BATCH_BYTES = 1 << 17, 16 << 20  # of which several are in memory; of fewer rows, calls take the time
+_BATCH_ROWS, _BATCH_BYTES = 1 << 16, 8 << 20  # of which several are in memory; of fewer rows, calls take the time
 _BUFFER_BYTES = 1 << 17
 _LOOK_ROWS = 1000  # the first list that is not empty is among them: the first messages of a topic may be empty
 _NANOSECONDS = 1_000_000_000
 
-if address_limit() < inf:  # before Arrow is loaded
-    # Its own allocator asks for a gigabyte of addresses at once, which the limit counts as if they were used.
-    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
-
 
 def read(path: Path, options: ReadOptions) -> Recording:
     """Read a Parquet file."""
-    import pyarrow as pa
-
     try:
         with _open(path) as file:
             return read_table(ParquetTable(path, file), options)
@@ -52,12 +43,10 @@ def read(path: Path, options: ReadOptions) -> Recording:
         ) from error
 
 
-def _open(path: Path, metadata: "FileMetaData | None" = None) -> "ParquetFile":
-    import pyarrow.parquet as pq
-
+def _open(path: Path, metadata: FileMetaData | None = None) -> ParquetFile:
     # A buffer for a page or two: without it, a column of a whole row group is in memory as it lies in the file.
     options = {"page_checksum_verification": True, "buffer_size": _BUFFER_BYTES, "pre_buffer": False}
-    return pq.ParquetFile(path, metadata=metadata, **options)
+    return ParquetFile(path, metadata=metadata, **options)
 
 
 class ParquetTable(ColumnTable):
@@ -67,18 +56,16 @@ class ParquetTable(ColumnTable):
     arrays that are kept. A row group of a column whose checksum is wrong is left out.
     """
 
-    def __init__(self, path: Path, file: "ParquetFile") -> None:
+    def __init__(self, path: Path, file: ParquetFile) -> None:
         """Name the numbers of a row: scalars, and the elements of lists as long as the first that is not empty."""
-        import pyarrow as pa
-
-        fields = _flat(pa.Table.from_batches([], file.schema_arrow)).schema
+        fields = arrow.flat(pa.Table.from_batches([], file.schema_arrow)).schema
         self._file = file
         self._types = {field.name: field.type for field in fields}
         self._damage: dict[tuple[str, int], str] = {}
         self._sizes = [file.metadata.row_group(group).num_rows for group in range(file.metadata.num_row_groups)]
-        lists = [field.name for field in fields if _is_list(field.type)]
+        lists = [field.name for field in fields if arrow.is_list(field.type)]
         scalars = [field.name for field in fields if field.name not in lists]
-        numbers = [name for name in lists if _is_number(self._types[name].value_type)]
+        numbers = [name for name in lists if arrow.is_number(self._types[name].value_type)]
         first = _first_rows(file, numbers)
         self._cells: list[tuple[str, int | None]] = [(name, None) for name in scalars]
         for name in numbers:
@@ -88,13 +75,11 @@ class ParquetTable(ColumnTable):
             self._cells += [(name, element) for element in range(length)]
         self._widths = Counter(name for name, element in self._cells if element is not None)
         super().__init__(path, [name if element is None else f"{name}[{element}]" for name, element in self._cells])
-        labels = [name for name in lists if is_label(f"{name}[0]") and _is_text(self._types[name].value_type)]
-        found: dict[str, list[Any]] = {
-            name: next(filter(None, rows), []) for name, rows in _first_rows(file, labels).items()
-        }
-        self._joints = {name: [str(joint) for joint in joints] for name, joints in found.items() if joints}
-        named = {f"{name}[{i}]": joint for name, joints in self._joints.items() for i, joint in enumerate(joints)}
-        self.labels = labels_of(self.names, named)
+        labels = [name for name in lists if is_label(f"{name}[0]") and arrow.is_text(self._types[name].value_type)]
+        named = {name: list(map(str, next(filter(None, rows), []))) for name, rows in _first_rows(file, labels).items()}
+        self._joints = {name: joints for name, joints in named.items() if joints}
+        cells = {f"{name}[{i}]": joint for name, joints in self._joints.items() for i, joint in enumerate(joints)}
+        self.labels = labels_of(self.names, cells)
         notes = {key.decode(errors="replace"): text for key, text in (file.schema_arrow.metadata or {}).items()}
         self._read_notes({key: text.decode(errors="replace") for key, text in notes.items()})
 
@@ -121,13 +106,13 @@ class ParquetTable(ColumnTable):
     def _refuse_moving_joints(self) -> None:
         start = 0
         for batch in self._file.iter_batches(batch_size=_BATCH_ROWS, columns=list(self._joints)):
-            table = _flat(batch)
+            table = arrow.flat(batch)
             for name, joints in self._joints.items():
                 array = table[name].combine_chunks()
                 lengths = array.value_lengths().fill_null(-1).to_numpy(zero_copy_only=False)
                 same = (lengths == len(joints)) | (lengths == 0)
                 if same.all():
-                    same[lengths > 0] = _are_the_same(array.flatten(), joints)
+                    same[lengths > 0] = arrow.are_the_same(array.flatten(), joints)
                 if not same.all():
                     row = int(np.flatnonzero(~same)[0])
                     raise InputError(
@@ -204,16 +189,13 @@ class ParquetTable(ColumnTable):
 
     def _batches(self, cells: Sequence[int], group: int = 0) -> Iterator[list[NDArray[Any]]]:
         """Yield the numbers of some cells, one batch of rows after the other, from a row group on."""
-        import pyarrow as pa
-
         names = list(dict.fromkeys(self._cells[cell][0] for cell in cells))
-        groups = range(group, len(self._sizes))
-        rows = min(_BATCH_ROWS, _BATCH_BYTES // (8 * len(cells)))
+        groups, rows = range(group, len(self._sizes)), min(_BATCH_ROWS, _BATCH_BYTES // (8 * len(cells)))
         try:
             with _open(self.path, self._file.metadata) as file:
                 for batch in file.iter_batches(rows, groups, columns=names, use_threads=False):
-                    table = _flat(batch)
-                    values = {name: self._values(_whole(table[name]), name, 0) for name in names}
+                    table = arrow.flat(batch)
+                    values = {name: self._values(arrow.whole(table[name]), name, 0) for name in names}
                     pairs = (self._cells[cell] for cell in cells)
                     yield [values[name] if place is None else values[name][:, place] for name, place in pairs]
         except (pa.ArrowException, OSError) as error:
@@ -231,10 +213,8 @@ class ParquetTable(ColumnTable):
         return [np.zeros(self._file.metadata.num_rows, dtype=self._stamp_type(time)) for _ in time.cells]
 
     def _stamp_type(self, time: TimeColumn) -> type:
-        import pyarrow as pa
-
         kind = self._types[self._cells[time.cells[0]][0]]
-        return np.int64 if len(time.cells) > 1 or _has_unit(kind) or pa.types.is_integer(kind) else np.float64
+        return np.int64 if len(time.cells) > 1 or arrow.has_unit(kind) or pa.types.is_integer(kind) else np.float64
 
     def _stamps(self, parts: Sequence[NDArray[Any]], time: TimeColumn) -> NDArray[Any]:
         """Return the stamps of one column, or of seconds and nanoseconds."""
@@ -246,7 +226,7 @@ class ParquetTable(ColumnTable):
 
     def _unit(self, time: TimeColumn) -> str | None:
         kind = self._types[self._cells[time.cells[0]][0]]
-        return str(kind.unit) if _has_unit(kind) else time.unit
+        return str(kind.unit) if arrow.has_unit(kind) else time.unit
 
     def _to_clock(self, parts: list[NDArray[Any]], time: TimeColumn) -> Clock:
         stamps = self._stamps(parts, time)
@@ -287,8 +267,6 @@ class ParquetTable(ColumnTable):
     def _read_column(
         self, column: str, targets: Sequence[tuple[int | None, NDArray[Any]]], rows: NDArray[np.bool_] | None
     ) -> None:
-        import pyarrow as pa
-
         start, filled, samples = 0, 0, sum(self._sizes)
         asked = np.ones(samples, np.bool_) if rows is None else np.append(rows, np.zeros(samples - len(rows), np.bool_))
         with _open(self.path, self._file.metadata) as file:  # each thread has a file object of its own
@@ -298,7 +276,7 @@ class ParquetTable(ColumnTable):
                 done, place = 0, filled
                 try:
                     for batch in file.iter_batches(_BATCH_ROWS, [group], [column], use_threads=False) if count else ():
-                        values = self._values(_whole(_flat(batch).column(0)), column, start + done)
+                        values = self._values(arrow.whole(arrow.flat(batch).column(0)), column, start + done)
                         own = values if rows is None else values[kept[done : done + len(values)]]
                         for element, target in targets:
                             self._refuse_missing_stamps(column, own, target)
@@ -314,17 +292,15 @@ class ParquetTable(ColumnTable):
                         target[filled : filled + count] = np.nan if target.dtype.kind == "f" else 0
                 start, filled = start + size, filled + count
 
-    def _values(self, array: "pa.Array", column: str, start: int) -> NDArray[Any]:
+    def _values(self, array: pa.Array, column: str, start: int) -> NDArray[Any]:
         """Return the numbers of one column of a batch: (m,), or (m, width) for lists; NaN where there is none."""
-        import pyarrow as pa
-
         width = self._widths[column]
         if width == 0:
-            if not (_is_number(array.type) or _has_unit(array.type) or pa.types.is_boolean(array.type)):
+            if not (arrow.is_number(array.type) or arrow.has_unit(array.type) or pa.types.is_boolean(array.type)):
                 raise InputError(
                     f"{self.path}: {column} holds {array.type}; expected numbers; name another column with --map"
                 )
-            return _integers_or_floats(array)
+            return arrow.integers_or_floats(array)
         lengths = array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
         if not ((lengths == width) | (lengths == 0)).all():
             row = int(np.flatnonzero((lengths != width) & (lengths != 0))[0])
@@ -333,7 +309,7 @@ class ParquetTable(ColumnTable):
                 "the first row; name a column of constant length with --map"
             )
         values = np.full((len(array), width), np.nan)
-        values[lengths == width] = _integers_or_floats(array.flatten()).reshape(-1, width)
+        values[lengths == width] = arrow.integers_or_floats(array.flatten()).reshape(-1, width)
         return values
 
     def _refuse_missing_stamps(self, column: str, values: NDArray[Any], target: NDArray[Any]) -> None:
@@ -349,90 +325,23 @@ class ParquetTable(ColumnTable):
         for group, size in enumerate(self._sizes):
             own = np.ones(size, dtype=np.bool_) if rows is None else rows[start : start + size]
             if own.any():
-                table = _flat(self._file.read_row_group(group, columns=[column]))
+                table = arrow.flat(self._file.read_row_group(group, columns=[column]))
                 found.append(table[column].to_numpy()[own].astype(str).astype(object))
             start += size
         return np.concatenate(found)
 
 
-def _flat(table: "pa.Table | pa.RecordBatch") -> "pa.Table":
-    """Return a table with the fields of structs as columns of dotted names."""
-    import pyarrow as pa
-
-    whole = table if isinstance(table, pa.Table) else pa.Table.from_batches([table])
-    while any(pa.types.is_struct(field.type) for field in whole.schema):
-        whole = whole.flatten()
-    return whole
-
-
-def _whole(column: "pa.ChunkedArray") -> "pa.Array":
-    """Return a column of a batch in one piece; Arrow's own function copies one that is."""
-    return column.chunk(0) if column.num_chunks == 1 else column.combine_chunks()
-
-
-def _first_rows(file: "ParquetFile", columns: Sequence[str]) -> dict[str, list[Any]]:
+def _first_rows(file: ParquetFile, columns: Sequence[str]) -> dict[str, list[Any]]:
     """Return the first rows of list columns; nothing of a file without rows."""
     first = next(file.iter_batches(batch_size=_LOOK_ROWS, columns=columns), None) if columns else None
     if first is None:
         return {}
-    table = _flat(first)
+    table = arrow.flat(first)
     return {name: table[name].to_pylist() for name in columns}
-
-
-def _are_the_same(texts: "pa.Array", joints: Sequence[str]) -> NDArray[np.bool_]:
-    """Return for each row of joint names, given one after the other, whether they are these."""
-    import pyarrow as pa
-
-    coded = (texts.dictionary_decode() if pa.types.is_dictionary(texts.type) else texts).dictionary_encode()
-    codes = {text: code for code, text in enumerate(coded.dictionary.to_pylist())}
-    expected = [codes.get(joint, -1) for joint in joints]
-    rows = coded.indices.to_numpy(zero_copy_only=False).reshape(-1, len(joints))
-    same: NDArray[np.bool_] = (rows == expected).all(axis=1)
-    return same
-
-
-def _integers_or_floats(array: "pa.Array") -> NDArray[Any]:
-    """Return Arrow numbers as NumPy: stamps as int64, everything else as it is, NaN for null."""
-    import pyarrow as pa
-
-    if _has_unit(array.type):
-        array = array.cast(pa.int64())
-    if pa.types.is_decimal(array.type) or pa.types.is_boolean(array.type):
-        array = array.cast(pa.float64())
-    # Arrow's own conversion loads pandas, half a second, which only nulls need.
-    numbers: NDArray[Any] = array.to_numpy(zero_copy_only=False) if array.null_count else np.from_dlpack(array)
-    return numbers
-
-
-def _has_unit(kind: "pa.DataType") -> bool:
-    import pyarrow as pa
-
-    return bool(pa.types.is_timestamp(kind) or pa.types.is_duration(kind))
-
-
-def _is_list(kind: "pa.DataType") -> bool:
-    import pyarrow as pa
-
-    return bool(pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind))
-
-
-def _is_number(kind: "pa.DataType") -> bool:
-    import pyarrow as pa
-
-    return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind))
-
-
-def _is_text(kind: "pa.DataType") -> bool:
-    import pyarrow as pa
-
-    inner = kind.value_type if pa.types.is_dictionary(kind) else kind
-    return bool(pa.types.is_string(inner) or pa.types.is_large_string(inner) or pa.types.is_string_view(inner))
 
 
 def topics(path: Path) -> tuple[Topic, ...]:
     """List the table of a Parquet file."""
-    import pyarrow as pa
-
     try:
         with _open(path) as file:
             rows, columns = file.metadata.num_rows, file.metadata.num_columns

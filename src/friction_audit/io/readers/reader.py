@@ -68,6 +68,11 @@ def address_limit() -> float:
     return inf if limit == resource.RLIM_INFINITY else limit
 
 
+if address_limit() < inf:  # before Arrow is loaded
+    # Its own allocator asks for a gigabyte of addresses at once, which the limit counts as if they were used.
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
+
+
 class SeveralLogsError(UsageError):
     """A log holds several arms, or a data set several episodes, and the user named none."""
 
