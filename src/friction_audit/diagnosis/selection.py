@@ -17,9 +17,7 @@ from friction_audit.diagnosis.gram import Fit, Gram, Training
 from friction_audit.diagnosis.result import Evidence
 from friction_audit.joint_log import Float
 
-# 2 ln of the prior odds against any one effect: very strong evidence (R. E. Kass, A. E. Raftery, J. Am. Stat. Assoc. 90
-# (1995) 773). With 7 one of 80 clean joints has a name, with 10 none.
-PRIOR = 10.0
+PRIOR = 13.0  # 2 ln of the prior odds against any one effect
 PRIOR_OF_FOLDS = 0.5 * PRIOR  # a fold less holds less evidence, and asks again what was found already
 ROUNDS_OF_FOLDS = 2
 INDISTINGUISHABLE = 6.0  # difference in evidence below which two effects cannot be separated (Kass and Raftery 1995)
