@@ -119,7 +119,9 @@ def identify(found: Sequence[tuple[LogFile, Session]]) -> tuple[tuple[Session, .
 
 def _session(file: LogFile, session: Session) -> Session:
     row, known = file.row or ManifestRow(path=""), session.robot
-    start_s, start_from = _start(file, row, session)
+    dated = time_in_name((file.path.rstrip("/").rpartition("/")[2], *file.folders))
+    starts = ((row.start_s, "manifest"), (session.start_s, "log"), (dated, "name"))
+    start_s, start_from = next((one for one in starts if one[0] is not None), (None, "nothing"))
     if arm := _EPISODE.sub("", session.topic):  # one of several arms of a log
         robot = f"{row.robot}/{known or arm}" if row.robot else known or arm
     else:
@@ -146,15 +148,6 @@ def robot_folder(folders: Sequence[str]) -> str:
     names = [name for name in folders if name]
     others = (name for name in names if not (_MOMENT.search(name) or _EPOCH.search(name)))
     return next(others, names[-1] if names else "robot")
-
-
-def _start(file: LogFile, row: ManifestRow, session: Session) -> tuple[float | None, str]:
-    if row.start_s is not None:
-        return row.start_s, "manifest"
-    if session.start_s is not None:
-        return session.start_s, "log"
-    named = time_in_name((file.path.rstrip("/").rpartition("/")[2], *file.folders))
-    return (named, "name") if named is not None else (None, "nothing")
 
 
 def _alike_arms(sessions: Sequence[Session]) -> dict[str, list[Session]]:
