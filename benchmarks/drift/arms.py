@@ -7,9 +7,8 @@ import numpy as np
 
 from benchmarks.drift.library import OneJoint
 from friction_audit.drift.analyse import analyse_drift
-from friction_audit.drift.report import ArmDrift, CoefficientDrift
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session
-from friction_audit.drift.settings import DriftSettings
 
 JOINTS = 7
 DRIFTING = 3

@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.drift.arms import Outcome, judge, pool, repeat
 from benchmarks.drift.library import DURATION_S, OneJoint, record_many
 from benchmarks.drift.table import heading, row
-from friction_audit.drift.settings import DriftSettings
+from friction_audit.drift.report import DriftSettings
 
 SESSIONS = 30
 STEP = 0.15

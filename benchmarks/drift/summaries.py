@@ -15,8 +15,8 @@ import numpy as np
 
 from benchmarks.drift.arms import DRIFTING, JOINTS, Outcome, judge, make_session, repeat
 from benchmarks.drift.table import heading, row
+from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session
-from friction_audit.drift.settings import DriftSettings
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 

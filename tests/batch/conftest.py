@@ -9,8 +9,7 @@ import pytest
 
 from friction_audit.batch.executor import Asked, Done, Executor, Lost
 from friction_audit.batch.find_logs import LogFile, find_logs
-from friction_audit.batch.ledger import Ledger
-from friction_audit.batch.manifest import BatchSettings
+from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.run_batch import BatchResult, catch_up, gather
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JointLog

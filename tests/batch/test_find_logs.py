@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.batch.find_logs import LogFile, find_logs, is_bag
-from friction_audit.batch.manifest import read_manifest
+from friction_audit.batch.identity import read_manifest
 from friction_audit.errors import InputError, UsageError
 
 TREE = (

@@ -27,10 +27,9 @@ RUN = """
 import sys
 from pathlib import Path
 from friction_audit.batch.find_logs import find_logs
-from friction_audit.batch.ledger import Ledger
+from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.run_batch import catch_up, gather, run_lock
-from friction_audit.batch.manifest import BatchSettings
 
 logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
 folder.mkdir(exist_ok=True)
@@ -54,7 +53,7 @@ def finished(output: Path) -> int:
         if not database.execute("SELECT 1 FROM sqlite_master WHERE name = 'coefficients'").fetchone():
             return 0
         assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
-        tables = ("sessions", "coefficients")
+        tables = ("arms WHERE message IS NULL", "coefficients")
         sessions, pairs = (database.execute(f"SELECT COUNT(*) FROM {table}").fetchone()[0] for table in tables)
     assert pairs == 2 * sessions
     return int(sessions)

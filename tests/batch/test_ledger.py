@@ -10,8 +10,7 @@ import pytest
 
 from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Worked
-from friction_audit.batch.ledger import SCHEMA_VERSION, Ledger, move_aside
-from friction_audit.batch.manifest import RESULTS_VERSION, BatchSettings
+from friction_audit.batch.ledger import RESULTS_VERSION, SCHEMA_VERSION, BatchSettings, Ledger, move_aside
 from friction_audit.drift.session import SpeedCurve
 from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -57,9 +56,9 @@ def test_numbers_come_back_to_the_bit(path: Path) -> None:
     with Ledger(path) as ledger:
         ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,)))
     with Ledger(path) as ledger:
-        assert repr(ledger.sessions(["f00"], KEY)) == repr({"f00": (SESSION,)})
-        assert ledger.sessions(["f00"], "other settings") == {}
-        assert ledger.sessions([f"{n:x}" for n in range(2000)] + ["f00"], KEY).keys() == {"f00"}
+        assert repr(ledger.known(["f00"], KEY)["f00"].sessions) == repr((SESSION,))
+        assert ledger.known(["f00"], "other settings") == {}
+        assert ledger.known([f"{n:x}" for n in range(2000)] + ["f00"], KEY).keys() == {"f00"}
 
 
 def test_a_log_is_done_when_nothing_new_would_come_of_it(path: Path) -> None:
@@ -73,7 +72,7 @@ def test_a_log_is_done_when_nothing_new_would_come_of_it(path: Path) -> None:
         assert not ledger.is_done("f00", "other settings")
         ledger.save(LOG, SETTINGS, Worked(sha256="bad", faults=(bad,)))
         assert ledger.is_done("bad", KEY)
-        assert ledger.faults(["bad", "f00"], KEY) == {"bad": (bad,)}
+        assert ledger.known(["bad"], KEY) == {"bad": Worked(sha256="bad", faults=(bad,))}
 
 
 def test_names_are_written_with_the_numbers(path: Path) -> None:
@@ -81,7 +80,7 @@ def test_names_are_written_with_the_numbers(path: Path) -> None:
     with Ledger(path) as ledger:
         ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(SESSION,)))
         ledger.name_sessions([named], KEY)
-        assert repr(ledger.sessions(["f00"], KEY)["f00"]) == repr((SESSION,))
+        assert repr(ledger.known(["f00"], KEY)["f00"].sessions) == repr((SESSION,))
     with closing(sqlite3.connect(path)) as opened:
         rows = opened.execute("SELECT * FROM friction").fetchall()
     assert rows[0] == ("R1", "1970-01-01 00:00:05", "b.csv", 1, "coulomb_nm", THIRD, 0.1 + 0.2, 5e-324)
@@ -93,7 +92,7 @@ def test_a_transaction_that_breaks_leaves_nothing(path: Path) -> None:
     with Ledger(path) as ledger:
         with pytest.raises(TypeError):
             ledger.save(LOG, SETTINGS, Worked(sha256="f00", sessions=(broken,)))
-        assert ledger.sessions(["f00"], KEY) == {}
+        assert ledger.known(["f00"], KEY) == {}
         assert ledger.known_hash(LOG) is None
 
 
@@ -153,10 +152,10 @@ def test_settings_are_known_by_what_they_hold(tmp_path: Path) -> None:
 
 
 BROKEN: dict[str, str] = {
-    "cut": "UPDATE sessions SET content = '{' WHERE id = 1",
-    "blob": "UPDATE sessions SET content = x'00ff' WHERE id = 1",
-    "no UTF-8": "UPDATE sessions SET content = CAST(x'6aff' AS TEXT) WHERE id = 1",
-    "another number": "UPDATE sessions SET content = replace(content, '\"value\": 0.3', '\"value\": 0.6') WHERE id = 1",
+    "cut": "UPDATE arms SET content = '{' WHERE id = 1",
+    "blob": "UPDATE arms SET content = x'00ff' WHERE id = 1",
+    "no UTF-8": "UPDATE arms SET content = CAST(x'6aff' AS TEXT) WHERE id = 1",
+    "another number": "UPDATE arms SET content = replace(content, '\"value\": 0.3', '\"value\": 0.6') WHERE id = 1",
 }
 
 
@@ -164,7 +163,7 @@ BROKEN: dict[str, str] = {
 def test_a_broken_session_is_named_and_computed_anew(fault: str, rig: Path, batch: Batch, tmp_path: Path) -> None:
     first = batch(rig)
     with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as opened, opened:
-        (path,) = opened.execute("SELECT path FROM sessions WHERE id = 1").fetchone()
+        (path,) = opened.execute("SELECT path FROM arms WHERE id = 1").fetchone()
         assert opened.execute(BROKEN[fault]).rowcount > 0
     executor = Inline()
     second = batch(rig, executor=executor)

@@ -14,8 +14,8 @@ from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Worked
 from friction_audit.batch.run_batch import drift_of_arms
 from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Session
-from friction_audit.drift.settings import DriftSettings
 from friction_audit.errors import AnalysisError
 from tests.batch.fragile_work import tasks
 from tests.drift.made_sessions import make_sessions, noisy

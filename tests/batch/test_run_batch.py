@@ -11,7 +11,7 @@ import pytest
 
 from friction_audit.batch import run_batch, work
 from friction_audit.batch.find_logs import find_logs
-from friction_audit.batch.manifest import BatchSettings
+from friction_audit.batch.ledger import BatchSettings
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.drift.session import Session
 from friction_audit.io.files import sha256_of as hash_file

@@ -7,9 +7,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from friction_audit.drift.analyse import analyse_drift
-from friction_audit.drift.report import ArmDrift, CoefficientDrift
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftSettings
 from friction_audit.drift.session import Session
-from friction_audit.drift.settings import DriftSettings
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.reporting.drift_words import arm_sentence, describe, headline, joint_sentence

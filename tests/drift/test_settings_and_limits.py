@@ -2,8 +2,7 @@ import numpy as np
 import pytest
 
 from friction_audit.drift.analyse import analyse_drift
-from friction_audit.drift.report import DriftReport, judge, parse_limit
-from friction_audit.drift.settings import DriftSettings, parse_baseline
+from friction_audit.drift.report import DriftReport, DriftSettings, judge, parse_baseline, parse_limit
 from friction_audit.errors import UsageError
 from friction_audit.reporting.drift_text import limit_sentences
 from tests.drift.made_sessions import make_sessions, noisy

@@ -1,9 +1,12 @@
 """The parts of the drift tests, each against numbers known by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import stats
 
+from friction_audit.drift.analyse import noncentrality
 from friction_audit.drift.change_points import find_steps
 from friction_audit.drift.change_test import (
     estimate_autocorrelation,
@@ -12,18 +15,16 @@ from friction_audit.drift.change_test import (
     step_down,
     studentise,
 )
-from friction_audit.drift.coefficient import noncentrality
-from friction_audit.drift.covariates import without_temperature
 from friction_audit.drift.regression import fit_model, residual_scatter, steps_scatter
+from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Series, make_series
-from friction_audit.drift.settings import DriftSettings
 from friction_audit.joint_log import Float
 from tests.drift.made_sessions import make_sessions, noisy
 
 
 def series_of(level: np.ndarray, error: float = 0.003) -> Series:
     sessions = make_sessions(level, error=error)
-    return without_temperature(make_series(sessions, range(len(level)), 1, "coulomb_nm", by_start=True))
+    return replace(make_series(sessions, range(len(level)), 1, "coulomb_nm", by_start=True), temperature=None)
 
 
 def test_scatter_of_equal_errors_is_the_variance_less_theirs() -> None:

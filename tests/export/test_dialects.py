@@ -51,30 +51,21 @@ def test_rostopic_csv_by_hand(log: JointLog, tmp_path: Path) -> None:
     assert second == "1700000000501000000,1,1700000000501000000,,panda_joint2,8,8.5,-8"
 
 
-def test_old_libfranka_header_has_its_oddities(log: JointLog, tmp_path: Path) -> None:
-    write_log(log, tmp_path / "log.csv", dialect="csv-libfranka-0.9")
-    header, first, second, third = (tmp_path / "log.csv").read_text().splitlines()
+def test_libfranka_tables_of_both_ages(log: JointLog, tmp_path: Path) -> None:
+    for dialect in ("csv-libfranka-0.9", "csv-libfranka"):
+        write_log(replace(log, q=log.q + 1 / 3), tmp_path / f"{dialect}.csv", dialect=dialect)
+    header, *old = (tmp_path / "csv-libfranka-0.9.csv").read_text().splitlines()
     assert header.startswith("duration, success rate, q[0], q[1], q[2], q[3], q[4], q[5], q[6],q_d[0], q_d[1]")
     names = header.split(",")
-    assert names[44] == "sent commands"
-    assert [name.strip() for name in names].count("q_d[0]") == 2
-    assert {len(line.split(",")) for line in (header, first, second, third)} == {88}
-    assert first.split(",")[44] == ""
-    assert [line.split(",")[0] for line in (first, second, third)] == ["0", "1", "2"]
-
-
-def test_new_libfranka_header_names_every_column_once(log: JointLog, tmp_path: Path) -> None:
-    write_log(log, tmp_path / "log.csv", dialect="csv-libfranka")
-    header, first, *_ = (tmp_path / "log.csv").read_text().splitlines()
+    assert (names[44], [name.strip() for name in names].count("q_d[0]")) == ("sent commands", 2)
+    assert {len(line.split(",")) for line in (header, *old)} == {88}
+    assert old[0].split(",")[44] == ""
+    assert [line.split(",")[0] for line in old] == ["0", "1", "2"]
+    header, *new = (tmp_path / "csv-libfranka.csv").read_text().splitlines()
     names = header.split(",")
-    assert names[:3] == ["time", "success_rate", "state.q[0]"]
-    assert names[-1] == "cmd.tau_J_d[6]"
-    assert len(names) == len(set(names)) == len(first.split(",")) == 87
-
-
-def test_libfranka_numbers_have_six_digits(log: JointLog, tmp_path: Path) -> None:
-    write_log(replace(log, q=log.q + 1 / 3), tmp_path / "log.csv", dialect="csv-libfranka")
-    assert (tmp_path / "log.csv").read_text().splitlines()[1].split(",")[2:4] == ["0.333333", "1.33333"]
+    assert (names[:3], names[-1]) == (["time", "success_rate", "state.q[0]"], "cmd.tau_J_d[6]")
+    assert len(names) == len(set(names)) == len(new[0].split(",")) == 87
+    assert new[0].split(",")[2:4] == ["0.333333", "1.33333"]  # six digits
 
 
 def test_parquet_keeps_the_names(log: JointLog, tmp_path: Path) -> None:

@@ -28,7 +28,7 @@ from friction_audit.export.export import (
     export_friction,
     read_into,
 )
-from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
+from friction_audit.export.friction_law import ExportedJoint, FrictionLaw, even_speeds, friction_law
 from friction_audit.export.robot_xml import XmlText
 from friction_audit.export.source import Joints
 
@@ -93,7 +93,7 @@ def test_a_curve_that_falls_is_fitted_without_negative_damping() -> None:
     assert min(fitted.viscous_nms_per_rad, fitted.quadratic_nms2_per_rad2, fitted.cubic_nms3_per_rad3) >= 0.0
     assert 0.5 < fitted.coulomb_nm < 0.7
     assert 0.01 < fitted.error_nm < 0.1
-    assert law(STRIBECK).static_nm == pytest.approx(0.7, abs=1e-6)
+    assert ExportedJoint(name="a", law=law(STRIBECK), fitted=fitted).static_nm == pytest.approx(0.7, abs=1e-6)
 
 
 @pytest.mark.parametrize("model", [SIMPLE, CUBIC])

@@ -6,10 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from friction_audit.batch.identity import FailedLog
 from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, ControlPoint, DriftReport, JointDrift
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting.drift import BatchSummary, FailedLog
+from friction_audit.reporting.drift import BatchSummary
 
 NAN = float("nan")
 START_S, APART_S = 1772550000.0, 1.5 * 86400.0  # 2026-03-03 15:00 UTC, and from one session to the next

@@ -1,13 +1,27 @@
-"""What came of one arm of one log, from its content alone; then which arm each session is of and when it was."""
+"""What came of a log, from its content alone; then which arm each session is of and when it was, also by a manifest.
 
+A manifest is a CSV table that says of every log what the log itself does not.
+"""
+
+import csv
+import io
+import math
+import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
+from difflib import get_close_matches
+from pathlib import Path
+from typing import NamedTuple
 
 from friction_audit.batch.find_logs import LogFile, ManifestRow
 from friction_audit.drift.session import Session, natural, put_in_order
+from friction_audit.errors import InputError
 
+# Columns that are read; "path" has to be there. Others may be there, and are left alone.
+COLUMNS = ("path", "start", "robot", "temperature", "payload", "note")
 _EPISODE = re.compile(r"^episode_\d+")  # of a data set: its episodes are of the same arm or arms
 
 
@@ -29,6 +43,13 @@ class Worked:
     # Its arms, each from the content alone: ``robot`` is what the log itself calls it, ``start_s`` that of its clock.
     sessions: tuple[Session, ...] = ()
     faults: tuple[Fault, ...] = ()  # arms without a summary
+
+
+class FailedLog(NamedTuple):
+    """A log, or an arm of one, that gave no session: its path, and what was wrong with it and what to do."""
+
+    path: str
+    message: str
 
 
 _DATE = r"(?P<year>(?:19|20)\d\d)(?P<s>[-_.]?)(?P<month>0[1-9]|1[0-2])(?P=s)(?P<day>0[1-9]|[12]\d|3[01])"
@@ -98,7 +119,9 @@ def identify(found: Sequence[tuple[LogFile, Session]]) -> tuple[tuple[Session, .
 
 def _session(file: LogFile, session: Session) -> Session:
     row, known = file.row or ManifestRow(path=""), session.robot
-    start_s, start_from = _start(file, row, session)
+    dated = time_in_name((file.path.rstrip("/").rpartition("/")[2], *file.folders))
+    starts = ((row.start_s, "manifest"), (session.start_s, "log"), (dated, "name"))
+    start_s, start_from = next((one for one in starts if one[0] is not None), (None, "nothing"))
     if arm := _EPISODE.sub("", session.topic):  # one of several arms of a log
         robot = f"{row.robot}/{known or arm}" if row.robot else known or arm
     else:
@@ -127,15 +150,6 @@ def robot_folder(folders: Sequence[str]) -> str:
     return next(others, names[-1] if names else "robot")
 
 
-def _start(file: LogFile, row: ManifestRow, session: Session) -> tuple[float | None, str]:
-    if row.start_s is not None:
-        return row.start_s, "manifest"
-    if session.start_s is not None:
-        return session.start_s, "log"
-    named = time_in_name((file.path.rstrip("/").rpartition("/")[2], *file.folders))
-    return (named, "name") if named is not None else (None, "nothing")
-
-
 def _alike_arms(sessions: Sequence[Session]) -> dict[str, list[Session]]:
     """Group sessions by number of joints and make; a log without its make is of the only one that is known."""
     makes: dict[int, set[str]] = {}
@@ -162,3 +176,68 @@ def _shared_names(found: Sequence[tuple[LogFile, Session]]) -> list[str]:
         for name, folders in sorted(places.items())
         if len(folders) > 1
     ]
+
+
+def read_manifest(manifest: Path) -> dict[str, ManifestRow]:
+    """Return the rows of a manifest by the place of their log: an absolute path, or a URL."""
+    lines = csv.reader(io.StringIO(_text(manifest)), skipinitialspace=True)
+    header = [name.strip().lower() for name in next(lines, [])]
+    _check_header(manifest, header)
+    wrong: list[str] = []
+    rows: dict[str, ManifestRow] = {}
+    seen: dict[str, int] = {}
+    for cells in ([cell.strip() for cell in row] for row in lines):
+        if not any(cells):
+            continue
+        row, faults = _row(dict.fromkeys(COLUMNS, "") | dict(zip(header, cells, strict=False)), manifest.parent)
+        if len(cells) > len(header):
+            faults = [f"{len(cells)} cells under {len(header)} columns; put text with commas in quotes"]
+        place = row.path if "://" in row.path else os.path.normpath((manifest.parent / row.path).absolute())
+        if row.path and seen.setdefault(place, lines.line_num) != lines.line_num:
+            faults.append(f"{row.path} comes twice, first in line {seen[place]}")
+        wrong += [f"line {lines.line_num}: {fault}" for fault in faults]
+        rows[place] = row
+    if wrong:
+        raise InputError(f"{manifest}: " + "; ".join(wrong))
+    if not rows:
+        raise InputError(f"{manifest}: no rows below the header; expected one row per log")
+    return rows
+
+
+def _text(manifest: Path) -> str:
+    try:
+        return manifest.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{manifest}: cannot be read: {error.strerror}; check the path") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{manifest}: is not text in UTF-8 ({error.reason}); save it as CSV in UTF-8") from error
+
+
+def _check_header(manifest: Path, header: list[str]) -> None:
+    wrong = [f"no column {'path' if header else 'at all'}"] if "path" not in header else []
+    for name in header:
+        near = get_close_matches(name, COLUMNS, n=1, cutoff=0.75)
+        if name not in COLUMNS and near and near[0] not in header:
+            wrong.append(f"column {name}: did you mean {near[0]}?")
+    wrong += [f"column {name} comes twice" for name in COLUMNS if header.count(name) > 1]
+    if wrong:
+        found = ", ".join(header) or "an empty file"
+        raise InputError(f"{manifest}: {'; '.join(wrong)}; found {found}; expected {', '.join(COLUMNS)}")
+
+
+def _row(values: Mapping[str, str], folder: Path) -> tuple[ManifestRow, list[str]]:
+    """Return what a row says, and what is wrong with it."""
+    path, start, temperature = values["path"], values["start"], values["temperature"]
+    start_s, temperature_c, faults = parse_time(start), math.nan, list[str]()
+    with suppress(ValueError):
+        temperature_c = float(temperature or "nan")
+    if not path:
+        faults.append("no path")
+    elif "://" not in path and not (folder / path).exists():
+        faults.append(f"{path}: no such file or directory in the folder of the manifest")
+    if start and start_s is None:
+        faults.append(f"start {start}: expected a date and time such as 2026-03-01T14:30:00 or seconds since 1970")
+    if temperature and not math.isfinite(temperature_c):
+        faults.append(f"temperature {temperature}: expected degrees Celsius, such as 23.5")
+    own = {name: values[name] for name in ("path", "robot", "payload", "note")}
+    return ManifestRow(**own, start_s=start_s, temperature_c=temperature_c if temperature else None), faults

@@ -7,54 +7,75 @@ by side on one ledger only find each other's work done.
 import hashlib
 import json
 import sqlite3
-from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, field, replace
 from itertools import count
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Worked
-from friction_audit.batch.manifest import BatchSettings
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError, encodable
 from friction_audit.friction.history import Coefficient
+from friction_audit.io.files import sha256_of
+from friction_audit.io.readers import ReadOptions
+from friction_audit.pipeline import AuditSettings
 from friction_audit.preprocessing.interaction import Caution
 
+if TYPE_CHECKING:
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+
+RESULTS_VERSION = 12  # raised with every change after which the same log gives other numbers: ledgers compute anew
 APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
-SCHEMA_VERSION = 5  # in user_version; raised with every change below
-# A session is kept whole as JSON, which alone is read back. The columns ``path``, ``robot`` and ``start_s`` are written
-# anew with every manifest; they and the coefficients are for people who open the file.
+SCHEMA_VERSION = 6  # in user_version; raised with every change below
+# What came of an arm of a log, a session or a fault, is kept whole as JSON, which alone is read back. The columns
+# ``path``, ``robot`` and ``start_s`` are written anew with every manifest; they, the message and the coefficients are
+# for people who open the file. A log that could not be read has its place as its hash.
 TABLES = (
     "CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, text TEXT NOT NULL)",
     """CREATE TABLE IF NOT EXISTS files (
         place TEXT PRIMARY KEY, size INTEGER NOT NULL, changed TEXT NOT NULL, sha256 TEXT NOT NULL)""",
     "CREATE INDEX IF NOT EXISTS files_by_size ON files (size)",
-    """CREATE TABLE IF NOT EXISTS sessions (
+    """CREATE TABLE IF NOT EXISTS arms (
         id INTEGER PRIMARY KEY, sha256 TEXT NOT NULL, settings TEXT NOT NULL, topic TEXT NOT NULL, path TEXT NOT NULL,
-        robot TEXT NOT NULL, start_s REAL, content TEXT NOT NULL, digest TEXT NOT NULL,
-        UNIQUE (sha256, settings, topic))""",
-    "CREATE INDEX IF NOT EXISTS sessions_by_settings ON sessions (settings)",
+        robot TEXT NOT NULL, start_s REAL, message TEXT, again INTEGER NOT NULL, content TEXT NOT NULL,
+        digest TEXT NOT NULL, UNIQUE (sha256, settings, topic))""",
     """CREATE TABLE IF NOT EXISTS coefficients (
-        session INTEGER NOT NULL, joint INTEGER NOT NULL, coefficient TEXT NOT NULL, value REAL, low REAL, high REAL,
-        PRIMARY KEY (session, joint, coefficient)) WITHOUT ROWID""",
-    """CREATE TABLE IF NOT EXISTS failed (
-        place TEXT NOT NULL, settings TEXT NOT NULL, topic TEXT NOT NULL, sha256 TEXT NOT NULL, path TEXT NOT NULL,
-        message TEXT NOT NULL, lasting INTEGER NOT NULL, detail TEXT NOT NULL,
-        PRIMARY KEY (place, settings, topic)) WITHOUT ROWID""",
-    "CREATE INDEX IF NOT EXISTS failed_by_content ON failed (sha256, settings)",
+        arm INTEGER NOT NULL, joint INTEGER NOT NULL, coefficient TEXT NOT NULL, value REAL, low REAL, high REAL,
+        PRIMARY KEY (arm, joint, coefficient)) WITHOUT ROWID""",
     """CREATE VIEW IF NOT EXISTS friction AS
         SELECT robot, datetime(start_s, 'unixepoch') AS start, path, joint, coefficient, value, low, high
-        FROM sessions JOIN coefficients ON session = id ORDER BY robot, start_s, path, joint, coefficient""",
+        FROM arms JOIN coefficients ON arm = id ORDER BY robot, start_s, path, joint, coefficient""",
 )
 BUSY_S = 60.0  # to wait while another run writes
 PARTS = ("", "-wal", "-shm")  # endings of the files that a ledger consists of while it is open
 UNCLEAN = ("-wal", "-journal")  # what lies next to a ledger that is open or was not closed
 AT_ONCE = 50  # keys per query: SQLite takes no more than a thousand, and rows take memory
 OTHER_PLACE = "choose another folder with -o, or --rebuild to move it aside and compute again"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BatchSettings:
+    """What is done with each log of a batch."""
+
+    audit: AuditSettings = field(default_factory=AuditSettings)  # the chain
+    reading: ReadOptions = field(default_factory=ReadOptions)  # how logs are read
+    diagnosis: "DiagnosisSettings | None" = None  # what is asked of a diagnosis, or None for none
+
+    def text(self) -> str:
+        """Return all that the numbers depend on, apart from the log, as JSON in a fixed order."""
+
+        def as_text(value: object) -> str:  # an arm's URDF may be written anew under its name: its content counts
+            return f"sha256 {sha256_of(value)}" if isinstance(value, Path) else str(value)
+
+        return json.dumps({"results": RESULTS_VERSION, **asdict(self)}, sort_keys=True, default=as_text)
+
+    def key(self) -> str:
+        """Return the fingerprint of the settings."""
+        return hashlib.sha256(self.text().encode()).hexdigest()[:16]
 
 
 class Ledger:
@@ -73,9 +94,7 @@ class Ledger:
                     self._database.close()
                     self.older = move_aside(path)
                     self._open()
-                self._set_up()
-                if unclean:
-                    self._check()
+                self._set_up(unclean=unclean)
         except BaseException:
             self._database.close()
             raise
@@ -114,74 +133,57 @@ class Ledger:
 
     def is_done(self, sha256: str, settings: str) -> bool:
         """Return True if nothing new would come of a log."""
-        where = "WHERE sha256 = :sha256 AND settings = :settings"
-        query = f"""SELECT
-            (EXISTS (SELECT 1 FROM sessions {where}) OR EXISTS (SELECT 1 FROM failed {where} AND lasting))
-            AND NOT EXISTS (SELECT 1 FROM failed {where} AND NOT lasting)"""  # noqa: S608
-        return bool(self._ask(query, {"sha256": sha256, "settings": settings})[0][0])
+        query = "SELECT COUNT(*) AND NOT TOTAL(again) FROM arms WHERE sha256 = ? AND settings = ?"
+        return bool(self._ask(query, (sha256, settings))[0][0])
 
     def forget_broken(self, hashes: Iterable[str], settings: str) -> set[str]:
-        """Remove the sessions whose stored content is not what was written; return the hashes of their logs."""
-        stored = self._of_logs("sessions", hashes, settings)
+        """Remove what is not as it was written; return the hashes of the logs it came of."""
+        stored = self._of_logs(hashes, settings)
         broken = {row["id"]: str(row["sha256"]) for row in stored if row["digest"] != _digest(row["content"])}
-        unreadable = "typeof(message) <> 'text' OR typeof(topic) <> 'text' OR typeof(lasting) <> 'integer'"
-        if broken or self._ask(f"SELECT 1 FROM failed WHERE {unreadable}"):  # noqa: S608 - a constant
+        if broken:
             keys = [(key,) for key in broken]
             with self._transaction():
-                self._database.execute(f"DELETE FROM failed WHERE {unreadable}")  # noqa: S608
-                self._database.executemany("DELETE FROM coefficients WHERE session = ?", keys)
-                self._database.executemany("DELETE FROM sessions WHERE id = ?", keys)
+                self._database.executemany("DELETE FROM coefficients WHERE arm = ?", keys)
+                self._database.executemany("DELETE FROM arms WHERE id = ?", keys)
         return set(broken.values())
 
     def save(self, log: LogFile, settings: BatchSettings, worked: Worked) -> None:
         """Keep what came of a log, all of it or nothing."""
-        key = settings.key()
+        key, place = settings.key(), encodable(log.place)
         with self._transaction():
             self._database.execute("INSERT OR IGNORE INTO settings VALUES (?, ?)", (key, settings.text()))
-            self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, encodable(log.place)))
+            query = "DELETE FROM arms WHERE settings = ? AND sha256 IN (?, ?) AND message IS NOT NULL"
+            self._database.execute(query, (key, worked.sha256, place))
             if worked.sha256:
-                self._database.execute("DELETE FROM failed WHERE settings = ? AND sha256 = ?", (key, worked.sha256))
                 self.remember(log, worked.sha256)
-            for session in worked.sessions:
-                self._save_session(session, key)
-            for fault in worked.faults:
-                own = (fault.topic, worked.sha256, log.path, fault.message, fault.lasting, fault.detail)
-                values = (encodable(log.place), key, *own)
-                self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
+            every: tuple[Session | Fault, ...] = (*worked.sessions, *worked.faults)
+            for one in every:
+                self._save_arm(one, (worked.sha256 or place, key, one.topic, log.path))
 
-    def sessions(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Session, ...]]:
-        """Return what is known of logs, by the hash of their content; of several arms in the order of their topics."""
-        found: dict[str, tuple[Session, ...]] = defaultdict(tuple)
-        for row in self._of_logs("sessions", hashes, settings):
-            found[row["sha256"]] += (_session(json.loads(row["content"])),)
-        return dict(found)
+    def known(self, hashes: Iterable[str], settings: str) -> dict[str, Worked]:
+        """Return what lastingly came of logs, by the hash of their content; arms in the order of their topics."""
+        found: dict[str, Worked] = {}
+        for row in self._of_logs(hashes, settings):
+            held, had = json.loads(row["content"]), found.get(row["sha256"], Worked(sha256=row["sha256"]))
+            if "message" not in held:
+                found[had.sha256] = replace(had, sessions=(*had.sessions, _session(held)))
+            elif held["lasting"]:
+                found[had.sha256] = replace(had, faults=(*had.faults, Fault(**held)))
+        return found
 
-    def faults(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Fault, ...]]:
-        """Return what is lastingly wrong with logs, by the hash of their content."""
-        found: dict[str, dict[str, Fault]] = defaultdict(dict)
-        for row in self._of_logs("failed", hashes, settings):
-            if row["lasting"]:
-                found[row["sha256"]][row["topic"]] = Fault(message=row["message"], topic=row["topic"])
-        return {sha256: tuple(faults.values()) for sha256, faults in found.items()}
-
-    def _of_logs(self, table: str, hashes: Iterable[str], settings: str) -> Iterator[sqlite3.Row]:
+    def _of_logs(self, hashes: Iterable[str], settings: str) -> Iterator[sqlite3.Row]:
         """Yield the rows of logs, a few logs at a time; values never become part of a query."""
         every = tuple(dict.fromkeys(hashes))
         for first in range(0, len(every), AT_ONCE):
             some = every[first : first + AT_ONCE]
             where = f"settings = ? AND sha256 IN ({', '.join('?' * len(some))})"
-            yield from self._ask(f"SELECT * FROM {table} WHERE {where} ORDER BY topic", (settings, *some))  # noqa: S608
+            yield from self._ask(f"SELECT * FROM arms WHERE {where} ORDER BY topic", (settings, *some))  # noqa: S608
 
     def name_sessions(self, named: Iterable[Session], settings: str) -> None:
         """Write which arm sessions are of, and when they were, with their numbers."""
-        query = """UPDATE sessions SET path = :path, robot = :robot, start_s = :start
-            WHERE sha256 = :sha256 AND settings = :settings AND topic = :topic
-            AND (path, robot, start_s) IS NOT (:path, :robot, :start)"""
-        values = [
-            {"path": one.path, "robot": one.robot, "start": one.start_s, "sha256": one.sha256, "topic": one.topic}
-            | {"settings": settings}
-            for one in named
-        ]
+        query = """UPDATE arms SET path = ?1, robot = ?2, start_s = ?3
+            WHERE sha256 = ?4 AND settings = ?5 AND topic = ?6 AND (path, robot, start_s) IS NOT (?1, ?2, ?3)"""
+        values = [(one.path, one.robot, one.start_s, one.sha256, settings, one.topic) for one in named]
         with self._transaction():
             self._database.executemany(query, values)
 
@@ -195,8 +197,8 @@ class Ledger:
         with self._worded():
             self._database.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, value))
 
-    def _set_up(self) -> None:
-        """Make the tables of an empty file; refuse a file that is something else."""
+    def _set_up(self, *, unclean: bool) -> None:
+        """Make the tables of an empty file; refuse a file that is something else, or in which SQLite finds faults."""
         version = self._pragma("user_version")
         holds_tables = bool(self._ask("SELECT 1 FROM sqlite_master LIMIT 1"))
         if holds_tables and self._pragma("application_id") != APPLICATION_ID:
@@ -206,6 +208,9 @@ class Ledger:
                 f"{self.path}: a ledger of schema {version}; this friction-audit knows {SCHEMA_VERSION}; use the newer "
                 "one that made it, or --rebuild to move it aside and compute again"
             )
+        said = [str(row[0]) for row in self._ask("PRAGMA quick_check(3)")] if unclean else ["ok"]
+        if said != ["ok"]:
+            raise InputError(f"{self.path}: a damaged ledger ({'; '.join(said)}); {OTHER_PLACE}")
         self._database.execute("PRAGMA journal_mode = WAL")
         self._database.execute("PRAGMA synchronous = NORMAL")
         if version == SCHEMA_VERSION:
@@ -216,29 +221,27 @@ class Ledger:
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
 
-    def _check(self) -> None:
-        """Refuse a file in which SQLite finds faults."""
-        said = [str(row[0]) for row in self._ask("PRAGMA quick_check(3)")]
-        if said != ["ok"]:
-            raise InputError(f"{self.path}: a damaged ledger ({'; '.join(said)}); {OTHER_PLACE}")
-
     def _pragma(self, name: str) -> int:
         return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
 
-    def _save_session(self, session: Session, settings: str) -> None:
-        content = json.dumps(asdict(session), default=list, ensure_ascii=False)
-        names = (None, session.sha256, settings, session.topic, session.path, session.robot, session.start_s)
-        query = "INSERT OR IGNORE INTO sessions VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"
-        cursor = self._database.execute(query, (*names, content, _digest(content)))
+    def _save_arm(self, one: Session | Fault, names: tuple[str, ...]) -> None:
+        content = json.dumps(asdict(one), default=list, ensure_ascii=False)
+        columns: tuple[object, ...]
+        if isinstance(one, Session):
+            columns, joints = (one.robot, one.start_s, None, False), one.joints
+        else:
+            columns, joints = ("", None, one.message, not one.lasting), ()
+        query = "INSERT OR IGNORE INTO arms VALUES (NULL, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"
+        cursor = self._database.execute(query, (*names, *columns, content, _digest(content)))
         if cursor.rowcount:  # else another run was faster
             rows = [
-                (cursor.lastrowid, joint.joint, name, one.value, one.low, one.high)
-                for joint in session.joints
-                for name, one in joint.coefficients.items()
+                (cursor.lastrowid, joint.joint, name, found.value, found.low, found.high)
+                for joint in joints
+                for name, found in joint.coefficients.items()
             ]
             self._database.executemany("INSERT OR REPLACE INTO coefficients VALUES (?, ?, ?, ?, ?, ?)", rows)
 
-    def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> list[sqlite3.Row]:
+    def _ask(self, query: str, values: tuple[object, ...] = ()) -> list[sqlite3.Row]:
         with self._worded():
             return self._database.execute(query, values).fetchall()
 
@@ -284,7 +287,7 @@ def move_aside(path: Path) -> Path | None:
 
 
 def _digest(content: object) -> str:
-    """Return the hash by which a changed or damaged session is known."""
+    """Return the hash by which changed or damaged content is known."""
     return hashlib.sha256(str(content).encode("utf-8", "surrogateescape")).hexdigest()
 
 

@@ -14,14 +14,12 @@ from pathlib import Path
 
 from friction_audit.batch.executor import Executor, Lost
 from friction_audit.batch.find_logs import LogFile
-from friction_audit.batch.identity import Fault, Worked, identify, name_of, time_in_name
-from friction_audit.batch.ledger import Ledger
-from friction_audit.batch.manifest import BatchSettings
+from friction_audit.batch.identity import FailedLog, Fault, Worked, identify, name_of, time_in_name
+from friction_audit.batch.ledger import BatchSettings, Ledger
 from friction_audit.batch.work import work_on
 from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
-from friction_audit.drift.report import ArmDrift, DriftReport
+from friction_audit.drift.report import ArmDrift, DriftReport, DriftSettings
 from friction_audit.drift.session import Session
-from friction_audit.drift.settings import DriftSettings
 from friction_audit.errors import AnalysisError
 from friction_audit.io.files import sha256_of
 
@@ -48,19 +46,11 @@ Watch = Callable[[int, int, int], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Failed:
-    """A log, or an arm of one, without a session."""
-
-    path: str
-    message: str
-
-
-@dataclass(frozen=True, slots=True)
 class BatchResult:
     """What came of a batch."""
 
     sessions: tuple[Session, ...]  # by robot, in order
-    failed: tuple[Failed, ...]  # logs without a session, in the order of their names
+    failed: tuple[FailedLog, ...]  # logs without a session, in the order of their names
     new: int  # how many logs were worked on in this run
     known: int  # how many were known before
     warnings: tuple[str, ...]  # what was noticed about the logs as a whole, one sentence each
@@ -129,14 +119,14 @@ def catch_up(
 def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> BatchResult:
     """Return the sessions of a batch, each of its arm and with its start."""
     key, hashes = settings.key(), standing.hashes
-    known, faults = ledger.sessions(hashes.values(), key), ledger.faults(hashes.values(), key)
+    known = ledger.known(hashes.values(), key)
     pairs: list[tuple[LogFile, Session]] = []
-    failed: list[Failed] = []
+    failed: list[FailedLog] = []
     for log in standing.logs:
-        sha256 = hashes.get(log.place, "")
-        pairs += [(log, one) for one in known.get(sha256, ())]
-        every = (*faults.get(sha256, ()), *standing.passing.get(log.place, ()))
-        failed += [Failed(name_of(log, one.topic), one.message) for one in every]
+        worked = known.get(hashes.get(log.place, ""), Worked(sha256=""))
+        pairs += [(log, one) for one in worked.sessions]
+        every = (*worked.faults, *standing.passing.get(log.place, ()))
+        failed += [FailedLog(name_of(log, one.topic), one.message) for one in every]
     sessions, warnings = identify(pairs)
     ledger.name_sessions(sessions, key)
     warnings = (*standing.warnings, *warnings)

@@ -13,23 +13,33 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from friction_audit.batch.find_logs import LogFile, fetched
 from friction_audit.batch.identity import Fault, Worked
-from friction_audit.batch.manifest import BatchSettings
+from friction_audit.batch.ledger import BatchSettings
 from friction_audit.drift.covariates import Recording
-from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, Session
+from friction_audit.drift.regression import relative_change
+from friction_audit.drift.session import BY_REGRESSION, COEFFICIENTS, Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import FrictionAuditError, InputError, encodable
-from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
+from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient, JointFriction
+from friction_audit.friction.settings import FEWEST_CYCLES
+from friction_audit.friction.weighted import fit_windows, set_up
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
 from friction_audit.io.readers import SeveralLogsError, arm_of_log, read_log
+from friction_audit.joint_log import Float
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
+from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
 
-
 READINGS = 2  # a log that changes while it is read (a link to it made, a copy not finished) is read once more
+QUARTERS = (0.25, 0.5, 0.75)
+BINS = 40  # of speed, in the curve; both directions of motion together
+FEWEST_SAMPLES = 20  # a mean of fewer samples is no point of the curve
+OUTERMOST = 0.002  # share of the samples beyond each end of the curve: single glitches of the velocity would stretch it
 
 
 def work_on(settings: BatchSettings, log: LogFile) -> Worked:
@@ -78,8 +88,13 @@ def _work_on(settings: BatchSettings, path: Path) -> Worked:
 
 
 def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
+    """Estimate one arm of a log, or all of them if the topic is empty."""
     try:
-        return _arm(settings, path, topic)
+        log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
+        estimate = estimate_log(log, settings.audit)
+        asked = settings.diagnosis
+        session = session_of(estimate, None if asked is None else diagnose_estimate(estimate, asked).discrepancy)
+        return Worked(sha256=session.sha256, sessions=(replace(session, topic=topic),))
     except SeveralLogsError as several:
         arms = [_arms(settings, path, one) for one in several.topics]
         return Worked(
@@ -87,18 +102,6 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
             sessions=tuple(one for arm in arms for one in arm.sessions),
             faults=tuple(one for arm in arms for one in arm.faults),
         )
-
-
-def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
-    """Estimate one arm of a log, or the only one if the topic is empty."""
-    try:
-        log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
-        estimate = estimate_log(log, settings.audit)
-        asked = settings.diagnosis
-        session = session_of(estimate, None if asked is None else diagnose_estimate(estimate, asked).discrepancy)
-        return Worked(sha256=session.sha256, sessions=(replace(session, topic=topic),))
-    except SeveralLogsError:
-        raise
     except FrictionAuditError as error:
         fault = Fault(message=str(error), topic=topic)
     except MemoryError:
@@ -114,8 +117,6 @@ def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
 
 def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
     """Return what is kept of an estimate."""
-    from friction_audit.drift.summarise import summarise_joints
-
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
     choice, cautions = interaction.choice, (*interaction.warnings, *estimate.friction.warnings)
     codes = [one.code for one in source.findings] + [one.code for one in cautions]
@@ -135,13 +136,87 @@ def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> 
             inertia=choice.inertia,
             rate_hz=log.rate_hz,
         ),
-        joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
+        joints=_summaries(estimate, discrepancy),
         warnings=(*dict.fromkeys(findings), *interaction.warnings),
         codes=tuple(dict.fromkeys((*unit, *codes))),
         damaged=any(finding.damaged for finding in source.findings),
         kind=source.robot,
         named_by_serial=bool(source.serial),
     )
+
+
+def _summaries(estimate: Estimate, discrepancy: "Discrepancy | None") -> tuple[JointSummary, ...]:
+    """Return a few numbers per joint that was estimated, instead of a million samples."""
+    interaction, cycles, temperature = estimate.interaction, estimate.cycles, estimate.log.temperature
+    diagnoses = {} if discrepancy is None else {joint.joint: joint for joint in discrepancy.joints}
+    port = interaction.torque  # F_m + u moves the joint and its friction: a logged compensator's help counts [N m]
+    if interaction.compensation is not None:
+        port = port + interaction.compensation
+    found = []
+    for column, joint in enumerate(estimate.friction.joints):
+        moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
+        velocity = interaction.dq[moving, column]
+        low, median, high = np.quantile(np.abs(velocity), QUARTERS).tolist() if len(moving) else [NAN] * 3
+        diagnosed = diagnoses.get(joint.joint)
+        by_energy = joint.method == "energy"
+        coefficients = (joint.coulomb, joint.viscous) if by_energy else (UNDETERMINED, UNDETERMINED)
+        found.append(
+            JointSummary(
+                joint=joint.joint,
+                name=joint.name,
+                coefficients=dict(zip(COEFFICIENTS, coefficients, strict=True)),
+                cycles=joint.cycles,
+                moving_s=joint.moving_s,
+                speed_rad_s=(low, median, high),
+                temperature_c=None if temperature is None else float(temperature[:, joint.joint - 1].mean()),
+                within=_change_within(cycles.of_joint(column), joint),
+                curve=bin_torque(velocity, port[moving, column]),
+                reason=joint.reason if by_energy else BY_REGRESSION,
+                verdict=None if diagnosed is None else diagnosed.verdict,
+                effects=() if diagnosed is None else tuple(effect.name for effect in diagnosed.effects),
+            )
+        )
+    return tuple(found)
+
+
+def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
+    """Return mean and spread of the torque (n,) in equally wide bins of the velocity in motion (n,). [N m, rad/s]"""
+    if len(velocity) < FEWEST_SAMPLES:
+        return SpeedCurve()
+    low, high = np.quantile(velocity, (OUTERMOST, 1.0 - OUTERMOST))
+    inside = (velocity >= low) & (velocity <= high)
+    velocity, torque = velocity[inside], torque[inside]
+    width = max(float(high - low), np.finfo(np.float64).tiny)
+    place = np.minimum(((velocity - low) / width * BINS).astype(np.int64), BINS - 1)
+    count = np.bincount(place, minlength=BINS)
+
+    def means(values: Float) -> Float:
+        total = np.bincount(place, weights=values, minlength=BINS)
+        return np.asarray(total / np.maximum(count, 1), np.float64)
+
+    kept, mean = count >= FEWEST_SAMPLES, means(torque)
+    return SpeedCurve(
+        speed_rad_s=means(velocity)[kept].tolist(),
+        torque_nm=mean[kept].tolist(),
+        spread_nm=np.sqrt(means((torque - mean[place]) ** 2))[kept].tolist(),
+    )
+
+
+def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
+    """Return the relative change of each coefficient from the first third of the cycles to the last one.
+
+    The thirds are fitted apart: points of the history share cycles, and their difference would look surer than it is.
+    """
+    kept = own.rows(own.reason == KEPT)
+    third = len(kept.joint) // 3
+    if joint.reason or third < FEWEST_CYCLES:
+        return dict.fromkeys(COEFFICIENTS, UNDETERMINED)
+    fit = fit_windows(set_up(kept, joint.model), third)
+    ends = {
+        key: (fit.coefficient(name, 0), fit.coefficient(name, -1))
+        for key, name in zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
+    }
+    return {key: relative_change(*both) if both[0].low > 0.0 else UNDETERMINED for key, both in ends.items()}
 
 
 def _renamed(worked: Worked, here: str, name: str) -> Worked:

@@ -15,7 +15,7 @@ from friction_audit.drift.report import ArmDrift
 from friction_audit.errors import AnalysisError, InputError
 from friction_audit.io.files import whole_file
 from friction_audit.io.writers.tables import write_rows
-from friction_audit.reporting.drift import BatchSummary, FailedLog, write_batch_document
+from friction_audit.reporting.drift import BatchSummary, write_batch_document
 from friction_audit.reporting.drift_sessions import session_columns
 from friction_audit.reporting.drift_text import batch_lines, junit_text, limit_sentences
 from friction_audit.reporting.html.batch_page import draw, drawings_of, write_page
@@ -62,7 +62,7 @@ def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
     beyond, unknown = limit_sentences(report, batch.limits)
     return BatchSummary(
         report=report,
-        failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
+        failed=result.failed,
         exceeded=beyond,
         cannot_tell=unknown,
         warnings=result.warnings,

@@ -18,16 +18,14 @@ from friction_audit.cli.choices import flag, group, option
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
 from friction_audit.cli.outputs import check_junit, write_junit
-from friction_audit.drift.settings import DriftSettings, parse_baseline
 from friction_audit.errors import UsageError, encodable
 
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor, LocalExecutor
     from friction_audit.batch.find_logs import LogFile
-    from friction_audit.batch.ledger import Ledger
-    from friction_audit.batch.manifest import BatchSettings
+    from friction_audit.batch.ledger import BatchSettings, Ledger
     from friction_audit.batch.run_batch import Standing
-    from friction_audit.drift.report import Limit
+    from friction_audit.drift.report import DriftSettings, Limit
 
 EXAMPLES = """Examples:
   friction-audit batch-report logs/
@@ -113,7 +111,7 @@ def command(
 ) -> None:
     """Report friction drift across sessions: what changed, when."""
     from friction_audit.batch.executor import DaskExecutor, LocalExecutor
-    from friction_audit.drift.report import parse_limit
+    from friction_audit.drift.report import DriftSettings, parse_baseline, parse_limit
 
     voice = shared.general.voice
     settings = _settings(sessions, friction, shared)
@@ -169,7 +167,7 @@ class Batch:
     formats: Sequence[str]  # of the figures
     ledger: "Ledger"
     settings: "BatchSettings"
-    drift: DriftSettings
+    drift: "DriftSettings"
     limits: "tuple[Limit, ...]"
     processes: "LocalExecutor"
     voice: Voice
@@ -229,7 +227,7 @@ def _document_lines(folder: Path, standing: "Standing") -> Iterator[str]:
 
 
 def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: opt.LogOptions) -> "BatchSettings":
-    from friction_audit.batch.manifest import BatchSettings
+    from friction_audit.batch.ledger import BatchSettings
 
     chain.refuse_join(shared.reading, "batch-report reads")
     diagnosis = None
@@ -243,7 +241,7 @@ def _settings(sessions: SessionOptions, friction: opt.EstimateOptions, shared: o
 
 def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFile]":
     from friction_audit.batch.find_logs import find_logs
-    from friction_audit.batch.manifest import read_manifest
+    from friction_audit.batch.identity import read_manifest
 
     if not names and manifest is None:
         raise UsageError("no logs named; give files, folders, globs or URLs, or --manifest with their paths")

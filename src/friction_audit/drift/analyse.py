@@ -1,17 +1,57 @@
-"""Sessions -> DriftReport: arm by arm, joint by joint."""
+"""Sessions -> DriftReport: arm by arm, joint by joint, what became of each coefficient."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Sequence
 from dataclasses import replace
+from typing import Any
 
-from friction_audit.drift.change_points import find_isolated, leave_outliers_out
-from friction_audit.drift.change_test import Verdict, judge_family
-from friction_audit.drift.coefficient import describe_series, too_few
-from friction_audit.drift.covariates import choose_comparable, use_temperature, without_temperature
-from friction_audit.drift.regression import baseline_columns
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
-from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
-from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
+import numpy as np
+
+from friction_audit.drift.change_points import Step, find_isolated, find_steps, leave_outliers_out
+from friction_audit.drift.change_test import Verdict, judge_family, orthogonal
+from friction_audit.drift.covariates import (
+    CONFOUNDED,
+    choose_comparable,
+    shared,
+    use_temperature,
+)
+from friction_audit.drift.regression import (
+    PLACE_AND_SIZE,
+    STRONG_EVIDENCE,
+    Fit,
+    Model,
+    baseline_columns,
+    change_within,
+    criterion,
+    ends_model,
+    fit_model,
+    is_near_zero,
+    levels_model,
+    ramp_columns,
+    ramp_model,
+    slope_over,
+    temperature_slope,
+    to_change,
+    to_level,
+    to_relative,
+)
+from friction_audit.drift.report import (
+    FEWEST_SESSIONS,
+    ArmDrift,
+    ChangePoint,
+    CoefficientDrift,
+    ControlPoint,
+    DriftReport,
+    DriftSettings,
+    JointDrift,
+)
+from friction_audit.drift.session import COEFFICIENTS, NORMAL_95, Order, Series, Session, make_series, put_in_order
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.joint_log import Float
 from friction_audit.joint_numbers import write_joint_numbers
+
+SPEED_CHANGE = 1.25  # a speed of motion that changes less with a drift does not explain it
+CERTAIN = 30.0  # statistic beyond which the noise of the numerator of t is negligible against that of its denominator
 
 
 def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:
@@ -34,11 +74,8 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
     verdicts = _judge([series.counted() for series in family], settings)
     found: dict[int, list[CoefficientDrift]] = {}
     for series, verdict in zip(family, verdicts, strict=True):
-        found.setdefault(series.joint, []).append(
-            too_few(series, order.sessions)
-            if verdict is None
-            else describe_series(series, verdict, reference, order.sessions, settings)
-        )
+        drift = describe_series(series, verdict, reference, order.sessions, settings)
+        found.setdefault(series.joint, []).append(drift)
     names = {joint.joint: joint.name for session in reversed(order.sessions) for joint in session.joints}
     return ArmDrift(
         robot=order.sessions[0].robot,
@@ -103,7 +140,194 @@ def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | 
         return [None] * len(family)
     test = plain = judge_family([*testable.values()], settings)
     if any(series.temperature is not None for series in testable.values()):
-        plain = judge_family([without_temperature(series) for series in testable.values()], settings)
+        plain = judge_family([replace(series, temperature=None) for series in testable.values()], settings)
     pairs = zip(testable, test, plain, strict=True)
     verdicts = {i: replace(found, p_without_temperature=bare.p_value) for i, found, bare in pairs}
     return [verdicts.get(i) for i in range(len(family))]
+
+
+def _shown(series: Series, y: Float, sessions: Sequence[Session]) -> dict[str, Any]:
+    """Return what is shown of any series."""
+    half = NORMAL_95 * series.y_error
+    return {
+        "coefficient": series.coefficient,
+        "sessions": tuple(series.session.tolist()),
+        "values": tuple(to_level(one, series) for one in _coefficients(np.column_stack([y, y - half, y + half]))),
+        "isolated": tuple(series.session[~series.kept].tolist()),
+        "within": change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
+    }
+
+
+def describe_series(
+    series: Series,
+    verdict: Verdict | None,
+    reference: Collection[int],
+    sessions: Sequence[Session],
+    settings: DriftSettings,
+) -> CoefficientDrift:
+    """Return what became of a coefficient, its isolated sessions among the others; of too few sessions the values."""
+    if verdict is None:
+        own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
+        reasons = tuple(joint.reason for joint in own if joint.reason)
+        return CoefficientDrift(**_shown(series, series.y, sessions), shape="too_few", drift=False, reasons=reasons)
+    warm, inflation, growth = series.counted(), verdict.autocorrelation.inflation, verdict.autocorrelation.growth
+    shape, model, steps = _find_shape(warm, verdict, reference, settings)
+    if shape == "temperature":
+        series = replace(series, temperature=None)
+        model = ends_model(series.counted(), reference)
+    counted = series.counted()
+    fit = fit_model(counted, model.columns, inflation)
+    level = to_level(fit.interval(model.level), series)
+    y = series.y
+    if series.temperature is not None and counted.temperature is not None:
+        y = y - fit.value[-1] * (series.temperature - np.mean(counted.temperature))
+    # Where the model has the reference and the last sessions on one level, the sessions themselves give the change.
+    ends = model if np.any(model.change) else ends_model(counted, reference)
+    last = fit if ends is model else fit_model(counted, ends.columns, inflation)
+    change = last.interval(ends.change) if np.any(ends.change) else UNDETERMINED
+    smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
+    least = Coefficient(value=smallest, low=smallest, high=smallest)
+    relative_scatter = not series.logarithmic and not is_near_zero(level)
+    return CoefficientDrift(
+        **_shown(series, y, sessions),
+        level=level,
+        shape=shape,
+        p_value=verdict.p_value,
+        temperature_slope=temperature_slope(fit, counted, abs(level.value)),
+        temperature_c=float("nan") if counted.temperature is None else float(np.mean(counted.temperature)),
+        trend_per_session=slope_over(counted, counted.place, inflation),
+        trend_per_day=slope_over(counted, counted.day, inflation),
+        trend_p_value=verdict.ramp_p_value,
+        change_points=_change_points(counted, steps, fit, verdict.p_value),
+        control=make_chart(series, y, fit, level, reference, settings.alpha),
+        change=to_change(change, level, series),
+        total=to_relative(change, level, series),
+        scatter=fit.scatter / abs(level.value) if relative_scatter else fit.scatter,
+        smallest_change=to_change(least, level, series).value,
+        smallest_drift=to_relative(least, level, series).value,
+        drift=verdict.p_value <= settings.alpha,
+        warmer_k=_warming(warm),
+        by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
+        speed_ratio=_speed_ratio(warm, model) if verdict.p_value <= settings.alpha else float("nan"),
+    )
+
+
+def _find_shape(
+    series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings
+) -> tuple[str, Model, tuple[Step, ...]]:
+    """Return the shape of a series, the model that it is measured by, and its steps."""
+    if verdict.p_value > settings.alpha:
+        ends, warmth = ends_model(series, reference), series.temperature
+        if warmth is None or verdict.p_without_temperature > settings.alpha:
+            return "none", ends, ()
+        confounded = max(shared(column, warmth) for column in (series.place, *ends.columns.T[:-1])) > CONFOUNDED
+        return "temperature" if confounded else "none", ends, ()
+    steps = find_steps(series, settings, verdict.autocorrelation.growth)
+    segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
+    stepped = levels_model(series, segment, reference, free=PLACE_AND_SIZE * len(steps))
+    ramp = ramp_model(series, reference)
+    better = criterion(series, stepped) - criterion(series, ramp)  # of the ramp than of the steps
+    shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
+    if not abs(better) >= STRONG_EVIDENCE:
+        shape = "step_or_ramp"
+    return (shape, ramp, ()) if better > 0.0 else (shape, stepped, steps)
+
+
+def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> tuple[ChangePoint, ...]:
+    points = []
+    for k, step in enumerate(steps):
+        before, after = np.eye(len(fit.value))[[k, k + 1]]
+        level = to_level(fit.interval(before), series)
+        points.append(
+            ChangePoint(
+                session=int(series.session[step.place]),
+                low=int(series.session[step.low]),
+                high=int(series.session[step.high]),
+                before=level,
+                after=to_level(fit.interval(after), series),
+                relative=to_relative(fit.interval(after - before), level, series),
+                p_value=max(step.p_value, p_value),
+            )
+        )
+    return tuple(points)
+
+
+def _warming(series: Series) -> float:
+    """Return by how much the last fifth of the sessions is warmer than the first one. [K]"""
+    if series.temperature is None:
+        return float("nan")
+    low, high = np.quantile(series.place, (0.2, 0.8))
+    last, first = series.temperature[series.place >= high], series.temperature[series.place <= low]
+    return float(np.mean(last)) - float(np.mean(first))
+
+
+def _speed_ratio(series: Series, model: Model) -> float:
+    """Return the speed at the end of the change over that at its start, NaN where speed does not go with it."""
+    column = model.columns @ model.change if np.any(model.change) else series.place
+    end, start = column >= np.quantile(column, 0.8), column <= np.quantile(column, 0.2)
+    ratio = float(np.median(series.speed[end]) / np.median(series.speed[start]))
+    positive = bool(np.all(np.isfinite(series.speed))) and np.min(series.speed) > 0.0
+    with_speed = positive and shared(column, np.log(series.speed)) > CONFOUNDED / 2
+    return ratio if with_speed and abs(np.log(ratio)) > np.log(SPEED_CHANGE) else float("nan")
+
+
+def make_chart(
+    series: Series, y: Float, fit: Fit, level: Coefficient, reference: Collection[int], alpha: float
+) -> tuple[ControlPoint, ...]:
+    """Compare each session with the mean of the reference; limits hold for all sessions together.
+
+    The limits are those of a new session: its own error, the scatter between sessions around the drift, and the error
+    of the reference's mean.
+    """
+    from scipy.stats import t
+
+    inside = np.isin(series.session, list(reference)) & series.kept
+    if not np.any(inside) or fit.freedom < 1:
+        return ()
+    variance = (series.y_error**2 + fit.scatter**2) * max(1.0, fit.scale) ** 2
+    weight = np.where(inside, 1.0 / variance, 0.0)
+    mean, mean_variance = float(np.average(y, weights=weight)), float(1.0 / np.sum(weight))
+    spread = variance + np.where(inside, -mean_variance, mean_variance)
+    half = float(t.isf(alpha / (2.0 * len(y)), fit.freedom)) * np.sqrt(np.maximum(spread, 0.0))
+    outside = (np.abs(y - mean) > half) & (half > 0.0)
+    ends = _coefficients(np.column_stack([y - mean, -half, half]))
+    pairs = [(to_change(end, level, series), to_relative(end, level, series)) for end in ends]
+    rows = zip(series.session.tolist(), pairs, outside.tolist(), strict=True)
+    return tuple(ControlPoint(session=i, deviation=d, relative=r, outside=out) for i, (d, r), out in rows)
+
+
+def _coefficients(rows: Float) -> list[Coefficient]:
+    return [Coefficient(value=value, low=low, high=high) for value, low, high in rows.tolist()]
+
+
+def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
+    """Return the straight change of y, start to end, that the test of the arm finds with a probability, the power.
+
+    A step of that size near the middle is found more often, one near either end less often. ``critical`` is the score
+    that the test asks for; ``growth`` says by how much autocorrelation makes statistics larger.
+    """
+    from scipy.stats import t
+
+    start = np.zeros(1, dtype=np.int64)
+    ramp = orthogonal(
+        ramp_columns(series)[:, :1],
+        split=start,
+        back=start + len(series.y),
+        base=baseline_columns(series),
+        y=series.y,
+        weight=1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0)),
+    )
+    if ramp.freedom < 1 or ramp.length[0] == 0.0:
+        return math.nan
+    statistic = float(t.isf(np.exp(-critical), ramp.freedom))
+    return noncentrality(statistic, ramp.freedom, power) * growth / float(ramp.length[0])
+
+
+def noncentrality(statistic: float, freedom: int, power: float) -> float:
+    """Return the shift of a t-statistic that passes a bound with a given probability."""
+    from scipy.special import nctdtrinc
+    from scipy.stats import chi2
+
+    if statistic > CERTAIN:  # where the search of nctdtrinc may take for ever
+        return statistic * math.sqrt(float(chi2.ppf(power, freedom)) / freedom)
+    return float(nctdtrinc(freedom, 1.0 - power, statistic))

@@ -18,8 +18,8 @@ from friction_audit.drift.change_test import (
     studentise,
 )
 from friction_audit.drift.regression import baseline_columns, ramp_columns, robust_weight, steps_scatter
+from friction_audit.drift.report import FEWEST_SESSIONS, DriftSettings
 from friction_audit.drift.session import Series
-from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.joint_log import Float
 
 MOST_CHANGES = 6
@@ -122,34 +122,28 @@ def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
 
 
 def _judge(directions: Directions, first: int, settings: DriftSettings, growth: float) -> Step:
-    """Return the best step with its p-value, by the largest statistic of random orders."""
-    length = len(directions.residual)
-    rng = past_keys(settings.permutations, length, settings.seed)
-    drawn, _ = permute([directions], [np.arange(length, dtype=float)], rng, length, settings)
-    real = np.abs(studentise(directions.residual[None, :], directions))[0] / growth
-    low, high = _moment(directions, growth)
-    return Step(
-        place=first + int(directions.split[np.argmax(real)]),
-        low=first + low,
-        high=first + high,
-        p_value=float((1 + np.count_nonzero(drawn >= np.max(real))) / (1 + len(drawn))),
-    )
-
-
-def _moment(directions: Directions, growth: float) -> tuple[int, int]:
-    """Return the first and the last place of a step that its likelihood allows with 95 %.
+    """Return the best step with its p-value, by the largest statistic of random orders, and its interval of 95 %.
 
     With few sessions the variance is uncertain: the bound of the likelihood ratio grows as that of a t-test does.
     """
     from scipy.stats import chi2, f
 
+    length = len(directions.residual)
+    rng = past_keys(settings.permutations, length, settings.seed)
+    drawn, _ = permute([directions], [np.arange(length, dtype=float)], rng, length, settings)
+    real = np.abs(studentise(directions.residual[None, :], directions))[0] / growth
     along = (directions.residual @ directions.direction) ** 2
     best = float(np.max(along))
     freedom = max(directions.freedom, 1)
     variance = max(float(np.sum(directions.residual**2)) - best, 0.0) / freedom
     bound = float(f.ppf(float(chi2.cdf(MOMENT_95, 1)), 1, freedom)) * growth**2
-    possible: NDArray[np.int64] = directions.split[best - along <= bound * variance]
-    return int(possible[0]), int(possible[-1])
+    possible: NDArray[np.int64] = first + directions.split[best - along <= bound * variance]
+    return Step(
+        place=first + int(directions.split[np.argmax(real)]),
+        low=int(possible[0]),
+        high=int(possible[-1]),
+        p_value=float((1 + np.count_nonzero(drawn >= np.max(real))) / (1 + len(drawn))),
+    )
 
 
 def _holm(p_values: Sequence[float]) -> list[float]:

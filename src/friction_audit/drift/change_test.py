@@ -6,15 +6,15 @@ one order for all joints at a time, and the step-down maximum over the coefficie
 keeps the probability of any false change.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.drift.regression import MAD_TO_SD, baseline_columns, ramp_columns, robust_weight
+from friction_audit.drift.report import DriftSettings
 from friction_audit.drift.session import Series
-from friction_audit.drift.settings import DriftSettings
 from friction_audit.joint_log import Float
 
 Places = NDArray[np.int64]
@@ -276,34 +276,27 @@ def permute(
 
     Where sessions are too few for random orders, ``rng`` draws normal scatter.
     """
-    orders, seed = settings.permutations, settings.seed
-    largest, largest_ramp = np.empty((orders, len(family))), np.empty((orders, len(family)))
+    orders = settings.permutations
+    largest, largest_ramp = np.empty((2, orders, len(family)))
 
-    def keep(rows: slice, k: int, drawn: Float) -> None:
+    def keep(rows: Places, k: int, drawn: Float) -> None:
         largest[rows, k] = np.max(drawn, axis=1)
         largest_ramp[rows, k] = np.max(drawn[:, family[k].ramps], axis=1, initial=0.0)
 
     long = [k for k, directions in enumerate(family) if len(directions.residual) >= FEWEST_TO_PERMUTE]
     for k in sorted(set(range(len(family))).difference(long)):
         normal = rng.standard_normal((orders, len(family[k].residual)))
-        keep(slice(None), k, np.abs(studentise(normal, family[k])))
+        keep(np.arange(orders), k, np.abs(studentise(normal, family[k])))
     most = max((len(places[k]) for k in long), default=1)
-    for rows, keys in _key_lots(orders, width, most, seed):
+    draw = np.random.default_rng(settings.seed)
+    for rows in np.array_split(np.arange(orders), -(-orders * most // AT_ONCE)):  # as many as memory bears
+        keys = draw.random((len(rows), width))  # whose order is that of the sessions
         place, order = np.zeros(0), np.zeros((0, 0), dtype=np.int64)
         for k in long:
             if not np.array_equal(places[k], place):  # mostly all series have their sessions in the same places
                 place, order = places[k], np.argsort(keys[:, places[k].astype(np.int64)], axis=1)
             keep(rows, k, np.abs(_studentise_orders(family[k], order)))
     return largest, largest_ramp
-
-
-def _key_lots(orders: int, width: int, sessions: int, seed: int) -> Iterator[tuple[slice, Float]]:
-    """Yield random numbers (rows, width) whose order is that of the sessions, as many at a time as memory bears."""
-    rng = np.random.default_rng(seed)
-    first = 0
-    for rows in np.array_split(np.arange(orders), -(-orders * sessions // AT_ONCE)):
-        yield slice(first, first + len(rows)), rng.random((len(rows), width))
-        first += len(rows)
 
 
 def past_keys(orders: int, width: int, seed: int) -> np.random.Generator:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -106,7 +106,7 @@ def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series
 
     Its temperature is None where it is not taken out; else sessions without a temperature are set aside.
     """
-    bare = without_temperature(series)
+    bare = replace(series, temperature=None)
     if series.temperature is None or not len(series.value):
         return bare, ""
     known = np.isfinite(series.temperature)
@@ -121,18 +121,7 @@ def use_temperature(series: Series, sessions: Sequence[Session]) -> tuple[Series
     varies = counted is not None and len(counted) >= FEWEST and float(np.ptp(counted)) >= LEAST_RANGE_K
     names = ", ".join(sessions[index].path for index in series.session[~known])
     unknown = f"not compared, since their temperature is not known: {names}" if names else ""
-    return kept if varies else without_temperature(kept), unknown
-
-
-def without_temperature(series: Series) -> Series:
-    """Return the series as if no temperature were known."""
-    return replace(series, temperature=None)
-
-
-def follows(series: Series, columns: Collection[Float]) -> bool:
-    """Return whether the temperature went with a change so closely that the two cannot be separated."""
-    warmth = series.temperature
-    return warmth is not None and max(shared(column, warmth) for column in columns) > CONFOUNDED
+    return kept if varies else replace(kept, temperature=None), unknown
 
 
 def shared(column: Float, other: Float) -> float:

@@ -128,10 +128,9 @@ class Model:
     free: int  # parameters that were chosen by the data (places and sizes of steps, size of a ramp)
 
 
-def steps_model(series: Series, places: Sequence[int], reference: Collection[int]) -> Model:
-    """Return a level for each segment between steps."""
-    segment = np.searchsorted(np.asarray(places), np.arange(len(series.y)), side="right")
-    return _levels(series, segment, reference, free=PLACE_AND_SIZE * len(places))
+def levels_model(series: Series, segment: NDArray[np.int64], reference: Collection[int], free: int) -> Model:
+    """Return a level for each segment, by the number of each session's."""
+    return _model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free)
 
 
 def ends_model(series: Series, reference: Collection[int]) -> Model:
@@ -140,7 +139,7 @@ def ends_model(series: Series, reference: Collection[int]) -> Model:
     later = np.flatnonzero(~inside)[-max(int(np.count_nonzero(inside)), 1) :]
     segment = np.where(inside, 0, 1)
     segment[later] = 2
-    return _levels(series, segment, reference, free=0)
+    return levels_model(series, segment, reference, free=0)
 
 
 def ramp_model(series: Series, reference: Collection[int]) -> Model:
@@ -148,10 +147,6 @@ def ramp_model(series: Series, reference: Collection[int]) -> Model:
     ones = np.ones(len(series.y))
     models = [_model(series, np.column_stack([ones, ramp]), reference, 1) for ramp in ramp_columns(series).T]
     return min(models, key=lambda model: criterion(series, model))
-
-
-def _levels(series: Series, segment: NDArray[np.int64], reference: Collection[int], free: int) -> Model:
-    return _model(series, (segment[:, None] == np.unique(segment)).astype(float), reference, free)
 
 
 def _model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
@@ -203,12 +198,6 @@ def each(found: Coefficient, of: Callable[[float], Any]) -> Coefficient:
     return Coefficient(value=float(of(found.value)), low=float(of(found.low)), high=float(of(found.high)))
 
 
-def relative_size(y: Float | float) -> Float:
-    """Return the relative change that a change of a logarithm is; infinite (no limit) beyond all numbers."""
-    with np.errstate(over="ignore"):
-        return np.asarray(np.expm1(y), dtype=float)
-
-
 def to_level(y: Coefficient, series: Series) -> Coefficient:
     """Return a level of y in the unit of the coefficient."""
     with np.errstate(over="ignore"):
@@ -218,7 +207,8 @@ def to_level(y: Coefficient, series: Series) -> Coefficient:
 def to_relative(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
     """Return a change of y over the level; NaN where the level is near zero."""
     if series.logarithmic:
-        return each(change, relative_size)
+        with np.errstate(over="ignore"):  # infinite, no limit, beyond all numbers
+            return each(change, np.expm1)
     return UNDETERMINED if is_near_zero(level) else each(change, lambda end: end / abs(level.value))
 
 

@@ -1,14 +1,16 @@
-"""DriftReport: what changed between sessions, when, and how sure we are; and the limits that a user sets on it."""
+"""DriftReport: what changed between sessions, when, and how sure we are; and what a user asks: settings and limits."""
 
 import re
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from typing import Literal, NamedTuple
 
 from friction_audit.drift.session import Session
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.joint_numbers import parse_joint_numbers
 
 # What describes a coefficient over the sessions. "step_or_ramp": drift is proven, but the two describe it equally well.
 # "temperature": it changes together with the temperature, so that drift and temperature are confounded.
@@ -19,7 +21,46 @@ COEFFICIENT_OF = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad", "an
 
 PATTERN = re.compile(r"(?:joint(?P<joint>[1-9]\d*)\.)?(?P<name>[a-z]+)=(?P<size>[^%]+?)\s*(?P<percent>%)?")
 
+FEWEST_SESSIONS = 4  # two before and two after a step; fewer cannot tell a change from one odd session
 EXPECTED = "expected e.g. coulomb=15%, viscous=0.05 (N m s/rad), joint3.coulomb=10% or any=20%"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriftSettings:
+    """How drift is looked for."""
+
+    # sessions of the reference: so many first ones, or their indices in the order of the starts, from 0
+    baseline: int | tuple[int, ...] = 5
+    # probability that an arm on which nothing changes is said to drift, over all joints and coefficients
+    alpha: float = 0.05
+    power: float = 0.9  # probability with which the smallest drift is found
+    permutations: int = 1999  # orders of the sessions that the tests are judged by
+    seed: int = 0  # of the permutations: the same sessions give the same answer
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        if (isinstance(self.baseline, int) and self.baseline < 1) or self.baseline == ():
+            raise UsageError(f"baseline {self.baseline}: expected at least one session")
+        if not 0.0 < self.alpha < 1.0 or not 0.0 < self.power < 1.0:
+            raise UsageError(f"alpha {self.alpha:g}, power {self.power:g}: expected numbers between 0 and 1")
+        if (self.permutations + 1) * self.alpha < 1.0:
+            raise UsageError(
+                f"permutations {self.permutations}: too few for alpha {self.alpha:g}; expected at least "
+                f"{int(1.0 / self.alpha)}"
+            )
+
+
+def parse_baseline(text: str) -> int | tuple[int, ...]:
+    """Return the reference of ``"5"`` (the first five sessions) or ``"3-8,10"`` (those, counted from 1)."""
+    word = text.strip()
+    if word.isdecimal() and int(word) > 0:
+        return int(word)
+    try:
+        return tuple(number - 1 for number in parse_joint_numbers(word, "--baseline"))
+    except UsageError as error:
+        raise UsageError(
+            f"--baseline {text}: expected how many first sessions are the reference, e.g. 5, or which ones, e.g. 3-8,10"
+        ) from error
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -149,14 +190,11 @@ def parse_limit(text: str) -> Limit:
     """Return the limit of ``"coulomb=15%"``, ``"viscous=0.05"``, ``"joint3.coulomb=10%"`` or ``"any=20%"``."""
     where = f"--fail-on {text}"
     found = PATTERN.fullmatch(text.strip().lower())
-    if found is None or found["name"] not in COEFFICIENT_OF:
+    size = nan
+    with suppress(ValueError):
+        size = float(found["size"] if found else nan)
+    if found is None or found["name"] not in COEFFICIENT_OF or not 0.0 <= size < inf:
         raise UsageError(f"{where}: not a limit; {EXPECTED}")
-    try:
-        size = float(found["size"])
-    except ValueError:
-        size = nan
-    if not (isfinite(size) and size >= 0.0):
-        raise UsageError(f"{where}: {found['size']} is no size of a change; {EXPECTED}")
     relative = found["percent"] is not None
     if found["name"] == "any" and not relative:
         raise UsageError(f"{where}: the coefficients have different units; expected a limit in per cent, e.g. any=20%")
@@ -177,11 +215,6 @@ class Judged(NamedTuple):
     robot: str = ""
     joint: int | None = None
     found: CoefficientDrift | None = None
-
-    @property
-    def where(self) -> str:
-        """Its arm and joint."""
-        return f"{self.robot}, joint {self.joint}"
 
 
 def judge(report: DriftReport, limits: Sequence[Limit]) -> Iterator[Judged]:

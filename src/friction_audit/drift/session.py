@@ -171,12 +171,12 @@ def make_series(
     rows = []
     for place_among, i in enumerate(compared):
         session = sessions[i]
-        summary = next((each for each in session.joints if each.joint == joint), None)
-        found = summary.coefficients.get(coefficient, UNDETERMINED) if summary is not None else UNDETERMINED
-        if summary is not None and np.isfinite(found.value):
-            warmth = session.temperature_c if summary.temperature_c is None else summary.temperature_c
-            own = found.value, (found.high - found.low) / (2 * NORMAL_95)
-            rows.append((i, place_among, session.start_s, *own, warmth, summary.speed_rad_s[1]))
+        for summary in session.joints:
+            found = summary.coefficients.get(coefficient, UNDETERMINED)
+            if summary.joint == joint and np.isfinite(found.value):
+                warmth = session.temperature_c if summary.temperature_c is None else summary.temperature_c
+                own = found.value, (found.high - found.low) / (2 * NORMAL_95)
+                rows.append((i, place_among, session.start_s, *own, warmth, summary.speed_rad_s[1]))
     index, place, start, value, error, temperature, speed = np.array(rows, dtype=float).reshape(-1, 7).T
     # Estimates without an interval take the largest error of the others; a relative error of 1e-9 keeps it off 0.
     error = np.where(np.isfinite(error), error, np.max(error[np.isfinite(error)], initial=0.0))

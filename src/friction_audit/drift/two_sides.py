@@ -9,9 +9,8 @@ from scipy.special import stdtr, stdtrit
 
 from friction_audit.drift.covariates import Condition, Recording, differences
 from friction_audit.drift.regression import relative_change
-from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, DriftSettings, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, JointSummary, SpeedCurve
-from friction_audit.drift.settings import DriftSettings
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.friction.history import NAN, UNDETERMINED, Coefficient
 from friction_audit.friction.weighted import CONFIDENCE
@@ -54,7 +53,7 @@ class JointChange:
     name: str
     coefficients: tuple[CoefficientChange, ...]
     law: LawChange | None
-    curves: tuple[tuple[SpeedCurve, ...], tuple[SpeedCurve, ...]]
+    curves: tuple[tuple[SpeedCurve, ...], ...]  # of the side before, and after
     reason: str = ""
 
 
@@ -113,7 +112,6 @@ class _Mean:
 
 
 _Pairs = Sequence[Sequence[tuple[Recording, JointSummary]]]  # recordings of each side that have a joint, with that
-NO_MEAN = _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)
 
 
 def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> TwoSides:
@@ -126,7 +124,17 @@ def compare_sides(before: Sequence[Recording], after: Sequence[Recording]) -> Tw
         for number in sorted(numbers[0] & numbers[1])
     }
     changes = _tested({(n, name): _sides(own[n], parts) for n in own for name, parts in UNITS.items()})
-    joints = [_joint_change(number, pairs, changes) for number, pairs in own.items()]
+    joints = [
+        JointChange(
+            joint=number,
+            name=pairs[0][0][1].name,
+            coefficients=tuple(changes[number, name] for name in UNITS),
+            law=_law(pairs),
+            curves=tuple(tuple(found.curve for _, found in side) for side in pairs),
+            reason="; ".join(dict.fromkeys(found.reason for side in pairs for _, found in side if found.reason)),
+        )
+        for number, pairs in own.items()
+    ]
     if not any(np.isfinite(change.found.change.value) for joint in joints for change in joint.coefficients):
         reasons = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints if joint.reason)
         held = " and ".join(write_joint_numbers(side) or "none" for side in numbers)
@@ -154,19 +162,6 @@ def _check_alike(recordings: Sequence[Recording]) -> None:
             )
         if first.joints != second.joints:
             raise UsageError(f"{paths}: {first.joints} and {second.joints} joints; expected recordings of one arm")
-
-
-def _joint_change(number: int, own: _Pairs, changes: Mapping[tuple[int, str], CoefficientChange]) -> JointChange:
-    reasons = dict.fromkeys(found.reason for side in own for _, found in side if found.reason)
-    curves = [tuple(found.curve for _, found in side) for side in own]
-    return JointChange(
-        joint=number,
-        name=own[0][0][1].name,
-        coefficients=tuple(changes[number, name] for name in UNITS),
-        law=_law(own, curves),
-        curves=(curves[0], curves[1]),
-        reason="; ".join(reasons),
-    )
 
 
 def _sides(own: _Pairs, parts: tuple[float, float]) -> tuple[_Mean, _Mean]:
@@ -197,11 +192,17 @@ def _random_effects(found: Sequence[_Mean]) -> _Mean:
     (C. Roever, G. Knapp, T. Friede, BMC Medical Research Methodology 15:99, 2015).
     """
     known = [one for one in found if np.isfinite(one.value)]
-    if len(known) <= 1 or not all(np.isfinite(one.variance) and one.variance > 0.0 for one in known):
-        return known[0] if len(known) == 1 else _unweighted(known)
+    if len(known) <= 1:
+        return known[0] if known else _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)
+    values, variances = (np.array([getattr(one, name) for one in known]) for name in ("value", "variance"))
+    count, scatter = len(known), float(values.var(ddof=1))
+    if not np.all(np.isfinite(variances) & (variances > 0.0)):  # estimates without intervals: their scatter alone
+        return _Mean(
+            value=float(values.mean()), variance=scatter / count, freedom=count - 1, between=scatter, scatter=scatter,
+            recordings=count,
+        )  # fmt: skip
     from statsmodels.stats.meta_analysis import combine_effects
 
-    values, variances = (np.array([getattr(one, name) for one in known]) for name in ("value", "variance"))
     with np.errstate(all="ignore"):  # statsmodels does not cut the variance between recordings at zero
         result = combine_effects(values, variances, method_re="dl")
     kind = "re" if result.tau2 > 0.0 else "fe"
@@ -209,23 +210,11 @@ def _random_effects(found: Sequence[_Mean]) -> _Mean:
     return _Mean(
         value=float(getattr(result, f"mean_effect_{kind}")),
         variance=float(max(errors) ** 2),
-        freedom=len(known) - 1,
+        freedom=count - 1,
         between=max(float(result.tau2), 0.0),
-        scatter=float(values.var(ddof=1)),
-        recordings=len(known),
+        scatter=scatter,
+        recordings=count,
     )
-
-
-def _unweighted(found: Sequence[_Mean]) -> _Mean:
-    """Return the mean of estimates without intervals, by their scatter alone."""
-    if not found:
-        return NO_MEAN
-    value = np.array([one.value for one in found])
-    scatter = float(value.var(ddof=1))
-    return _Mean(
-        value=float(value.mean()), variance=scatter / len(value), freedom=len(value) - 1, between=scatter,
-        scatter=scatter, recordings=len(value),
-    )  # fmt: skip
 
 
 def _with_between(one: _Mean, other: _Mean) -> _Mean:
@@ -307,13 +296,10 @@ def _change(name: str, sides: tuple[_Mean, _Mean], single: float, p_value: float
     )
 
 
-def _law(own: _Pairs, curves: Sequence[Sequence[SpeedCurve]]) -> LawChange | None:
+def _law(own: _Pairs) -> LawChange | None:
     """Return the change of Coulomb plus viscous friction over the speeds that both sides reach."""
-    reached = [
-        max((max(map(abs, curve.speed_rad_s)) for curve in side if len(curve.speed_rad_s)), default=NAN)
-        for side in curves
-    ]
-    top = min((speed for speed in reached if np.isfinite(speed)), default=TOP_SPEED_RAD_S)
+    reached = [[abs(speed) for _, found in side for speed in found.curve.speed_rad_s] for side in own]
+    top = min((max(side) for side in reached if side), default=TOP_SPEED_RAD_S)
     speeds = np.linspace(top / SPEEDS, top, SPEEDS)
     found = [_difference(*_sides(own, (1.0, float(speed)))).interval() for speed in speeds]
     table = np.array([(one.value, one.low, one.high) for one in found]).T

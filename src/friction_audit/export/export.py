@@ -11,9 +11,16 @@ import numpy as np
 from friction_audit.errors import InputError, UsageError
 from friction_audit.export import plain_text as text
 from friction_audit.export import robot_xml as xml
-from friction_audit.export.friction_law import ExportedJoint, FittedFriction, FrictionLaw, even_speeds, match_names
+from friction_audit.export.friction_law import (
+    ExportedJoint,
+    FittedFriction,
+    FrictionLaw,
+    even_speeds,
+    match_names,
+    moving_speeds,
+)
 from friction_audit.export.robot_xml import Edit, Tag, XmlText
-from friction_audit.export.source import Joints, laws_of, speeds_of
+from friction_audit.export.source import SPEEDS, Joints, laws_of
 from friction_audit.io.files import whole_file
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
@@ -131,9 +138,12 @@ def export_friction(
     that is simulated.
     """
     numbers = [number for number, *_ in joints.models]
-    speeds = speeds_of(estimate) if estimate else {}
+    speeds: dict[int, Float] = {}
     if settings.speeds is not None:
         speeds = dict.fromkeys(numbers, even_speeds(*settings.speeds))
+    elif estimate is not None:
+        seen = estimate.interaction
+        speeds = {n: moving_speeds(dq, SPEEDS[0]) for n, dq in zip(seen.joint_numbers, seen.dq.T, strict=True)}
     armature = target.armature and bool(joints.reflected if settings.armature is None else settings.armature)
     count = len(joints.models) + len(joints.lacking)
     laws, lacking = laws_of(joints, speeds, wanted=settings.joints, armature=armature)

@@ -53,11 +53,6 @@ class FrictionLaw:
         motion = Motion(t=still, q=still, dq=dq, ddq=still, way=way)
         return np.asarray(np.sum([term.torque(motion) for term in self.terms], axis=0))
 
-    @property
-    def static_nm(self) -> float:
-        """Friction at the onset of motion: Coulomb friction and what Stribeck friction adds to it. [N m]"""
-        return float(self.torque(np.array([SLOWEST]))[0])
-
     def fit(self, highest_power: int) -> FittedFriction:
         """Fit a polynomial of the speed; its highest power is 1 for Coulomb and viscous friction alone, up to 3."""
         from scipy.optimize import nnls
@@ -127,8 +122,8 @@ class ExportedJoint:
 
     @property
     def static_nm(self) -> float:
-        """Friction at the onset of motion, which a simulator wants no smaller than that in motion. [N m]"""
-        return max(self.law.static_nm, self.fitted.coulomb_nm)
+        """Friction at the onset of motion, with what Stribeck adds; a simulator wants no less than in motion. [N m]"""
+        return max(float(self.law.torque(np.array([SLOWEST]))[0]), self.fitted.coulomb_nm)
 
     @property
     def damping(self) -> list[float]:

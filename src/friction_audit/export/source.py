@@ -10,7 +10,7 @@ import numpy as np
 from friction_audit.drift.session import COEFFICIENTS
 from friction_audit.effects.joint_model import JointModel, load_model, simple_model
 from friction_audit.errors import AnalysisError, InputError, UsageError
-from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law, moving_speeds
+from friction_audit.export.friction_law import FrictionLaw, even_speeds, friction_law
 from friction_audit.io.files import read_document
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
@@ -67,12 +67,6 @@ def of_estimate(estimate: Estimate) -> Joints:
         for one, inertia in zip(joints, inertias, strict=True)
     ]
     return _joints(rows, choice.drive, choice.inertia)
-
-
-def speeds_of(estimate: Estimate) -> dict[int, Float]:
-    """Return the speeds of a log's joints, each an equal share of the time in motion, by number of the joint."""
-    numbers, dq = estimate.interaction.joint_numbers, estimate.interaction.dq
-    return {number: moving_speeds(dq[:, column], SPEEDS[0]) for column, number in enumerate(numbers)}
 
 
 def laws_of(

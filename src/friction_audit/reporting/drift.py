@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from friction_audit import __version__
+from friction_audit.batch.identity import FailedLog
 from friction_audit.drift.report import SHAPES, ArmDrift, ChangePoint, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -15,13 +16,6 @@ from friction_audit.reporting import drift_words as phrases
 from friction_audit.reporting import words
 from friction_audit.reporting.drift_sessions import SESSION, SessionRow
 from friction_audit.reporting.table import INTERVAL, Column, Document, Get, Record, joint_column
-
-
-class FailedLog(NamedTuple):
-    """A file that gave no session: its path, and what was wrong with it and what to do."""
-
-    path: str
-    message: str
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

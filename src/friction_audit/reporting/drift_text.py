@@ -69,7 +69,8 @@ def _limit_sentence(one: Judged) -> str:
     found, limit = one.found, one.limit
     if found is None:
         return f"the limit {limit.text}: no session has an estimate that it is meant for"
-    name, change = f"{one.where}: {NAMES[found.coefficient]} friction", found.total if limit.relative else found.change
+    change = found.total if limit.relative else found.change
+    name = f"{one.robot}, joint {one.joint}: {NAMES[found.coefficient]} friction"
     if one.verdict == "exceeded":
         size = how_much(found.total if limit.relative else UNDETERMINED, found.change, UNITS[found.coefficient])
         sure = min(abs(change.low), abs(change.high)) >= limit.size and change.low * change.high > 0

@@ -9,9 +9,8 @@ from pathlib import PurePath
 from statistics import median
 
 from friction_audit.drift.change_points import REACH
-from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, JointDrift
+from friction_audit.drift.report import FEWEST_SESSIONS, ArmDrift, ChangePoint, CoefficientDrift, JointDrift
 from friction_audit.drift.session import Session
-from friction_audit.drift.settings import FEWEST_SESSIONS
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting import words

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_audit.batch.work import BINS, bin_torque, session_of
 from friction_audit.drift.session import JointSummary
-from friction_audit.drift.summarise import BINS, bin_torque, summarise_joints
 from friction_audit.friction.history import Coefficient
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float, JointLog
@@ -21,7 +21,7 @@ def estimated(joints: int) -> Estimate:
 
 
 def summaries(estimate: Estimate) -> tuple[JointSummary, ...]:
-    return summarise_joints(estimate.log, estimate.interaction, estimate.cycles, estimate.friction)
+    return session_of(estimate).joints
 
 
 @pytest.fixture(scope="module")
