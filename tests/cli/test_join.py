@@ -112,7 +112,7 @@ def test_parts_of_a_joined_log_count_from_its_first_sample(tmp_path: Path) -> No
         (torque(start=100.0), r"b.csv: its clock runs from 100 to 159.995 s, that of .*a.csv from 0 to 59.995 s"),
         (torque(start=EPOCH), "says the date"),
         (motion(), "has q, dq, which .*a.csv has too"),
-        ({"time": motion()["time"], "speed": motion()["time"]}, "b.csv: no column for a torque|no column for"),
+        ({"time": motion()["time"], "gauge": motion()["time"]}, "b.csv: no column for a torque|no column for"),
         ({"tau_J_1": motion()["time"]}, "b.csv: no column for t"),
         (torque() | {"tau_interaction_2": torque()["time"]}, "has 2 joints .* has 1"),
     ],
@@ -124,8 +124,8 @@ def test_what_cannot_be_joined_is_refused(tmp_path: Path, other: dict[str, np.nd
 
 
 def test_a_log_that_lacks_a_channel_in_all_files_says_which(tmp_path: Path) -> None:
-    first = saved(tmp_path / "a.csv", {k: v for k, v in motion().items() if k != "dq_1"})
-    with pytest.raises(InputError, match=r"no dq in a\.csv, b\.csv; a\.csv has q; b\.csv has tau_interaction"):
+    first = saved(tmp_path / "a.csv", {k: v for k, v in motion().items() if k != "q_1"})
+    with pytest.raises(InputError, match=r"no q in a\.csv, b\.csv; a\.csv has dq; b\.csv has tau_interaction"):
         joined(first, saved(tmp_path / "b.csv", torque()))
     with pytest.raises(InputError, match="no column for --map tau_J=moment"):
         joined(saved(tmp_path / "c.csv", motion()), tmp_path / "b.csv", mapping={"tau_J": "moment"})
