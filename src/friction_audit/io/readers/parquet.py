@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
+from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit
+from friction_audit.io.readers.reader import ReadOptions, Topic, address_limit, serial_in
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError
