@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import DERIVATIVE, Finding, Float
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
-DERIVATIVE = "derivative"  # name of the velocity that is made from q
 HALF_WINDOW_S = 0.01  # of the parabola whose slope is the velocity: shorter than a change of direction by hand
 _TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache

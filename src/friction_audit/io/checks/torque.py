@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from friction_audit.io.checks.clock import GAP_S
 from friction_audit.io.checks.columns import Column, Thinned
-from friction_audit.io.recording import DERIVATIVE, Marks, Recording, WholeLogError
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
+from friction_audit.io.recording import Marks, Recording, WholeLogError
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
 
 MOVING_RAD_S = 0.02
 # Share of stale rows, of those in motion, from which on the state itself is slow, and the logger did not stall.

@@ -24,8 +24,8 @@ from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.join import join_recordings
 from friction_audit.io.readers.reader import TAKE_A_PART, OneOfSeveral, Reader, ReadOptions, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
-from friction_audit.io.recording import DERIVATIVE, Recording, WholeLogError
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source
+from friction_audit.io.recording import Recording, WholeLogError
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Joined, JointLog, Source
 from friction_audit.joint_numbers import require_joints, write_joint_numbers
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.presets import CURRENT, ESTIMATE, PRESETS, candidates
