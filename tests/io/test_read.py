@@ -18,6 +18,7 @@ from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers import csv as reader
 from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
+from friction_audit.io.writers.write_log import write_log
 from tests.io.synthetic_recordings import read_text, tidy_frame, write_tidy_csv
 
 
@@ -168,6 +169,17 @@ def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
     expected = factor * table[["dq_1", "dq_2", "dq_3"]].to_numpy()[rows]
     np.testing.assert_allclose(log.dq, expected, atol=0.05)
     assert log.source.clock_windows == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "dialect"), [("a.parquet", "parquet"), ("a.parquet", "parquet-lists"), ("a.npz", "npz"), ("a.csv", None)]
+)
+def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, name: str, dialect: str | None) -> None:
+    log = read_text(tmp_path, tidy_frame().drop(columns=["dq_1", "dq_2", "dq_3"]))
+    write_log(log, tmp_path / name, dialect=dialect)
+    again = read_log(tmp_path / name)
+    assert again.source.channels["dq"] == "derivative"
+    np.testing.assert_allclose(again.dq, log.dq, atol=1e-6)
 
 
 def test_two_samples_have_a_velocity_too(tmp_path: Path) -> None:
