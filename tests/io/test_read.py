@@ -153,9 +153,9 @@ def held(table: pd.DataFrame) -> pd.DataFrame:
         (wrapped, 3.0, {}),
         (held, 1.0, {}),
         (lambda table: table, 0.5, {"time_scale": 2.0}),
-        (lambda table: table.assign(dq_1=0.0), 1.0, {"mapping": {"dq": "derivative"}}),
+        (lambda table: table.assign(dq_1=0.0, dq_2=0.0, dq_3=0.0), 1.0, {"mapping": {"dq": "derivative"}}),
     ],
-    ids=["rows lost", "wild", "empty", "acceleration", "wrapped", "held", "scaled", "incomplete"],
+    ids=["rows lost", "wild", "empty", "acceleration", "wrapped", "held", "scaled", "asked for"],
 )
 def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
     tmp_path: Path,

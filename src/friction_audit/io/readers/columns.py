@@ -75,12 +75,7 @@ def map_columns(
         parsed = {cell: name for cell, name in parsed.items() if name and name.index is None and name.joint is None}
     guessed, others = _guessed_groups(parsed, labels, stated)
     groups = {**guessed, **stated}
-    if others and len(groups["q"].cells) == 1 and not groups["q"].names and "{" not in groups["q"].template:
-        listed = ",".join((groups["q"].template, *others))
-        raise InputError(
-            f"{path}: several columns may be q: {listed}; name those of one arm, in the order of its joints, with "
-            f"--map q={listed}, and those of the other channels likewise"
-        )
+    _refuse_several(groups.get("q"), others, path)
     if joint is not None and not groups.keys() >= {*needed}:
         return map_columns(names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed)
     most = max((len(group.cells) for group in groups.values()), default=0)
@@ -94,10 +89,20 @@ def map_columns(
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
-    if not others:
-        return columns
-    message = f"{groups['q'].template} was read as q; also there: {', '.join(others)}; choose with --map"
-    return replace(columns, findings=(*columns.findings, Finding(code="topic_chosen", message=message)))
+    message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
+    found = (Finding(code="topic_chosen", message=message),) if others else ()
+    return replace(columns, findings=(*columns.findings, *found))
+
+
+def _refuse_several(q: Group | None, others: Sequence[str], path: str) -> None:
+    """Refuse columns of positions of which each may be a joint by a name of its own, or of another arm."""
+    if q is None or not others or len(q.cells) > 1 or q.names or "{" in q.template:
+        return
+    listed = ",".join((q.template, *others))
+    raise InputError(
+        f"{path}: several columns may be q: {listed}; name those of one arm, in the order of its joints, with "
+        f"--map q={listed}, and those of the other channels likewise"
+    )
 
 
 def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
@@ -262,7 +267,7 @@ def _align(
         own = tuple(group.cells.values()) if fits else tuple(group.cells[key] for key in keys if key in group.cells)
         if len(own) == len(keys):
             channels[channel] = own
-        elif channel == "q" or torques == [channel]:
+        elif channel in ("q", "dq") or torques == [channel]:
             short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
             some = len(group.cells)
