@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError, UsageError
 
 Float = NDArray[np.float64]
+DERIVATIVE = "derivative"  # name of the velocity that is made from q
 MINIMUM_SAMPLES = 2
 _MOST_STEPS = 10_000  # of which the median step is taken
 

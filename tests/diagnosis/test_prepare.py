@@ -87,6 +87,9 @@ def test_a_late_velocity_that_stays_is_put_on_time() -> None:
     left, _ = lag_of(*(one[data.valid, None] for one in (data.dq, reference, bend, bend)))
     assert abs(left[0]) < 4e-4
 
+    made = replace(log.source, channels={**log.source.channels, "dq": "derivative"})
+    assert prepared(replace(estimate, log=replace(log, q=coarse, dq=late, source=made))).derived_from == "q"
+
 
 STEP_S = 0.0025
 DEAD = 0.003

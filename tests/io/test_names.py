@@ -14,9 +14,10 @@ from rosbags.typesys import get_types_from_msg
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import arm_of_log, read_log
-from friction_audit.io.readers.channel_names import arms_in, parse_name, robot_of, serial_in, torque_unit
+from friction_audit.io.readers.channel_names import arms_in, parse_name, robot_of, torque_unit
 from friction_audit.io.readers.columns import ColumnMap, map_columns
 from friction_audit.io.readers.message_kinds import KINDS, match_kind
+from friction_audit.io.readers.reader import serial_in
 from friction_audit.io.writers.write_log import write_log
 from friction_audit.joint_log import JOINT_CHANNELS, Source
 from tests.io.bag_writing import joint_states, ros2_store, samples, write_mcap
@@ -61,6 +62,10 @@ TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("
         ("shoulder_pan_joint_position", "q", None, "shoulder_pan_joint"),
         ("q1_deg|q_1 [deg]|q_deg_1", "q", 1, None),
         ("dq_1[deg/s]|actuator_1_velocity_deg", "dq", 1, None),
+        ("q(1)|x.q (1) (rad)|lowstate.motor_state[1].q|base_feedback.actuators.1.position", "q", 1, None),
+        ("q_dot_1|qDot1|position_dot_1|iiwa.joint_velocity_estimated[1]", "dq", 1, None),
+        ("data.qpos.3|obs/joint_pos[3]|Axis3_FeedbackPosition|/friction_test/joint_states/position[3]", "q", 3, None),
+        ("Feedback trq 3|lowstate.motor_state[3].tauEst|/panda/tau_measured.3", "tau_J", 3, None),
     ],
 )
 def test_names_of_columns_in_use(names: str, channel: str, index: int | None, joint: str | None) -> None:
@@ -77,6 +82,12 @@ def test_names_of_columns_in_use(names: str, channel: str, index: int | None, jo
      "panda_finger_joint1_position", "measured_joint_motor_state.position[0]", "desired_joint_state.position[1]",
      "observation.state[3]", "sent commands", "elbow[0]", "friction_torque_1",
      "qd_1", "target_q_1", "target_current_1", "target_moment_1",
+     "tau_J_dot_1", "dq_dot_1", "q_dot_dot_1", "qDotDot1", "current_dot_1", "q(:,1)", "tau(1,2)",
+     "tcp/position[0]", "ee/pos_0", "state.pose.position[1]", "wrench.torque[2]", "imu.angular_velocity[0]",
+     "tool.velocity.0", "friction.torque[0]", "position_errors/q_0", "limits.position[0]", "ddq.velocity[0]",
+     "planned.positions[0]", "trajectory.points[0].positions[1]", "actions.joint_position_0", "setpoints/velocity[0]",
+     "command.effort[0]", "lowcmd.motor_cmd[0].tau", "iiwa_position_commanded_1", "robot0_joint_acc_0",
+     "qfrc_bias_0", "target_qdd_0", "joint_position_ipo[0]",
      "tau_measured_compensate1", "cartesian_position_0", "gravity_compensation_torque_1", "d_tau_1"],
 )  # fmt: skip
 def test_names_of_something_else(name: str) -> None:
@@ -165,6 +176,27 @@ def test_columns_of_channels(
     columns = mapped(names, **mapping)
     assert columns.channels == channels
     assert columns.time.unit == ("ms" if "t" in mapping else None)
+
+
+def test_position_and_torque_are_of_one_arm_and_of_the_joints() -> None:
+    """Of a leader and a follower, of motor and joint."""
+    arms = [f"{name}.{i}" for name in ("leader.qpos", "follower.qpos", "follower.effort") for i in range(3)]
+    assert mapped(["t", *arms]).mapping == {"q": "follower.qpos.{i}", "tau_J": "follower.effort.{i}"}
+    sides = [f"{side}_{what}" for side in ("motor", "joint") for what in ("position", "torque")]
+    assert mapped(["t", *sides]).mapping == {"q": "joint_position", "tau_J": "joint_torque"}
+    for paths in (
+        ["leader.position", "follower.position", "follower.effort"],
+        ["motor.q", "follower.q", "follower.tau"],
+    ):
+        kind = match_kind(paths)
+        assert kind is not None
+        assert all(path.startswith("follower") for path in kind.fields.values())
+    both = [f"/{arm}/{what}[{i}]" for arm in ("left", "right") for what in ("position", "effort") for i in range(3)]
+    columns = mapped(["t", *both])
+    assert {template[:5] for template in columns.mapping.values()} == {"/left"}
+    assert [finding.code for finding in columns.findings] == ["topic_chosen"]
+    with pytest.raises(InputError, match=r"several columns may be q: pan.pos,lift.pos; .* --map q=pan.pos,lift.pos"):
+        mapped("t pan.pos lift.pos pan.effort lift.effort")
 
 
 def test_columns_that_are_not_there() -> None:

@@ -3,9 +3,12 @@
 import hashlib
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import friction_audit
@@ -15,7 +18,8 @@ from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers import csv as reader
 from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
-from tests.io.synthetic_recordings import write_tidy_csv
+from friction_audit.io.writers.write_log import write_log
+from tests.io.synthetic_recordings import read_text, tidy_frame, write_tidy_csv
 
 
 def test_an_unknown_format(tmp_path: Path) -> None:
@@ -126,3 +130,57 @@ def test_a_velocity_is_made_from_the_position(tmp_path: Path, mapping: dict[str,
     np.testing.assert_allclose(log.dq[:, 0], np.pi * np.cos(turn), atol=0.01)
     assert "velocity_derived" in {finding.code for finding in log.source.findings}
     assert log.source.channels["dq"] == "derivative"
+
+
+def wrapped(table: pd.DataFrame) -> pd.DataFrame:
+    """Three times the angle, within one turn."""
+    return table.assign(**{f"q_{j}": (3.0 * table[f"q_{j}"] + np.pi) % (2.0 * np.pi) - np.pi for j in (1, 2, 3)})
+
+
+def held(table: pd.DataFrame) -> pd.DataFrame:
+    """Every tenth sample, written ten times."""
+    kept = table[table.index // 10 * 10 == table.index]
+    return table[["time"]].join(kept.drop(columns="time")).ffill()
+
+
+@pytest.mark.parametrize(
+    ("change", "factor", "options"),
+    [
+        (lambda table: table.assign(q_2=table["q_2"].mask(table.index % 500 == 2)), 1.0, {}),
+        (lambda table: table.assign(q_2=table["q_2"].mask(table.index == 1234, 50.0)), 1.0, {}),
+        (lambda table: table.assign(dq_2=np.nan, dq_1=np.nan, dq_3=np.nan), 1.0, {}),
+        (lambda table: table.assign(ddq_1=0.0, ddq_2=0.0, ddq_3=0.0), 1.0, {}),
+        (wrapped, 3.0, {}),
+        (held, 1.0, {}),
+        (lambda table: table, 0.5, {"time_scale": 2.0}),
+        (lambda table: table.assign(dq_1=0.0, dq_2=0.0, dq_3=0.0), 1.0, {"mapping": {"dq": "derivative"}}),
+    ],
+    ids=["rows lost", "wild", "empty", "acceleration", "wrapped", "held", "scaled", "asked for"],
+)
+def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
+    tmp_path: Path,
+    change: Callable[[pd.DataFrame], pd.DataFrame],
+    factor: float,
+    options: dict[str, Any],
+) -> None:
+    table = tidy_frame()
+    log = read_text(tmp_path, change(table.drop(columns=["dq_1", "dq_2", "dq_3"])), **options)
+    rows = np.rint(log.t * 1000.0 * (factor if "time_scale" in options else 1.0)).astype(int)
+    expected = factor * table[["dq_1", "dq_2", "dq_3"]].to_numpy()[rows]
+    np.testing.assert_allclose(log.dq, expected, atol=0.05)
+    assert log.source.clock_windows == 0
+
+
+@pytest.mark.parametrize(
+    ("name", "dialect"), [("a.parquet", "parquet"), ("a.parquet", "parquet-lists"), ("a.npz", "npz"), ("a.csv", None)]
+)
+def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, name: str, dialect: str | None) -> None:
+    log = read_text(tmp_path, tidy_frame().drop(columns=["dq_1", "dq_2", "dq_3"]))
+    write_log(log, tmp_path / name, dialect=dialect)
+    again = read_log(tmp_path / name)
+    assert again.source.channels["dq"] == "derivative"
+    np.testing.assert_allclose(again.dq, log.dq, atol=1e-6)
+
+
+def test_two_samples_have_a_velocity_too(tmp_path: Path) -> None:
+    assert read_text(tmp_path, "time_s,q,tau\n0,1,1\n0.5,2,1\n").dq[:, 0].tolist() == [2.0, 2.0]

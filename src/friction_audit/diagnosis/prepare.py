@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.known_load import know_load
 from friction_audit.effects.breakaway import find_breakaways, signed_rest
 from friction_audit.effects.joint_data import JointData, duration, grid_noise
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import DERIVATIVE, Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.even_grid import LowPass, fresh_samples, moments_of_samples
@@ -198,7 +198,8 @@ def _filtered_motion(
         q, slope = low_pass.with_slope(t, log.q[fresh, column])
         logged = low_pass.of(t, log.dq[fresh, column])
         moved.q[:, column], moved.logged[:, column] = q, logged
-        if grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * acceleration[column]):
+        derived = log.source.channels.get("dq") == DERIVATIVE
+        if derived or grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * acceleration[column]):
             moved.derived_from[column] = "q"
             moved.dq[:, column], moved.ddq[:, column] = slope, np.gradient(slope, low_pass.t)
             return

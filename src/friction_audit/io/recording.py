@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import DERIVATIVE, Finding, Float
 from friction_audit.parallel import ahead
 
 Block = tuple[Float, dict[str, Float]]  # clock and channels of samples that follow each other
-DERIVATIVE = "derivative"  # name of the velocity that is made from q
 HALF_WINDOW_S = 0.01  # of the parabola whose slope is the velocity: shorter than a change of direction by hand
+_TURN_RAD = 2.001 * np.pi
 _PIECE = 1 << 16  # samples of a recording in memory that are looked at at a time: they stay in the processor's cache
 
 
@@ -162,34 +162,35 @@ class Recording:
         return f"{channel} ({self.mapping.get(channel, channel)}) of {self.joint_names[joint]}"
 
 
-def with_velocity(recording: Recording, *, anew: bool) -> Recording:
-    """Return the recording with the derivative of q as dq (Savitzky and Golay, 1964), where it has none or ``anew``.
+def with_velocity(recording: Recording, step_s: float) -> Recording:
+    """Return a recording in memory with the derivative of q as dq (Savitzky and Golay, 1964), unless dq was logged.
 
     A parabola is fitted to the samples within HALF_WINDOW_S of each: to q and to t over the sample's number, so that an
     uneven clock does no harm. There is no phase shift.
-
-    Raises:
-        WholeLogError: If it is read block by block.
     """
-    if ("dq" in recording.channels and not anew) or "q" not in recording.channels:
+    is_derived, names = recording.mapping.get("dq") == DERIVATIVE, recording.mapping
+    if "dq" in recording.channels and not is_derived:
         return recording
-    if recording.blocks is not None:
-        raise WholeLogError
     from scipy.signal import savgol_filter
 
-    t, first, numbers = np.unique(recording.t, return_index=True, return_inverse=True)
-    half = max(2, round(HALF_WINDOW_S / float(np.median(np.diff(t))))) if len(t) > 1 else 2
-    width = 2 * half + 1
-    rate = np.full((len(t), len(recording.joint_names)), np.nan)
-    if len(t) >= width:
-        q = savgol_filter(recording.channels["q"][first], width, 2, deriv=1, axis=0)
-        rate = q / savgol_filter(t, width, 2, deriv=1)[:, np.newaxis]
-    message = f"dq is the derivative of q ({recording.mapping.get('q', 'q')}), by a parabola through {width} samples"
-    if not anew:
+    t, q = recording.t, recording.channels["q"]
+    width = min(2 * max(2, round(HALF_WINDOW_S / step_s)) + 1, (len(t) - 1) // 2 * 2 + 1)
+
+    def slope(values: Float) -> Float:
+        return savgol_filter(values, width, 2, deriv=1) if width > 1 else np.gradient(values)
+
+    steps, rate = slope(t), np.empty(q.shape, order="F")
+    for joint, column in enumerate(q.T):  # one within a turn may jump from one of its ends to the other
+        rate[:, joint] = slope(np.unwrap(column) if np.ptp(column) <= _TURN_RAD else column) / steps
+    message = f"dq is the derivative of q ({names.get('q', 'q')}), by a parabola through {width} samples"
+    if recording.guessed_unit:
+        message += f" of a clock read in {recording.guessed_unit}"
+    if not is_derived:
         message = f"no velocity was found: {message}; if there is one by another name, use --map dq=NAME"
-    finding = Finding(code="velocity_derived", message=message)
-    channels = {**recording.channels, "dq": np.asfortranarray(rate[numbers])}
-    return replace(recording, channels=channels, mapping={**recording.mapping, "dq": DERIVATIVE}).with_findings(finding)
+    said = any(finding.code == "velocity_derived" for finding in recording.findings)
+    finding = None if said else Finding(code="velocity_derived", message=message)
+    channels = {**recording.channels, "dq": rate}
+    return replace(recording, channels=channels, mapping={**names, "dq": DERIVATIVE}).with_findings(finding)
 
 
 def take_rows(t: Float, channels: dict[str, Float], rows: NDArray[Any]) -> Block:

@@ -33,7 +33,7 @@ from friction_audit.io.checks.motion import (
 from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
 from friction_audit.io.checks.values import Missing, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
-from friction_audit.io.recording import Recording
+from friction_audit.io.recording import Recording, WholeLogError, with_velocity
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float
 from friction_audit.log_in_blocks import Means
 
@@ -81,6 +81,8 @@ class _Survey:
         self._recording, self._clock, self._listen = recording, clock, listen
         self.listener: Take | None = None
         joints, names, rows = len(recording.joint_names), recording.channels, recording.rows
+        if recording.blocks is not None and "dq" not in names:
+            raise WholeLogError  # it is made from q at once
         self.missing = Missing(recording)
         whole = recording.channels if recording.blocks is None else {}
         self.columns = {name: Column(rows, joints, TO_ZERO.get(name, np.inf), whole.get(name)) for name in names}
@@ -101,8 +103,9 @@ class _Survey:
         self.steps.take(first, last_s, t)
         for name, piece in channels.items():
             self.columns[name].take(first, before[name], piece, *ranges[name])
-        self._motion.take(first, t, (last_s, before["dq"]), channels["q"], channels["dq"])
-        self.stale.take(first, t, before, channels)
+        if "dq" in channels:
+            self._motion.take(first, t, (last_s, before["dq"]), channels["q"], channels["dq"])
+            self.stale.take(first, t, before, channels)
         if self.means is not None:
             self.means.take(t, channels)
         self._before = {"t": t[-1:].copy()} | {name: piece[-1].copy() for name, piece in channels.items()}
@@ -176,12 +179,15 @@ def examine(
     first_s = look.clock.first_s if read_s is None else read_s
     numbered = read_s is None and look.recording.rows == as_read
     step_s = look.clock.step_s
+    look = look.after(with_velocity(look.recording, step_s))
     look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
+    look = look.after(with_velocity(look.recording, step_s))  # anew from what is left, here and below
     look = look.after(refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
     look = look.after(turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common, path))
     look = look.after(mend_unit(look.recording, look.survey.ratios.common))
     look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
+    look = look.after(with_velocity(look.recording, look.clock.step_s))
     look = look.after(check_torque(look.recording, look.survey.columns))
     look = look.after(check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))
     if window != (None, None):

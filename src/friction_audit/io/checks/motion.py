@@ -16,7 +16,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.checks.clock import Clock, gap_threshold_s
 from friction_audit.io.checks.columns import Column
 from friction_audit.io.recording import Recording
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import DERIVATIVE, Finding, Float
 
 _TRAVELLED = 0.1  # range of q that no noise of a joint at rest makes [rad]
 _DISAGREES = 0.05
@@ -202,7 +202,8 @@ def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled
     Raises:
         InputError: If the clock is wrong by a factor that nothing explains.
     """
-    recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
+    if recording.mapping.get("dq") != DERIVATIVE:  # one made from q proves nothing
+        recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
     # The joints whose q does not follow their own dq while that of others does.
     wrong = np.isfinite(ratios.ratio)
     if np.isfinite(ratios.common):
@@ -261,11 +262,11 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
 def _refuse_degrees(recording: Recording, forwards: float, largest_q: float, largest_dq: float, path: str) -> None:
     """Refuse a table whose joint goes to and fro by many radians, if it is radians; a bag has no names to say it."""
     if recording.topic is None and largest_q <= _LARGEST_Q_DEG and _RETURNS < forwards < 1.0 - _RETURNS:
-        name, velocity = recording.mapping.get("q", "q"), recording.mapping.get("dq", "dq")
+        named = [(c, n) for c in ("q", "dq") if (n := recording.mapping.get(c, c)) != DERIVATIVE]
+        degrees, radians = (" ".join(f"--map {c}={n}:{unit}" for c, n in named) for unit in ("deg", "rad"))
         raise InputError(
-            f"{path}: q ({name}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: degrees, or a "
-            f"motor of many turns; expected rad and rad/s; use --map q={name}:deg --map dq={velocity}:deg, or "
-            f"--map q={name}:rad --map dq={velocity}:rad"
+            f"{path}: q ({named[0][1]}) oscillates up to {largest_q:.4g} and dq up to {largest_dq:.4g}: degrees, or a "
+            f"motor of many turns; expected rad and rad/s; use {degrees}, or {radians}"
         )
 
 

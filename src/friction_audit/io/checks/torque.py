@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from friction_audit.io.checks.clock import GAP_S
 from friction_audit.io.checks.columns import Column, Thinned
 from friction_audit.io.recording import Marks, Recording, WholeLogError
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Float
 
 MOVING_RAD_S = 0.02
 # Share of stale rows, of those in motion, from which on the state itself is slow, and the logger did not stall.
@@ -23,7 +23,8 @@ class Stale:
     """
 
     def __init__(self, recording: Recording) -> None:
-        self._names = [name for name in ("dq", "q", *TORQUE_CHANNELS) if name in recording.channels]
+        logged = [name for name in recording.channels if recording.mapping.get(name) != DERIVATIVE]
+        self._names = [name for name in ("dq", "q", *TORQUE_CHANNELS) if name in logged]
         self.rows, self.marks = recording.rows, Marks(recording.rows)
         self.repeats, self._steps, self._fresh = 0, Thinned(), (0, 0.0)
 

@@ -67,12 +67,12 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
     sparse = [c for c, counts in missing.items() if c not in (*_ESSENTIAL, *empty) and counts.max() > _SPARSE * samples]
     names = {channel: f"{channel} ({recording.mapping.get(channel, channel)})" for channel in empty}
     torques = [channel for channel in TORQUE_CHANNELS if channel in recording.channels]
-    lost: list[str] = [channel for channel in ("q", "dq") if channel in empty]
+    lost = ["q"] if "q" in empty else []  # a velocity can be made from it
     lost += torques if all(channel in empty for channel in torques) else []
     if lost:
         raise InputError(
             f"{path}: {', '.join(names[channel] for channel in lost)}: none of the {samples} rows holds a number (all "
-            f"NaN, infinite or beyond {_ABSURD:g}); expected q, dq and one torque of {', '.join(TORQUE_CHANNELS)}; "
+            f"NaN, infinite or beyond {_ABSURD:g}); expected q and one torque of {', '.join(TORQUE_CHANNELS)}; "
             "record a topic that carries them, such as the robot's own state"
         )
     findings = []

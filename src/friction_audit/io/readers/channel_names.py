@@ -1,14 +1,12 @@
 """What names say: of columns the channel, by the one table of names in use and by ``--map``; of joints the arm."""
 
-import difflib
 import re
 from collections import defaultdict
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.reader import SeveralLogsError
-from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import Source
 from friction_audit.presets import PRESETS, candidates
 
@@ -30,8 +28,14 @@ _WHOLE_NAMES = {"f_m": "tau_interaction", "friction_compensation": "tau_compensa
 _MEASURED = {"measured", "meas", "msr", "actual", "act", "j", "real", "feedback", "fb"}
 _SAYS_NOTHING = {"joint", "joints", "jnt", "axis", "axes", "a", "m", "motor", "motors", "actuator", "state", "sensor",
                  "as", "hat", "est", "estimated", "filtered", "filt", "raw", "angular", "field"}  # fmt: skip
-_COMMANDED = {"desired", "des", "cmd", "command", "commands", "commanded", "target", "goal", "reference", "ref",
-              "setpoint", "action"}  # fmt: skip
+_COMMANDED = {"desired", "des", "cmd", "cmds", "command", "commands", "commanded", "target", "targets", "goal", "goals",
+              "reference", "references", "ref", "refs", "setpoint", "setpoints", "action", "actions", "planned",
+              "points"}  # fmt: skip
+# Of the part before the last dot or slash, in names of what no joint has, or nobody measured.
+_OTHERS = {"error", "errors", "err", "output", "pose", "cartesian", "tcp", "ee", "eef", "tool", "object", "wrench",
+           "ft", "imu", "twist", "friction", "residual", "predicted", "feedforward", "ff", "bias", "stiffness", "acc",
+           "acceleration", "accelerations", "ddq", "limit", "limits", "min", "max", "std", "offset"}  # fmt: skip
+_MOTOR_SIDE = {"motor", "motors", "m"}  # second choice
 _DEGREES = {"deg", "degs", "degree", "degrees"}
 _UNITS = {*_DEGREES, "rad", "rads", "s", "nm", "degc"}
 _KNOWN = {*_CURRENT, *_TORQUES, *_MEASURED, *_SAYS_NOTHING, *_COMMANDED, *_UNITS, "d", "dot",
@@ -48,12 +52,14 @@ _PATTERNS = tuple(
         rf"{_HEAD}{_NUMBERED_JOINT}[./_ ]*(?P<words>{_WORDS})",
         rf"{_HEAD}{_NAMED_JOINT}[./](?P<words>{_WORDS})",
         rf"{_HEAD}(?P<words>{_WORDS})[./]?{_NUMBERED_JOINT}[_ ]*(?P<more>{_WORDS})?",
+        rf"(?P<head>(?:.*[./])?[a-zA-Z_]+)(?:\[(?P<bracketed>\d+)\]|[./](?P<index>\d+))[./](?P<words>{_WORDS})",
         rf"{_HEAD}(?P<words>{_WORDS})(?:[._ ]*(?:\[(?P<bracketed>\d+)\]|(?P<index>\d+))[._ ]*(?P<more>{_WORDS})?)?",
         rf"{_HEAD}(?P<words>{_WORDS})[./]{_NAMED_JOINT}",
         rf"{_HEAD}(?P<joint>\w*(?i:joint))_(?P<words>{_WORDS})",
     )
 )
-_BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z][^\]]*\]|\([^)]*\)")
+_BRACKETED_UNIT = re.compile(r"\[\s*[a-zA-Z][^\]]*\]|\(\s*[^\d:)][^)]*\)")
+_IN_PARENTHESES = re.compile(r"\((\d+)\)")  # an index, as MATLAB writes it
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
 _SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|[_:](?P<suffix>m?A)(?![a-zA-Z{\d])")
 _SAYS_CURRENT = re.compile(
@@ -69,7 +75,8 @@ class ForeignName:
     """What a column's name says."""
 
     channel: str  # channel of JointLog
-    rank: tuple[int, int, int]  # the smallest is the best: measured, the better word, few words
+    rank: tuple[int, int, int]  # the smallest is the best: of the joint, measured; the better word; few words
+    head: str  # what stands before its words
     words: tuple[str, ...]  # its words, lower case
     template: str  # the name with {i} for the joint's number, or {joint} for its name
     index: int | None  # the joint's number as written, 0- or 1-based, or None
@@ -81,13 +88,14 @@ def parse_name(name: str) -> ForeignName | None:
     """Return what a column's name says, or None if it is no joint channel."""
     text = name.strip("- ")
     units = " ".join(_BRACKETED_UNIT.findall(text))
-    bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), text)
+    bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), _IN_PARENTHESES.sub(r"[\1]", text))
     match = None if is_finger(text) else next((m for one in _PATTERNS if (m := one.fullmatch(bare))), None)
     if match is None:
         return None
     parts = match.groupdict()
     words = _words(f"{parts['words']} {parts.get('more') or ''}")
-    channel = _channel(words, parts["head"])
+    context, last = _words(parts["head"]), _words(re.split("[./]", parts["head"].rstrip("./"))[-1])
+    channel = _channel(words, context, last)
     if channel is None:
         return None
     place = next((group for group in ("index", "bracketed", "joint") if parts.get(group) is not None), None)
@@ -96,7 +104,13 @@ def parse_name(name: str) -> ForeignName | None:
     best = min((of_word[word] for word in words if word in of_word), default=len(of_word))
     return ForeignName(
         channel=channel,
-        rank=(not _MEASURED & {*words} if best < len(of_word) else 2, best, len(words)),
+        rank=(
+            (2 if best == len(of_word) else not _MEASURED & {*words, *context})
+            + (3 if _MOTOR_SIDE & {*words, *context} else 0),
+            best,
+            len(words),
+        ),
+        head=parts["head"],
         words=words,
         template=text[:start] + {None: "", "joint": "{joint}"}.get(place, "{i}") + text[stop:],
         index=None if place in (None, "joint") else int(parts[place or ""]),
@@ -105,28 +119,38 @@ def parse_name(name: str) -> ForeignName | None:
     )
 
 
+def ranks(names: Iterable[ForeignName]) -> Callable[[ForeignName], tuple[int, ...]]:
+    """Return what ranks these names; those of the most channels come first, so that q and torque are of one arm."""
+    channels: dict[str, set[str]] = defaultdict(set)
+    for name in names:
+        channels[name.head].add(name.channel)
+    return lambda name: (name.rank[0], -len(channels[name.head]), *name.rank[1:])
+
+
 def _words(text: str) -> tuple[str, ...]:
     return tuple(word.lower() for word in _WORD.findall(text))
 
 
-def _channel(words: Sequence[str], head: str) -> str | None:
-    """Return the channel of a name's words, and of what stands before them: a commanded effort is tau_J_d."""
-    own, context = {*words}, {*_words(head)}
-    is_desired = bool((own | context) & _COMMANDED) or "d" in own
+def _channel(words: Sequence[str], context: Sequence[str], last: Sequence[str]) -> str | None:
+    """Return the channel of a name's words, and of those before them: ``desired.effort`` is tau_J_d."""
+    own, commands = {*words}, _COMMANDED & {*words, *context}
+    is_desired = bool(commands) or "d" in own
     found = {channel for channel, among in QUANTITIES.items() if own & {*among}}
-    found = {"dq"} if {"q", "dot"} <= own else found or ({"tau_J"} if own & _CURRENT and not is_desired else set())
+    if "dot" in own:  # of a velocity or a torque: another quantity
+        found = {"dq"} if found == {"q"} and words.count("dot") == 1 else {""}
+    found = found or ({"tau_J"} if own & _CURRENT and not is_desired else set())
     made = {_TORQUES[word] for word in own & _TORQUES.keys()}
-    made |= {"tau_ext_hat_filtered"} if context & {"ext", "external"} else set()
-    is_other_side = {"joint", "motor", "state"} <= context or bool(context & {"error", "output"})
-    if is_other_side or words[0] == "d" or ("qd" in own and not own & _MEASURED):  # qd may be q desired
+    made |= {"tau_ext_hat_filtered"} if {"ext", "external"}.intersection(context) else set()
+    others = {"joint", "motor", "state"} <= {*context} or _OTHERS.intersection(last)
+    if others or words[0] == "d" or ("qd" in own and not own & _MEASURED):  # qd may be q desired
         return None
     if own & {"f", "friction"}:  # a friction torque is no measured one
         return None if is_desired else _WHOLE_NAMES.get("_".join(words))
     if found == {"tau_J"} and is_desired:  # a target or command may hold gravity
-        return None if made or own & _COMMANDED - {"desired"} else "tau_J_d"
+        return None if made or (commands - {"desired"} and "d" not in own) else "tau_J_d"
     if not is_desired and len(made) == 1 and (found == {"tau_J"} or (not found and made == {"gravity"})):
         return made.pop()
-    return found.pop() if len(found) == 1 and not made and not is_desired else None
+    return found.pop() or None if len(found) == 1 and not made and not is_desired else None
 
 
 def torque_unit(name: str) -> str:
@@ -157,15 +181,6 @@ def _place(name: str) -> tuple[str, int] | None:
     return None if match is None else (match["head"], int(match["a"] or match["b"]))
 
 
-_SERIAL_KEYS = {f"{whose}serial{what}" for whose in ("", "robot_", "arm_") for what in ("", "_number")}
-
-
-def serial_in(notes: Mapping[str, str]) -> str:
-    """Return the serial number among notes by name, or nothing; case and dashes of names do not matter."""
-    found = {key.strip().lower().replace("-", "_").replace(" ", "_"): value.strip() for key, value in notes.items()}
-    return next((found[key] for key in sorted(_SERIAL_KEYS & found.keys()) if found[key]), "")
-
-
 _SHOWN_GROUPS = 14
 _POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
 
@@ -181,27 +196,6 @@ class Group:
     names: Mapping[JointKey, str] = field(default_factory=dict)  # joint -> the joint's name, where the columns have it
     degrees: bool = False  # true if the name says degrees
     in_order: bool = False  # true if the user gave the columns one by one, in the order of the joints
-
-
-def refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
-    """Refuse columns that the table lacks, all of them at once."""
-    lost = []
-    for channel, name in absent(mapping, names).items():
-        near = " or ".join(difflib.get_close_matches(name, names, n=3, cutoff=0.5))
-        lost.append(f"--map {channel}={mapping[channel]}" + (f" (did you mean {near}?)" if near else ""))
-    if lost:
-        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(names)}")
-
-
-def absent(mapping: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
-    """Return the channels whose columns a table lacks, and the first name that it lacks."""
-    bare, found = [name.strip() for name in names], {}
-    for channel, value in mapping.items():
-        try:
-            stated_time(value, bare) if channel == "t" else stated_group(value, bare)
-        except KeyError as error:
-            found[channel] = str(error.args[0])
-    return found
 
 
 def shorten(names: Sequence[str]) -> str:
@@ -238,11 +232,11 @@ def stated_group(
         return Group(template=value, cells=cells, names={key: name for key, name in joints.items() if name})
     if "{i}" in value:
         raise KeyError(value)
-    listed = [cell for part in value.split(",") for cell in _positions(part.strip(), names)]
+    listed = [cell for part in value.split(",") for cell in positions_of(part.strip(), names)]
     return Group(template=value, cells=dict(enumerate(listed)), in_order=True)
 
 
-def _positions(part: str, names: Sequence[str]) -> list[int]:
+def positions_of(part: str, names: Sequence[str]) -> list[int]:
     """Return the positions of a column by name, or of ``#3`` or ``#3-#9``, from 1; KeyError if there is none."""
     if part in names:
         return [list(names).index(part)]
@@ -251,17 +245,6 @@ def _positions(part: str, names: Sequence[str]) -> list[int]:
     if not 1 <= first <= len(names) or last > len(names):
         raise KeyError(part)
     return list(range(first - 1, last))
-
-
-def stated_time(value: str, names: Sequence[str]) -> TimeColumn:
-    """Return the clock that a --map entry names, if need be with its unit: ``clock:ms``."""
-    name, _, unit = value.rpartition(":")
-    if unit not in UNITS or not name:
-        name, unit = value, ""
-    cell, *_ = _positions(name.strip(), names)
-    known = find_time([names[cell]])
-    clock = known.clock if known else "column"
-    return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
 
 
 # Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished.

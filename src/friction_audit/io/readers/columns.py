@@ -14,13 +14,13 @@ from friction_audit.io.readers.channel_names import (
     arms_in,
     choose_arm,
     parse_name,
-    refuse_absent,
+    positions_of,
+    ranks,
     robot_of,
     shorten,
     stated_group,
-    stated_time,
 )
-from friction_audit.io.readers.time_column import TimeColumn, find_time
+from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
@@ -65,7 +65,7 @@ def map_columns(
     ``needed`` are channels without which it is no log, and with them a torque: none where other files have them.
     """
     bare = [name.strip() for name in names]
-    refuse_absent(mapping, bare, path)
+    _refuse_absent(mapping, bare, path)
     joint, labels = _joint_column(bare, mapping) if may_be_long else None, labels or {}
     outside = _outside_the_arm(bare, labels, mapping, arm, path) if joint is None else frozenset[int]()
     stated = {c: stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
@@ -73,22 +73,68 @@ def map_columns(
     parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
     if joint is not None:  # the joint's name or number is in the row
         parsed = {cell: name for cell, name in parsed.items() if name and name.index is None and name.joint is None}
-    groups = {**_guessed_groups(parsed, labels, stated), **stated}
+    guessed, others = _guessed_groups(parsed, labels, stated)
+    groups = {**guessed, **stated}
+    _refuse_several(groups.get("q"), others, path)
     if joint is not None and not groups.keys() >= {*needed}:
         return map_columns(names, path=path, mapping=mapping, labels=labels, constant=constant, arm=arm, needed=needed)
     most = max((len(group.cells) for group in groups.values()), default=0)
     if most > MOST_JOINTS:
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
-    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
-    if needed and "dq" not in groups and _near_misses("dq", bare):
-        needed = (*needed, "dq")  # a velocity under a misspelt name is not made anew
+    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
     if time is None or lacks:
         raise InputError(_missing_message(bare, groups, needed or REQUIRED, found_time=time is not None, path=path))
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
-    return replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
+    columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
+    message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
+    found = (Finding(code="topic_chosen", message=message),) if others else ()
+    return replace(columns, findings=(*columns.findings, *found))
+
+
+def _refuse_several(q: Group | None, others: Sequence[str], path: str) -> None:
+    """Refuse columns of positions of which each may be a joint by a name of its own, or of another arm."""
+    if q is None or not others or len(q.cells) > 1 or q.names or "{" in q.template:
+        return
+    listed = ",".join((q.template, *others))
+    raise InputError(
+        f"{path}: several columns may be q: {listed}; name those of one arm, in the order of its joints, with "
+        f"--map q={listed}, and those of the other channels likewise"
+    )
+
+
+def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
+    """Refuse columns that the table lacks, all of them at once."""
+    lost = []
+    for channel, name in absent(mapping, names).items():
+        near = " or ".join(difflib.get_close_matches(name, names, n=3, cutoff=0.5))
+        lost.append(f"--map {channel}={mapping[channel]}" + (f" (did you mean {near}?)" if near else ""))
+    if lost:
+        raise InputError(f"{path}: no column for {' and no column for '.join(lost)}; found {shorten(names)}")
+
+
+def absent(mapping: Mapping[str, str], names: Sequence[str]) -> dict[str, str]:
+    """Return the channels whose columns a table lacks, and the first name that it lacks."""
+    bare, found = [name.strip() for name in names], {}
+    for channel, value in mapping.items():
+        try:
+            _stated_time(value, bare) if channel == "t" else stated_group(value, bare)
+        except KeyError as error:
+            found[channel] = str(error.args[0])
+    return found
+
+
+def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
+    """Return the clock that a --map entry names, if need be with its unit: ``clock:ms``."""
+    name, _, unit = value.rpartition(":")
+    if unit not in UNITS or not name:
+        name, unit = value, ""
+    cell, *_ = positions_of(name.strip(), names)
+    known = find_time([names[cell]])
+    clock = known.clock if known else "column"
+    return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
 
 
 def _joint_column(names: Sequence[str], mapping: Mapping[str, str]) -> int | None:
@@ -144,15 +190,21 @@ def _outside_the_arm(
 
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str]
-) -> dict[str, Group]:
-    """Group the columns by channel and template, and keep the first of the best templates of each channel."""
-    found: dict[str, dict[tuple[tuple[int, int, int], str], dict[int, ForeignName]]] = {}
+) -> tuple[dict[str, Group], list[str]]:
+    """Group the columns by channel and template, and keep the first of the best templates of each channel.
+
+    Also returns the other templates of q that are as good.
+    """
+    found: dict[str, dict[tuple[tuple[int, ...], str], dict[int, ForeignName]]] = {}
+    rank_of = ranks([name for name in names.values() if name])
     for cell, parsed in names.items():
         if parsed is not None and parsed.channel not in stated:
-            key = (parsed.rank, parsed.template)
+            key = (rank_of(parsed), parsed.template)
             found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
     best = {channel: min(candidates.items(), key=lambda one: one[0][0]) for channel, candidates in found.items()}
-    return {channel: _group(template, cells, labels) for channel, ((_, template), cells) in best.items()}
+    groups = {channel: _group(template, cells, labels) for channel, ((_, template), cells) in best.items()}
+    tied = [key[1] for key in found.get("q", {}) if key[0] == best["q"][0][0]]
+    return groups, tied[1:]
 
 
 def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:

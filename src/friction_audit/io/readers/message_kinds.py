@@ -23,6 +23,7 @@ from friction_audit.io.readers.channel_names import (
     namespace,
     numbered_joints,
     parse_name,
+    ranks,
 )
 from friction_audit.io.readers.message_decoder import MessageDecoder
 from friction_audit.io.readers.message_stream import Block
@@ -106,16 +107,15 @@ def match_kind(paths: Iterable[str]) -> MessageKind | None:
 
 def _kind_by_names(paths: Iterable[str]) -> MessageKind | None:
     """Take any other message whose fields have names of a position and of a torque, as columns of tables have them."""
-    found: dict[str, list[tuple[tuple[int, ...], str]]] = {}
-    for path in paths:
-        name = parse_name(path)
-        if name is not None and name.index is None and name.joint is None:
-            found.setdefault(name.channel, []).append((name.rank, path))
+    named = {path: name for path in paths if (name := parse_name(path)) and name.index is None and name.joint is None}
+    rank_of, found = ranks(named.values()), dict[str, list[str]]()
+    for path in sorted(named, key=lambda path: rank_of(named[path])):
+        found.setdefault(named[path].channel, []).append(path)
     if "q" not in found or not found.keys() & {*TORQUE_CHANNELS}:
         return None
     return MessageKind(
         rank=2,
-        fields={channel: min(named, key=lambda one: one[0])[1] for channel, named in found.items()},
+        fields={channel: best for channel, (best, *_) in found.items()},
         names=next((path for path in paths if path.split(".")[-1] in ("name", "names", "joint_names")), None),
         stamps=tuple(path for path in ("header.stamp", "stamp", "timestamp") if path in paths),
     )

@@ -14,7 +14,7 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import stamp_of
-from friction_audit.io.readers.channel_names import robot_of, serial_in
+from friction_audit.io.readers.channel_names import robot_of
 from friction_audit.io.readers.columns import MOST_JOINTS
 from friction_audit.io.readers.message_decoder import decoder_for
 from friction_audit.io.readers.message_kinds import Candidate, MessageKind, choose_topic, match_kind, rows_of
@@ -27,7 +27,7 @@ from friction_audit.io.readers.message_stream import (
     Window,
     block_of_payloads,
 )
-from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large
+from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, MARGIN_S, ReadOptions, Topic, refuse_too_large, serial_in
 from friction_audit.io.recording import Blocks, Recording
 from friction_audit.joint_log import Finding, Float, find_window
 

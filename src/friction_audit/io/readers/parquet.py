@@ -14,9 +14,9 @@ from pyarrow.parquet import FileMetaData, ParquetFile
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers import arrow
-from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
+from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.reader import ReadOptions, Topic
+from friction_audit.io.readers.reader import ReadOptions, Topic, serial_in
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 from friction_audit.io.recording import Block, Blocks, Recording, WholeLogError

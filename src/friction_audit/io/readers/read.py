@@ -24,8 +24,8 @@ from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.join import join_recordings
 from friction_audit.io.readers.reader import TAKE_A_PART, OneOfSeveral, Reader, ReadOptions, Topic, refuse_lfs_pointer
 from friction_audit.io.readers.table import read_table
-from friction_audit.io.recording import DERIVATIVE, Recording, WholeLogError, with_velocity
-from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Joined, JointLog, Source
+from friction_audit.io.recording import Recording, WholeLogError
+from friction_audit.joint_log import DERIVATIVE, TORQUE_CHANNELS, Finding, Joined, JointLog, Source
 from friction_audit.joint_numbers import require_joints, write_joint_numbers
 from friction_audit.log_in_blocks import LogInBlocks
 from friction_audit.presets import CURRENT, ESTIMATE, PRESETS, candidates
@@ -83,7 +83,7 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
                 parts.append((at[0], part))
             at = files[0]
             recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
-            recording = _convert_torque(with_velocity(recording, anew=anew), options, str(path))
+            recording = _convert_torque(_without_velocity(recording) if anew else recording, options, str(path))
             recording = _examined(recording, options, str(path), listen)
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
@@ -116,6 +116,12 @@ def _velocity_anew(options: ReadOptions) -> tuple[ReadOptions, bool]:
     return replace(options, mapping=mapping), anew
 
 
+def _without_velocity(recording: Recording) -> Recording:
+    """Return the recording without its velocity, which is to be made from q when its faults are mended."""
+    channels = {channel: array for channel, array in recording.channels.items() if channel != "dq"}
+    return replace(recording, channels=channels, mapping={**recording.mapping, "dq": DERIVATIVE})
+
+
 def _own_options(options: ReadOptions, *, first: bool) -> ReadOptions:
     """Return how one of several files is read: the parts and the topic are those of the first one."""
     if not options.join:
@@ -139,8 +145,8 @@ def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "
     """
     arrays = arrays_of_frame(frame, name)
     options, anew = _velocity_anew(options)
-    recording = with_velocity(read_table(ArrayTable(Path(name), arrays), options), anew=anew)
-    recording = _convert_torque(recording, options, name)
+    recording = read_table(ArrayTable(Path(name), arrays), options)
+    recording = _convert_torque(_without_velocity(recording) if anew else recording, options, name)
     recording = _doubt_current(_examined(recording, options, name, lambda _: None))
     digest = sha256()
     for column, array in arrays.items():

@@ -216,3 +216,12 @@ class Reader:
     @property
     def _module(self) -> ModuleType:
         return import_module(f"{__package__}.{self.module or self.name}")
+
+
+_SERIAL_KEYS = {f"{whose}serial{what}" for whose in ("", "robot_", "arm_") for what in ("", "_number")}
+
+
+def serial_in(notes: Mapping[str, str]) -> str:
+    """Return the serial number among notes by name, or nothing; case and dashes of names do not matter."""
+    found = {key.strip().lower().replace("-", "_").replace(" ", "_"): value.strip() for key, value in notes.items()}
+    return next((found[key] for key in sorted(_SERIAL_KEYS & found.keys()) if found[key]), "")

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.channel_names import absent, choose_arm, robot_of
-from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, doubt_torque, map_columns
+from friction_audit.io.readers.channel_names import choose_arm, robot_of
+from friction_audit.io.readers.columns import MOST_JOINTS, REQUIRED, ColumnMap, absent, doubt_torque, map_columns
 from friction_audit.io.readers.reader import IN_BLOCKS_BYTES, ReadOptions, refuse_bomb, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, stamps_of, take_part, to_clock
 from friction_audit.io.recording import Blocks, Recording, WholeLogError

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import csv_text, encodable
 from friction_audit.io.tidy_table import Column, TidyTable
-from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog
+from friction_audit.joint_log import DERIVATIVE, JOINT_CHANNELS, Float, JointLog
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,9 +54,14 @@ def stamps_ns(log: JointLog) -> NDArray[np.int64]:
     return start + np.rint(log.t * NANOSECONDS).astype(np.int64)
 
 
+def logged_channels(log: JointLog) -> dict[str, Float]:
+    """Return the channels without a velocity that was made from q: whoever reads it would take it for a logged one."""
+    return {name: array for name, array in log.channels().items() if log.source.channels.get(name) != DERIVATIVE}
+
+
 def tidy_columns(log: JointLog) -> dict[str, ColumnOf]:
     """Return ``time`` [s], then ``q_1``, ``q_2``, ... of every channel that was recorded."""
-    channels = log.channels().items()
+    channels = logged_channels(log).items()
     return {"time": log.t, **{f"{name}_{j}": column for name, a in channels for j, column in enumerate(a.T, start=1)}}
 
 

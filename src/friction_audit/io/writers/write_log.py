@@ -13,7 +13,7 @@ from friction_audit.io.files import whole_file
 from friction_audit.io.writers.csv import CSV_DIALECTS
 from friction_audit.io.writers.mcap import MCAP_DIALECTS
 from friction_audit.io.writers.ros_messages import BAGS
-from friction_audit.io.writers.tables import Writer, tidy_columns
+from friction_audit.io.writers.tables import Writer, logged_channels, tidy_columns
 from friction_audit.joint_log import JointLog
 
 
@@ -23,7 +23,7 @@ def _write_parquet(log: JointLog, path: Path, *, lists: bool = False) -> None:
     import pyarrow.parquet as pq
 
     columns = {name: pa.array(column) for name, column in ({"time": log.t} if lists else tidy_columns(log)).items()}
-    for name, channel in log.channels().items() if lists else ():
+    for name, channel in logged_channels(log).items() if lists else ():
         of_one_length = pa.FixedSizeListArray.from_arrays(pa.array(channel.ravel(order="C")), channel.shape[1])
         columns[name] = of_one_length.cast(pa.list_(pa.float64()))
     notes = {"joint_names": json.dumps(log.joint_names), "robot": log.source.robot}
@@ -37,7 +37,7 @@ def _write_parquet(log: JointLog, path: Path, *, lists: bool = False) -> None:
 def _write_npz(log: JointLog, path: Path) -> None:
     """Write one array of shape (n, j) per channel; ``time`` is in milliseconds and has shape (n, 1)."""
     # Row by row, so that a reader gets all joints of a part at once.
-    arrays: dict[str, Any] = {name: np.ascontiguousarray(array) for name, array in log.channels().items()}
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(array) for name, array in logged_channels(log).items()}
     arrays["time"] = np.round(log.t * 1000.0, 6)[:, np.newaxis]
     with path.open("wb") as stream:
         np.savez_compressed(stream, joint_names=np.array(log.joint_names), **arrays)
