@@ -18,7 +18,8 @@ from friction_audit.io.readers import ReadOptions, read_log
 from friction_audit.io.readers import csv as reader
 from friction_audit.io.readers.csv_lines import Dialect, sniff_csv
 from friction_audit.io.recording import Recording
-from friction_audit.io.writers.write_log import write_log
+from friction_audit.io.writers.tables import Writer
+from friction_audit.io.writers.write_log import WRITERS, write_log
 from tests.io.synthetic_recordings import read_text, tidy_frame, write_tidy_csv
 
 
@@ -171,15 +172,19 @@ def test_a_velocity_is_made_from_a_position_whose_faults_are_mended(
     assert log.source.clock_windows == 0
 
 
-@pytest.mark.parametrize(
-    ("name", "dialect"), [("a.parquet", "parquet"), ("a.parquet", "parquet-lists"), ("a.npz", "npz"), ("a.csv", None)]
-)
-def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, name: str, dialect: str | None) -> None:
-    log = read_text(tmp_path, tidy_frame().drop(columns=["dq_1", "dq_2", "dq_3"]))
-    write_log(log, tmp_path / name, dialect=dialect)
-    again = read_log(tmp_path / name)
+@pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.name)
+def test_a_velocity_that_was_made_is_not_written_as_logged(tmp_path: Path, writer: Writer) -> None:
+    t = np.arange(0.0, 4.0, 0.002)
+    turn = np.pi * t[:, np.newaxis] + np.arange(7)
+    names = [*(f"q_{j}" for j in range(1, 8)), *(f"tau_J_{j}" for j in range(1, 8))]
+    arrays = dict(zip(names, [*np.sin(turn).T, *np.sign(np.cos(turn)).T], strict=True))
+    log = friction_audit.log_from_frame({"time": t} | arrays)
+    path = tmp_path / f"run{writer.suffix}"
+    write_log(log, path, dialect=writer.name)
+    again = read_log(path)
     assert again.source.channels["dq"] == "derivative"
-    np.testing.assert_allclose(again.dq, log.dq, atol=1e-6)
+    inside = slice(-len(again.t) + 20, None)  # the first row of libfranka's tables is left out; they have six digits
+    np.testing.assert_allclose(again.dq[inside], log.dq[inside], atol=1e-2)
 
 
 def test_two_samples_have_a_velocity_too(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "temperature": ("temperature", "temperatures", "temp"),
 }
 _CURRENT = {"current", "currents", "curr"}  # of a motor, where no other word names the quantity
-# What a word makes of a torque; those of the second row may stand for the torque too.
+# What a word makes of a torque; those of the last row may stand for the torque too.
 _TORQUES = {"ext": "tau_ext_hat_filtered", "external": "tau_ext_hat_filtered", "interaction": "tau_interaction",
             "int": "tau_interaction", "compensation": "tau_compensation", "comp": "tau_compensation",
             "passivity": "tau_passivity", "pc": "tau_passivity",
@@ -31,7 +31,7 @@ _SAYS_NOTHING = {"joint", "joints", "jnt", "axis", "axes", "a", "m", "motor", "m
 _COMMANDED = {"desired", "des", "cmd", "cmds", "command", "commands", "commanded", "target", "targets", "goal", "goals",
               "reference", "references", "ref", "refs", "setpoint", "setpoints", "action", "actions", "planned",
               "points"}  # fmt: skip
-# Of the part before the last dot or slash, in names of what no joint has, or nobody measured.
+# Of the part before the last dot or slash, in names of what no joint has, or of what was not measured.
 _OTHERS = {"error", "errors", "err", "output", "pose", "cartesian", "tcp", "ee", "eef", "tool", "object", "wrench",
            "ft", "imu", "twist", "friction", "residual", "predicted", "feedforward", "ff", "bias", "stiffness", "acc",
            "acceleration", "accelerations", "ddq", "limit", "limits", "min", "max", "std", "offset"}  # fmt: skip

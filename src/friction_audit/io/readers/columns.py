@@ -85,7 +85,7 @@ def map_columns(
     time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     lacks = not groups.keys() >= {*needed} or not groups.keys() & {*(TORQUE_CHANNELS if needed else JOINT_CHANNELS)}
     if time is None or lacks:
-        raise InputError(_missing_message(bare, groups, needed or REQUIRED, found_time=time is not None, path=path))
+        raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     if joint is not None:
         return _of_long_table(groups, time, bare, joint, stated)
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
@@ -219,11 +219,9 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
     return Group(template=template, cells=kept, names=names, degrees=next(iter(cells.values())).degrees)
 
 
-def _missing_message(
-    names: Sequence[str], groups: Mapping[str, Group], needed: Sequence[str], *, found_time: bool, path: str
-) -> str:
+def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
     wanted = [] if found_time else ["t"]
-    wanted += [channel for channel in needed if channel not in groups]
+    wanted += [channel for channel in REQUIRED if channel not in groups]
     torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
     listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
     near = [hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)]

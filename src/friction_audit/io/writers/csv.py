@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.io.readers.message_kinds import JOINT_STATE
-from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, Writer, stamps_ns, tidy_columns
+from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, Writer, logged_channels, stamps_ns, tidy_columns
 from friction_audit.joint_log import Float, JointLog
 
 _STRUCTURE = re.compile('[,"]')  # a name with these needs quotes
@@ -20,7 +20,8 @@ _COMMAND = {"q_d": 7, "dq_d": 7, "O_T_EE_d": 16, "O_dP_EE_d": 6, "tau_J_d": 7}  
 
 def _long(log: JointLog) -> dict[str, ColumnOf]:
     """One row per time and joint."""
-    fields = {field: log.channels()[name].ravel(order="C") for name, field in JOINT_STATE.items()}
+    logged = logged_channels(log)
+    fields = {field: logged[name].ravel(order="C") for name, field in JOINT_STATE.items() if name in logged}
     names = np.tile(np.array(_names(log), dtype=object), len(log.t))
     return {"time": np.repeat(log.t, len(log.joint_names)), "joint": names, **fields}
 
@@ -41,8 +42,10 @@ def _bag_export(log: JointLog) -> dict[str, ColumnOf]:
 def _joint_state(log: JointLog, template: str) -> dict[str, ColumnOf]:
     """Return the columns of a JointState, its joints' names first."""
     names = {template.format("name", j): np.full(len(log.t), name, object) for j, name in enumerate(_names(log))}
-    columns = ((field, j, log.channels()[c][:, j]) for c, field in JOINT_STATE.items() for j in range(len(names)))
-    return {**names, **{template.format(field, j): column for field, j, column in columns}}
+    arrays = logged_channels(log)
+    fields = {field: arrays[channel].T for channel, field in JOINT_STATE.items() if channel in arrays}
+    columns = {template.format(field, j): column for field, rows in fields.items() for j, column in enumerate(rows)}
+    return {**names, **columns}
 
 
 def _names(log: JointLog) -> list[str]:
@@ -69,9 +72,9 @@ def _write_libfranka(log: JointLog, path: Path, *, is_old: bool) -> None:
 
     The header up to 0.9.0 has blanks, repeated names, and a column that holds nothing.
     """
-    recorded, blank = log.channels(), np.full_like(log.q, np.nan)
+    recorded, blank = logged_channels(log), np.full_like(log.q, np.nan)
     # A robot held by hand is asked to stay where it is; a command is a torque if one was recorded, and no motion.
-    filled = {"q_d": log.q, "dq_d": np.zeros_like(log.q), "tau_ext_hat_filtered": blank}
+    filled = {"q_d": log.q, "dq": blank, "dq_d": np.zeros_like(log.q), "tau_ext_hat_filtered": blank}
     state = [recorded.get(field, filled.get(field, log.q)) for field in _STATE]
     command = [np.zeros((len(log.t), size)) for size in _COMMAND.values()]
     command[-1] = recorded.get("tau_J_d", blank)

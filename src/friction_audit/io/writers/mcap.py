@@ -19,7 +19,7 @@ from friction_audit.io.writers.ros_messages import (
     load_types,
     ros_writer,
 )
-from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
+from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channels, stamps_ns
 from friction_audit.joint_log import JointLog
 
 if TYPE_CHECKING:
@@ -138,12 +138,13 @@ def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:
 
     descriptors = _descriptors()
     joint_states: Any = GetMessages(descriptors.file)[_SCHEMA]
-    is_json, channels = encoding == "json", log.channels()
+    is_json, logged = encoding == "json", logged_channels(log)
+    fields = {name: field for name, field in JOINT_STATE.items() if name in logged}
 
     def messages() -> Iterator[tuple[int, int, bytes]]:
-        for stamp, *rows in zip(stamps_ns(log).tolist(), *(channels[name] for name in JOINT_STATE), strict=True):
+        for stamp, *rows in zip(stamps_ns(log).tolist(), *(logged[name] for name in fields), strict=True):
             numbers = zip(log.joint_names, *(row.tolist() for row in rows), strict=True)
-            joints = [{"name": name, "position": p, "velocity": v, "effort": e} for name, p, v, e in numbers]
+            joints = [dict(zip(("name", *fields.values()), joint, strict=True)) for joint in numbers]
             sec, nsec = divmod(stamp, NANOSECONDS)
             if is_json:
                 message = {"timestamp": {"sec": sec, "nsec": nsec}, "joints": joints}

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from friction_audit.io.readers.message_decoder import find_layout, franka_types
 from friction_audit.io.readers.message_kinds import JOINT_STATE, ROBOT_STATE
-from friction_audit.io.writers.tables import NANOSECONDS, Writer, stamps_ns
+from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channels, stamps_ns
 from friction_audit.joint_log import JointLog
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
     """
     if not log.t.size:
         return
-    sample, recorded = _blank(types, (2, message.name)), log.channels()
+    sample, recorded = _blank(types, (2, message.name)), logged_channels(log)
     arrays = {path: recorded[channel] for channel, path in message.fields.items() if channel in recorded}
     for path in message.names:
         _set(sample, path, list(log.joint_names))
