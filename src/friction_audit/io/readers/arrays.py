@@ -112,12 +112,12 @@ def arrays_of_frame(frame: Any, where: str) -> dict[str, NDArray[Any]]:  # noqa:
 
 def column_of(table: Any, name: str) -> NDArray[Any]:  # noqa: ANN401 - a table of Arrow
     """Return a column, shape (n,), or (n, k) of lists of k elements; ValueError if they differ in length."""
-    import pyarrow as pa
     from pyarrow import compute
 
-    column = table[name].combine_chunks()
-    kinds = (pa.types.is_list, pa.types.is_large_list, pa.types.is_fixed_size_list)
-    if not any(is_kind(column.type) for is_kind in kinds):
+    from friction_audit.io.readers.arrow import is_list, whole
+
+    column = whole(table[name])
+    if not is_list(column.type):
         array: NDArray[Any] = column.to_numpy(zero_copy_only=False)
         return array
     if len(lengths := compute.unique(compute.list_value_length(column))) > 1:
