@@ -35,23 +35,15 @@ JOINT_CHANNELS = (
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Finding:
-    """Something noticed about a recording while it was read, with its amount and what was done about it.
+    """Something noticed about a recording while it was read, with its amount and what was done about it."""
 
-    Attributes:
-        code: Stable short name, e.g. ``"stale_samples"``.
-        message: One sentence for people: what, how much, what was done.
-        joint: Joint number for people (1..n), or None when the whole log is meant.
-        amount: The size of it, in the unit that the message names.
-        damaged: True if part of the input was lost or left out (exit code 6).
-    """
-
-    code: str
-    message: str
-    joint: int | None = None
-    amount: float | None = None
-    damaged: bool = False
+    code: str  # stable short name, e.g. "stale_samples"
+    message: str  # one sentence for people: what, how much, what was done
+    joint: int | None = None  # its number for people (1..n), or None when the whole log is meant
+    amount: float | None = None  # the size of it, in the unit that the message names
+    damaged: bool = False  # True if part of the input was lost or left out (exit code 6)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -188,7 +188,7 @@ def with_velocity(recording: Recording, step_s: float) -> Recording:
     if not is_derived:
         message = f"no velocity was found: {message}; if there is one by another name, use --map dq=NAME"
     said = any(finding.code == "velocity_derived" for finding in recording.findings)
-    finding = None if said else Finding(code="velocity_derived", message=message)
+    finding = None if said else Finding("velocity_derived", message)
     channels = {**recording.channels, "dq": rate}
     return replace(recording, channels=channels, mapping={**names, "dq": DERIVATIVE}).with_findings(finding)
 

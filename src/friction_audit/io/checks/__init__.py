@@ -12,24 +12,9 @@ from functools import cached_property
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks.clock import (
-    Clock,
-    Steps,
-    Window,
-    drop_repeats,
-    sort_rows,
-    spread_batches,
-    take_window,
-)
+from friction_audit.io.checks import motion
+from friction_audit.io.checks.clock import Clock, Steps, Window, drop_repeats, sort_rows, spread_batches, take_window
 from friction_audit.io.checks.columns import Column
-from friction_audit.io.checks.motion import (
-    Motion,
-    MotionRatio,
-    check_motion,
-    mend_unit,
-    refuse_dead_velocity,
-    turn_degrees,
-)
 from friction_audit.io.checks.torque import Stale, check_torque, drop_stale_samples
 from friction_audit.io.checks.values import Missing, leave_out_columns, leave_out_rows
 from friction_audit.io.checks.wild import TO_ZERO, leave_out_wild
@@ -89,7 +74,7 @@ class _Survey:
         self.stale = Stale(recording)
         self._before: dict[str, Float] = {}
         if clock.increases:
-            self.steps, self._motion = Steps(clock), Motion(clock, joints)
+            self.steps, self._motion = Steps(clock), motion.Motion(clock, joints)
             self.means = None if recording.blocks is None else Means(clock.step_s, rows, names, joints)
         with np.errstate(over="ignore", invalid="ignore"):
             for first, t, channels in recording.read():
@@ -136,7 +121,7 @@ class _Survey:
         return replace(recording, t=t - first_s, channels=channels, blocks=blocks, first_s=first_s)
 
     @cached_property
-    def ratios(self) -> MotionRatio:
+    def ratios(self) -> motion.MotionRatio:
         """Return the change of q over the integral of dq."""
         return self._motion.ratios(self.steps.holes)
 
@@ -152,18 +137,8 @@ def examine(
 ) -> Recording:
     """Notice, handle or refuse the faults of a recording; one in memory is worked on in place.
 
-    Args:
-        recording: As a reader returned it.
-        path: The file, for messages.
-        robot: The robot that the user stated; wins over the recording's own.
-        time_scale: Factor on the recording's clock.
-        window: Start and end of the part that is wanted, in seconds since the first sample.
-        listen: Asked at the first block of every pass over all columns of a recording in blocks; what took the blocks
-            as they are at last is in these.
-
-    Raises:
-        InputError: If it cannot be used.
-        WholeLogError: If it is read in blocks and cannot be.
+    ``listen`` is asked at the first block of every pass over all columns of a recording in blocks; what took the blocks
+    as they are at last is in these. WholeLogError if it is read in blocks and cannot be.
     """
     recording = replace(recording, robot=robot or recording.robot)
     as_read = recording.rows
@@ -182,14 +157,14 @@ def examine(
     look = look.after(with_velocity(look.recording, step_s))
     look = look.after(leave_out_wild(look.recording, look.survey.columns, step_s, first_s=first_s, numbered=numbered))
     look = look.after(with_velocity(look.recording, step_s))  # anew from what is left, here and below
-    look = look.after(refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
-    look = look.after(turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common, path))
-    look = look.after(mend_unit(look.recording, look.survey.ratios.common))
+    look = look.after(motion.refuse_dead_velocity(look.recording, look.survey.columns, look.clock, path))
+    look = look.after(motion.turn_degrees(look.recording, look.survey.columns, look.survey.ratios.common, path))
+    look = look.after(motion.mend_unit(look.recording, look.survey.ratios.common))
     look = look.after(look.recording.with_findings(*look.survey.steps.findings()))
     look = look.after(drop_stale_samples(look.recording, look.survey.stale, look.survey.columns))
     look = look.after(with_velocity(look.recording, look.clock.step_s))
     look = look.after(check_torque(look.recording, look.survey.columns))
-    look = look.after(check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))
+    look = look.after(motion.check_motion(look.recording, look.survey.ratios, path, scaled=time_scale != 1.0))
     if window != (None, None):
         origin_s = look.clock.first_s if read_s is None else read_s
         look = _Look(take_window(look.recording, look.clock, window, origin_s, path), path, listen)

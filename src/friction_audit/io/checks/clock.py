@@ -65,21 +65,14 @@ class Clock:
 
 
 def sort_rows(recording: Recording, clock: Clock, path: str) -> Recording:
-    """Return the recording with its rows in order of time, if few are not and by little.
-
-    Raises:
-        InputError: If time stands still or runs backwards.
-    """
+    """Return the recording with its rows in order of time; InputError if time stands still or runs backwards by far."""
     if clock.increases:
         return recording
     _refuse_no_clock(recording, clock, path)
     if not clock.backwards:
         return recording
-    text = (
-        f"{clock.backwards} rows are older than the row before them ({path} is not in order of time); the rows are "
-        "sorted"
-    )
-    finding = Finding(code="unordered", message=text, amount=float(clock.backwards))
+    text = f"{clock.backwards} rows of {path} are older than the row before them; they are sorted"
+    finding = Finding("unordered", text, amount=float(clock.backwards))
     return recording.mended(partial(_sorted, late_s=clock.late_s)).with_findings(finding)
 
 
@@ -107,8 +100,7 @@ def drop_repeats(recording: Recording, clock: Clock) -> Recording:
         f"{repeats} of {clock.rows} rows ({repeats / clock.rows:.1%}) carry the stamp of the row before them; "
         "the first of each stamp is kept"
     )
-    finding = Finding(code="duplicate_stamps", message=text, amount=float(repeats))
-    return recording.without(clock.repeated).with_findings(finding)
+    return recording.without(clock.repeated).with_findings(Finding("duplicate_stamps", text, amount=float(repeats)))
 
 
 def _refuse_no_clock(recording: Recording, clock: Clock, path: str) -> None:
@@ -143,8 +135,7 @@ _MOST_PLACES = 1 << 16
 def spread_batches(recording: Recording, steps: "Steps") -> Recording:
     """Return the recording with the samples of each batch a period apart, the last one where it is.
 
-    Raises:
-        WholeLogError: If there are batches and it is read in blocks: their period is a median over all of them.
+    WholeLogError if there are batches and it is read in blocks: their period is a median over all of them.
     """
     # Every step counts: of every second one, a log that comes in pairs would show only short ones or only long ones.
     if steps.short < _LEAST_SHARE * steps.count:
@@ -165,7 +156,7 @@ def spread_batches(recording: Recording, steps: "Steps") -> Recording:
         f"samples arrive in {len(ends)} batches of {len(t) / len(ends):.1f} on average and carry times of arrival; "
         f"those of a batch are put {1e3 * period:.3g} ms apart; record the sensor's own stamps if there are any"
     )
-    finding = Finding(code="batched_stamps", message=message, amount=float(len(ends)))
+    finding = Finding("batched_stamps", message, amount=float(len(ends)))
     return replace(recording, t=np.repeat(t[ends], size) - before * np.repeat(apart, size)).with_findings(finding)
 
 
@@ -213,12 +204,11 @@ class Steps:
         """Yield what is to be noticed."""
         median = self.median
         if self.long:
-            step = f"median step {median * 1e3:.3g} ms"
-            text = f"{self.dropped:.0f} samples dropped at {self.long} places ({step})"
-            yield Finding(code="dropped_samples", message=text, amount=self.dropped)
+            text = f"{self.dropped:.0f} samples dropped at {self.long} places (median step {median * 1e3:.3g} ms)"
+            yield Finding("dropped_samples", text, amount=self.dropped)
         if self.gaps:
             text = f"{self.gaps} gaps longer than {self.threshold_s:.3g} s, the longest {self.longest:.3g} s"
-            yield Finding(code="gap", message=text, amount=float(self.gaps))
+            yield Finding("gap", text, amount=float(self.gaps))
         even = self.count - self.long
         deviation = float(np.sqrt(max(self._square / even - (self._off / even) ** 2, 0.0)))
         if deviation > _JITTER_SHARE * median:
@@ -226,22 +216,17 @@ class Steps:
                 f"time step: standard deviation {deviation * 1e3:.3g} ms, median {median * 1e3:.3g} ms (without gaps); "
                 "integrals use the logged time stamps"
             )
-            yield Finding(code="jitter", message=text, amount=deviation)
-        rate = 1.0 / median
-        if rate < _TIMER * _LOW_RATE_HZ:
+            yield Finding("jitter", text, amount=deviation)
+        if (rate := 1.0 / median) < _TIMER * _LOW_RATE_HZ:
             text = (
                 f"{rate:.3g} Hz is a low sampling rate: reversals and inertial torques are poorly resolved; record at "
                 f"{_LOW_RATE_HZ:.0f} Hz or more"
             )
-            yield Finding(code="low_rate", message=text, amount=rate)
+            yield Finding("low_rate", text, amount=rate)
 
 
 def take_window(recording: Recording, clock: Clock, window: Window, origin_s: float, path: str) -> Recording:
-    """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log.
-
-    Raises:
-        UsageError: If fewer than two samples lie in it.
-    """
+    """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log."""
     counts = [0, 0]
     for _, t, _ in recording.read(()):
         for k, limit in enumerate(window):

@@ -30,7 +30,7 @@ _FEWEST_WINDOWS = 5
 _TRUSTED_R2 = 0.8
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class MotionRatio:
     """Change of q over integral of dq."""
 
@@ -119,18 +119,15 @@ class Motion:
         for windows, own in zip(self._windows, several, strict=True):
             windows.take(q[own], dq[own], integral[np.searchsorted(rows, own)])
 
-    def ratios(self, holes: Sequence[tuple[int, float, float]]) -> "MotionRatio":
+    def ratios(self, holes: Sequence[tuple[int, float, float]]) -> MotionRatio:
         """Regress the change of q on the integral of dq, per joint.
 
         A second regressor, the change of dq over the window, takes up a delay between q and dq.
         """
         several = [windows.whole(holes, self._gap_s) for windows in self._windows]
-        found = [
-            _first_that_moves([(begin[..., joint], end[..., joint]) for begin, end in several])
-            for joint in range(len(self._integral))
-        ]
-        ratio, determination, windows = zip(*found, strict=True)
-        return MotionRatio(ratio=np.array(ratio), determination=np.array(determination), windows=np.array(windows))
+        joints = range(len(self._integral))
+        found = [_first_that_moves([(begin[..., j], end[..., j]) for begin, end in several]) for j in joints]
+        return MotionRatio(*map(np.array, zip(*found, strict=True)))
 
 
 def _first_that_moves(several: Sequence[tuple[Float, Float]]) -> tuple[float, float, int]:
@@ -175,11 +172,7 @@ _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
 
 
 def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], clock: Clock, path: str) -> Recording:
-    """Name the joints whose dq is one number while q moves; refuse where no joint that moves has a velocity.
-
-    Raises:
-        InputError: If no moving joint has one.
-    """
+    """Name the joints whose dq is one number while q moves; InputError where no joint that moves has a velocity."""
     q, dq = columns["q"], columns["dq"]
     travelled, turned = q.highest - q.lowest, np.abs(dq.sample[0]) * (clock.last_s - clock.first_s)
     dead = (travelled > _TRAVELLED) & (dq.highest == dq.lowest) & (turned < 0.5 * travelled)
@@ -191,17 +184,12 @@ def refuse_dead_velocity(recording: Recording, columns: Mapping[str, Column], cl
     ]
     if said and dead.sum() == np.count_nonzero(travelled > _TRAVELLED):
         raise InputError(f"{path}: {said[0]}{'; so it is on all joints that move' if len(said) > 1 else ''}")
-    numbers = np.flatnonzero(dead) + 1
-    findings = (Finding(code="velocity_dead", message=m, joint=int(j)) for j, m in zip(numbers, said, strict=True))
-    return recording.with_findings(*findings)
+    numbers = (np.flatnonzero(dead) + 1).tolist()
+    return recording.with_findings(*(Finding("velocity_dead", *one) for one in zip(said, numbers, strict=True)))
 
 
 def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled: bool) -> Recording:
-    """Notice a stretched clock and columns of the wrong joint; a clock that the user has scaled is not refused.
-
-    Raises:
-        InputError: If the clock is wrong by a factor that nothing explains.
-    """
+    """Notice columns of the wrong joint and a stretched clock; InputError, unless the user has scaled it, if by far."""
     if recording.mapping.get("dq") != DERIVATIVE:  # one made from q proves nothing
         recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
     # The joints whose q does not follow their own dq while that of others does.
@@ -215,22 +203,18 @@ def check_motion(recording: Recording, ratios: MotionRatio, path: str, *, scaled
 
 
 def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: float, path: str) -> Recording:
-    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s.
-
-    Raises:
-        InputError: If a table of one joint may be in degrees, and no name says so.
-    """
+    """Turn q, dq or both into radians where their ratio and their magnitudes say degrees, and rpm into rad/s."""
     largest_q, largest_dq = (
         float(max(-column.lowest.min(), column.highest.max(), column.lowest.max(), -column.highest.min()))
         for column in (columns["q"], columns["dq"])
     )
-    degrees = []
+    degrees = list[str]()
     if _near(ratio, 1.0 / _RPM_PER_RAD_S, 0.05):
         message = (
             f"dq is in rpm: it reaches {largest_dq:.4g}, and q changes {ratio:.3g} times its integral, as pi/30; it "
             "was turned into rad/s"
         )
-        finding = Finding(code="velocity_unit", message=message, amount=_RPM_PER_RAD_S)
+        finding = Finding("velocity_unit", message, amount=_RPM_PER_RAD_S)
         return recording.scaled("dq", 1.0 / _RPM_PER_RAD_S).with_findings(finding)
     if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
         degrees = ["q"]
@@ -246,7 +230,7 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
                 f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
                 "rad and rad/s; if it is degrees, say so in the names of the columns (q_1_deg, dq_1_deg_s)"
             )
-            return recording.with_findings(Finding(code="degrees_suspected", message=message, amount=largest_q))
+            return recording.with_findings(Finding("degrees_suspected", message, amount=largest_q))
         degrees = ["q", "dq"]
     for channel in degrees:
         largest, unit = (largest_q, "degrees") if channel == "q" else (largest_dq, "degrees per second")
@@ -254,7 +238,7 @@ def turn_degrees(recording: Recording, columns: Mapping[str, Column], ratio: flo
             f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; "
             "it was turned into radians"
         )
-        finding = Finding(code="degrees", message=message, amount=largest)
+        finding = Finding("degrees", message, amount=largest)
         recording = recording.scaled(channel, 1.0 / _DEGREES_PER_RADIAN).with_findings(finding)
     return recording
 
@@ -283,23 +267,24 @@ def mend_unit(recording: Recording, ratio: float) -> Recording:
         f"the motion runs {ratio:.4g} times too fast for the clock ({recording.mapping.get('t', recording.clock)}): "
         f"its unit was misjudged; time was multiplied by {factor:g}"
     )
-    finding = Finding(code="time_unit", message=message, amount=factor)
+    finding = Finding("time_unit", message, amount=factor)
     return recording.changed(lambda t, channels: (t * factor, channels)).with_findings(finding)
 
 
 def _mismatch(recording: Recording, ratios: MotionRatio, joint: int) -> Finding:
     ratio = float(ratios.ratio[joint])
-    explained = f"which explains {max(ratios.determination[joint], 0.0):.0%} of it"
-    message = f"{recording.joint_names[joint]}: q changes {ratio:.3g} times the integral of dq, {explained}; "
+    message = (
+        f"{recording.joint_names[joint]}: q changes {ratio:.3g} times the integral of dq, which explains "
+        f"{max(ratios.determination[joint], 0.0):.0%} of it; "
+    )
     if ratios.trusted[joint] and ratio > _TINY:
         factor = ratio / ratios.common
         message += (
             f"on other joints {ratios.common:.3g} times: dq of this joint has another scale or unit; multiply its dq "
             f"by {factor:.4g}, or name its own column with --map dq=<column>"
         )
-        return Finding(code="velocity_scale", message=message, joint=joint + 1, amount=factor)
-    message += "check that both columns are of this joint"
-    return Finding(code="position_mismatch", message=message, joint=joint + 1, amount=ratio)
+        return Finding("velocity_scale", message, joint + 1, factor)
+    return Finding("position_mismatch", f"{message}check that both columns are of this joint", joint + 1, ratio)
 
 
 def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
@@ -307,18 +292,14 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
     if not np.isfinite(ratio) or abs(ratio - 1.0) <= _STRETCHED:
         return None
     if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
-        either = (
-            f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit "
-            f"(multiply it by {ratio:.4g}), or "
-            if ratio > _TINY
-            else ""
-        )
+        clock = f"the clock is wrong (--time-scale {ratio:.4g}), dq has another scale or unit (multiply it by "
         raise InputError(
-            f"{path}: q changes {ratio:.3g} times the integral of dq over time; expected 1: {either}q and dq are of "
-            "different joints, or of opposite sign (--map)"
+            f"{path}: q changes {ratio:.3g} times the integral of dq over time; expected 1: "
+            f"{f'{clock}{ratio:.4g}), or ' * (ratio > _TINY)}q and dq are of different joints, or of opposite sign "
+            "(--map)"
         )
     message = (
         f"q changes {ratio:.4g} times the integral of dq: either the clock is wrong by that factor (correct it with "
         f"--time-scale {ratio:.4g}), or dq is (multiply it by {ratio:.4g}); compare the log's duration with a watch"
     )
-    return Finding(code="clock_stretched", message=message, amount=ratio)
+    return Finding("clock_stretched", message, amount=ratio)

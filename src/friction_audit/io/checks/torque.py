@@ -61,8 +61,7 @@ class Stale:
 def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str, Column]) -> Recording:
     """Drop rows that are equal to the row before while some joint moves.
 
-    Raises:
-        WholeLogError: If the state itself seems to be slow, and the recording is read in blocks.
+    WholeLogError if the state itself seems to be slow, and the recording is read in blocks.
     """
     marks = stale.marks
     moves = stale.rows * float(moving(columns["dq"].sample, slice(None)).mean())
@@ -76,8 +75,7 @@ def drop_stale_samples(recording: Recording, stale: Stale, columns: Mapping[str,
         f"{marks.count} of {stale.rows} rows ({marks.count / stale.rows:.1%}) are duplicate samples (logged faster "
         "than the robot updates); they are removed"
     )
-    finding = Finding(code="stale_samples", message=message, amount=float(marks.count))
-    return recording.without(marks).with_findings(finding)
+    return recording.without(marks).with_findings(Finding("stale_samples", message, amount=float(marks.count)))
 
 
 def moving(dq: Float, rows: NDArray[np.intp] | slice) -> NDArray[np.bool_]:
@@ -102,7 +100,7 @@ def _keep_slow_state(recording: Recording, stale: Stale) -> tuple[Recording, Mar
     )
     marks = Marks(stale.rows)
     marks.add(0, lost)
-    return recording.with_findings(Finding(code="slow_state", message=message, amount=stale.period)), marks
+    return recording.with_findings(Finding("slow_state", message, amount=stale.period)), marks
 
 
 # What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]
@@ -128,8 +126,7 @@ def check_torque(recording: Recording, columns: Mapping[str, Column]) -> Recordi
                 f"{name} exceeds {usual[joint]:.4g} in 5 % of the samples: a very large arm, or mN m; read as N m; if "
                 "it is mN m, divide the column by 1000"
             )
-            amount = float(usual[joint])
-            findings.append(Finding(code="torque_unit_suspected", message=text, joint=joint + 1, amount=amount))
+            findings.append(Finding("torque_unit_suspected", text, joint + 1, float(usual[joint])))
     used = next(name for name in TORQUE_CHANNELS if name in columns)
     joints = range(len(recording.joint_names))
     return recording.with_findings(*findings, *(_poor(recording, columns, used, joint) for joint in joints))
@@ -141,12 +138,14 @@ def _poor(recording: Recording, columns: Mapping[str, Column], channel: str, joi
     forwards, backwards = torque[dq > MOVING_RAD_S], torque[dq < -MOVING_RAD_S]
     if len(forwards) + len(backwards) < _FEWEST_MOVING:
         return None
-    name = recording.name_of(channel, joint)
+    name, step, rms, dead = recording.name_of(channel, joint), _step(torque), float(np.std(torque)), ""
     if columns[channel].highest[joint] == columns[channel].lowest[joint]:
-        return _dead(f"torque channel is constant: {name} is {torque[0]:g} in all rows while the joint moves", joint)
-    step, rms = _step(torque), float(np.std(torque))
-    if 0.0 < rms < min(_FEW_STEPS * step, _LEAST_NM):
-        return _dead(f"torque channel is dead: {name} varies by {rms:.2g} rms, a few steps of {step:.2g}", joint)
+        dead = f"constant: {name} is {torque[0]:g} in all rows while the joint moves"
+    elif 0.0 < rms < min(_FEW_STEPS * step, _LEAST_NM):
+        dead = f"dead: {name} varies by {rms:.2g} rms, a few steps of {step:.2g}"
+    if dead:
+        advice = "no friction is estimated from it; check the sensor, or exclude the joint with --joints"
+        return Finding("torque_dead", f"torque channel is {dead}; {advice}", joint + 1)
     if min(len(forwards), len(backwards)) < _FEWEST_MOVING:
         return None
     reverses = 0.5 * abs(float(np.mean(forwards) - np.mean(backwards)))
@@ -156,12 +155,7 @@ def _poor(recording: Recording, columns: Mapping[str, Column], channel: str, joi
         f"{name} is quantised to {step:.3g}, the part that reverses with the motion is {reverses:.2g}: quantisation "
         "limits the estimate; log the torque with more digits"
     )
-    return Finding(code="torque_coarse", message=message, joint=joint + 1, amount=step)
-
-
-def _dead(what: str, joint: int) -> Finding:
-    message = f"{what}; no friction is estimated from it; check the sensor, or exclude the joint with --joints"
-    return Finding(code="torque_dead", message=message, joint=joint + 1)
+    return Finding("torque_coarse", message, joint + 1, step)
 
 
 def _step(torque: Float) -> float:

@@ -40,11 +40,7 @@ class Missing:
 
 
 def leave_out_columns(recording: Recording, missing: Missing, path: str) -> Recording:
-    """Leave out channels and joints that were never recorded.
-
-    Raises:
-        InputError: If nothing usable is left.
-    """
+    """Leave out channels and joints that were never recorded; InputError if nothing usable is left."""
     if not missing.marks.count:
         return recording
     recording = _leave_out_channels(recording, missing.counts, path)
@@ -57,7 +53,7 @@ def leave_out_rows(recording: Recording, missing: Missing) -> Recording:
     if not lost:
         return recording
     message = f"{lost} of {missing.rows} rows hold NaN, infinity or numbers beyond {_ABSURD:g}; they are left out"
-    finding = Finding(code="non_finite", message=message, amount=float(lost), damaged=True)
+    finding = Finding("non_finite", message, amount=float(lost), damaged=True)
     return recording.without(missing.marks).with_findings(finding)
 
 
@@ -78,11 +74,11 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
     findings = []
     for channel in empty:
         text = f"{names[channel]} holds no number in {samples} rows; the channel is left out"
-        findings.append(Finding(code="empty_channel", message=text, amount=float(samples)))
+        findings.append(Finding("empty_channel", text, amount=float(samples)))
     for channel in sparse:
         few = int(missing[channel].max())
         text = f"{channel} lacks {few} of {samples} rows; the channel is left out, the rows are kept"
-        findings.append(Finding(code="sparse_channel", message=text, amount=float(few)))
+        findings.append(Finding("sparse_channel", text, amount=float(few)))
     kept = {name: array for name, array in recording.channels.items() if name not in (*empty, *sparse)}
     mapping = {name: own for name, own in recording.mapping.items() if name not in (*empty, *sparse)}
     return replace(recording, channels=kept, mapping=mapping).with_findings(*findings)
@@ -90,9 +86,7 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
 
 def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recording:
     samples = recording.rows
-    empty = np.zeros(len(recording.joint_names), dtype=np.bool_)
-    for counts in missing.values():
-        empty |= counts == samples
+    empty = np.any([counts == samples for counts in missing.values()], axis=0)
     if not empty.any():
         return recording
     if empty.all():
@@ -100,7 +94,7 @@ def _leave_out_joints(recording: Recording, missing: Counts, path: str) -> Recor
             f"{path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
         )
     findings = []
-    for joint in map(int, np.flatnonzero(empty)):
+    for joint in np.flatnonzero(empty).tolist():
         text = f"{recording.joint_names[joint]} lacks a channel in all {samples} rows; the joint is left out"
-        findings.append(Finding(code="empty_joint", message=text, joint=joint + 1, amount=float(samples)))
-    return recording.take_joints([int(joint) for joint in np.flatnonzero(~empty)]).with_findings(*findings)
+        findings.append(Finding("empty_joint", text, joint + 1, float(samples)))
+    return recording.take_joints(np.flatnonzero(~empty).tolist()).with_findings(*findings)

@@ -34,7 +34,7 @@ _SHOWN = 3
 _AROUND = 2 * _REACH  # rows on both sides of a jump that decide about it
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class _Run:
     """Rows ``first`` to ``last`` of a channel that deviate from ``usual``, most of all with ``value``."""
 
@@ -64,10 +64,9 @@ def leave_out_wild(
         runs = wild.runs()
         for run in runs:
             marks.add(run.first, np.ones(run.last + 1 - run.first, np.bool_))
-        findings += [
-            _finding(recording, wild.joint, [r for r in runs if r.channel == channel], first_s, numbered=numbered)
-            for channel in dict.fromkeys(run.channel for run in runs)
-        ]
+        for channel in dict.fromkeys(run.channel for run in runs):
+            own = [run for run in runs if run.channel == channel]
+            findings.append(_finding(recording, wild.joint, own, first_s, numbered=numbered))
     return recording.without(marks).with_findings(*findings) if findings else recording
 
 
@@ -152,16 +151,8 @@ class _Wild:
             if first <= jump + 1 <= end and end - first <= (1 if at_edge else _LONGEST_RUN):
                 value = float(max(column[first:end], key=lambda one: abs(one - usual)))
                 if abs(value - usual) > scale:
-                    run = _Run(
-                        channel=name,
-                        first=begin + first,
-                        last=begin + end - 1,
-                        start_s=float(t[first]),
-                        value=value,
-                        usual=usual,
-                    )
-                    own = _is_impossible(run, first, end, columns, t, self._usual_dq)
-                    return [replace(run, impossible=own)]
+                    run = _Run(name, begin + first, begin + end - 1, float(t[first]), value, usual)
+                    return [replace(run, impossible=_is_impossible(run, first, end, columns, t, self._usual_dq))]
         return []
 
 
@@ -185,26 +176,17 @@ def _zeroed(
         return [], needed
     before, after = np.maximum(first - 1, 0), np.minimum(end, last)
     # At the begin and the end of the log there is but one side.
-    begin, stop = (
-        np.where(column[one], column[one], column[other]) for one, other in ((before, after), (after, before))
-    )
+    begin = np.where(column[before], column[before], column[after])
+    stop = np.where(column[after], column[after], column[before])
     if channel == "q":
         kept = _too_far(t, q, dq, ((before, before + 1), (after - 1, after)), step_s, scale)
     else:  # a driver may take slow motion for rest, but then the joint does not get far
         kept = np.minimum(np.abs(begin), np.abs(stop)) > TO_ZERO["dq"]
         kept &= np.abs(q[after] - q[before]) > _LEAST["q"]
     runs = []
-    for place in np.flatnonzero(kept).tolist():
-        own = int(first[place]), int(end[place])
-        run = _Run(
-            channel=channel,
-            first=int(rows[own[0]]),
-            last=int(rows[own[1] - 1]),
-            start_s=float(t[own[0]]),
-            value=0.0,
-            usual=float(begin[place] + stop[place]) / 2.0,
-        )
-        if channel == "q" or _is_impossible(run, *own, {"q": q, "dq": dq}, t, 0.0):
+    for row, after_it, usual in zip(first[kept].tolist(), end[kept].tolist(), (begin + stop)[kept] / 2.0, strict=True):
+        run = _Run(channel, int(rows[row]), int(rows[after_it - 1]), float(t[row]), 0.0, float(usual))
+        if channel == "q" or _is_impossible(run, row, after_it, {"q": q, "dq": dq}, t, 0.0):
             runs.append(run)
     return runs, needed
 
@@ -255,14 +237,13 @@ def _is_impossible(run: _Run, first: int, end: int, columns: Mapping[str, Float]
 def _finding(recording: Recording, joint: int, runs: list[_Run], first_s: float, *, numbered: bool) -> Finding:
     channel, rows = runs[0].channel, sum(run.last - run.first + 1 for run in runs)
     places = [
-        f"{run.value:.6g} at {run.start_s - first_s:.6g} s{f' (row {run.first + 1})' if numbered else ''}, where "
+        f"{run.value:.6g} at {run.start_s - first_s:.6g} s{f' (row {run.first + 1})' * numbered}, where "
         f"{run.usual:.4g} is usual"
         for run in runs[:_SHOWN]
     ]
-    more = f"; and at {len(runs) - _SHOWN} more places" if len(runs) > _SHOWN else ""
+    places += [f"and at {len(runs) - _SHOWN} more places"] if len(runs) > _SHOWN else []
     message = (
-        f"{recording.name_of(channel, joint)} is wild: "
-        f"{'; '.join(places)}{more}; the other channels of the joint show nothing of it; "
-        f"{rows} row{'' if rows == 1 else 's'} left out"
+        f"{recording.name_of(channel, joint)} is wild: {'; '.join(places)}; the other channels of the joint show "
+        f"nothing of it; {rows} row{'s' * (rows != 1)} left out"
     )
-    return Finding(code="wild_samples", message=message, joint=joint + 1, amount=float(rows), damaged=True)
+    return Finding("wild_samples", message, joint + 1, float(rows), damaged=True)

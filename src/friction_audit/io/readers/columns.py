@@ -90,7 +90,7 @@ def map_columns(
         return _of_long_table(groups, time, bare, joint, stated)
     columns = replace(_align(groups, time, bare, path, needed), stated=frozenset(stated))
     message = f"{columns.mapping.get('q')} was read as q; also there: {', '.join(others)}; choose with --map"
-    found = (Finding(code="topic_chosen", message=message),) if others else ()
+    found = (Finding("topic_chosen", message),) if others else ()
     return replace(columns, findings=(*columns.findings, *found))
 
 
@@ -174,7 +174,7 @@ def doubt_torque(columns: ColumnMap, names: Sequence[str]) -> tuple[Finding, ...
         f"column {name!r} was read as tau_J, the joint torque with gravity; if it is the interaction torque, without "
         f"gravity, use --map tau_interaction={name}"
     )
-    return (Finding(code="torque_ambiguous", message=message),)
+    return (Finding("torque_ambiguous", message),)
 
 
 def _outside_the_arm(
@@ -270,7 +270,7 @@ def _align(
         else:
             some = len(group.cells)
             text = f"{channel} has columns for {some} of {len(keys)} joints ({group.template}); it is left out"
-            findings.append(Finding(code="incomplete_channel", message=text, amount=float(some)))
+            findings.append(Finding("incomplete_channel", text, amount=float(some)))
     if short or (needed and not any(c in channels for c in TORQUE_CHANNELS)):
         raise InputError(
             f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "

@@ -104,7 +104,7 @@ class CsvTable(Table):
         if not self._bad_lines:
             return found
         message = f"{self._bad_lines} lines hold what is no number ({'; '.join(self._bad)}); these are missing values"
-        return (*found, Finding(code="no_numbers", message=message, amount=float(self._bad_lines), damaged=True))
+        return (*found, Finding("no_numbers", message, amount=float(self._bad_lines), damaged=True))
 
     def _blocks(self, kinds: Mapping[int, Any], time: TimeColumn | None) -> Iterator[Block]:
         """Yield columns of whole lines, dates in nanoseconds; without a clock WholeLogError if a line has a fault."""
@@ -290,7 +290,7 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
     is_start = rows > 1 and recording.first_s is None
     if not is_start or not any(np.isnan(array[0]).any() for array in recording.channels.values()):
         return recording
-    finding = Finding(code="first_row", message="the first row holds no numbers yet; it is left out", amount=1.0)
+    finding = Finding("first_row", "the first row holds no numbers yet; it is left out", amount=1.0)
     return replace(
         recording,
         t=recording.t[1:],

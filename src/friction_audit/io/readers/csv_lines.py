@@ -123,7 +123,7 @@ class Dialect:
             return body + b"\n", None
         number = line + before.count(b"\n") + len(newline)
         message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
-        return before + newline, Finding(code="truncated", message=message, amount=1.0, damaged=is_short)
+        return before + newline, Finding("truncated", message, amount=1.0, damaged=is_short)
 
 
 def value_of(field: str, kind: Any, decimal: str) -> Any:  # noqa: ANN401

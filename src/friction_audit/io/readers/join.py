@@ -44,7 +44,7 @@ def join_recordings(parts: Sequence[tuple[Path, Recording]], mapping: Mapping[st
     names = ", ".join(f"{', '.join(c for c in JOINT_CHANNELS if c in part.channels)} of {p.name}" for p, part in others)
     cut = f"; {outside} samples outside of the common span or in gaps are left out" if outside else ""
     message = f"joined on the clock of {first_path.name}, by linear interpolation: {names}{cut}"
-    found = Finding(code="joined", message=message, amount=float(outside))
+    found = Finding("joined", message, amount=float(outside))
     if outside:  # the parts of a log that --t-start and --t-end name count from its first sample all the same
         first_s = float(np.nanmin(joined.t)) if joined.first_s is None else joined.first_s
         joined = replace(joined.changed(lambda t, channels: take_rows(t, channels, rows)), first_s=first_s)
@@ -110,7 +110,7 @@ def _with_channels(first_path: Path, first: Recording, path: Path, other: Record
     both = [channel for channel in other.channels if channel in first.channels]
     if both:
         message = f"{', '.join(both)} of {path.name} are left out: {first_path.name} has them"
-        findings.append(Finding(code="not_joined", message=message))
+        findings.append(Finding("not_joined", message))
     names = {channel: other.mapping[channel] for channel in new if channel in other.mapping}
     return replace(
         first,

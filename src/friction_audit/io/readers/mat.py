@@ -66,7 +66,7 @@ def _arrays(path: Path) -> tuple[dict[str, NDArray[Any]], tuple[Finding, ...]]:
     others = [name for name in plain.keys() - found.keys() if parse_name(f"{name}[0]") or find_time([name])]
     text = ", ".join(f"{name} of {_size(whole[name])}" for name in sorted(others))
     message = f"left out: {text}; expected {samples} samples in every array, one row or column per joint"
-    findings = (Finding(code="wrong_shape", message=message, amount=float(len(others))),) if others else ()
+    findings = (Finding("wrong_shape", message, amount=float(len(others))),) if others else ()
     heads = {name.rpartition(".")[0] for name in found}
     head = f"{heads.pop()}." if len(heads) == 1 else ""  # a structure that holds all arrays: log.q is q
     return {name.removeprefix(head): array for name, array in found.items()}, findings

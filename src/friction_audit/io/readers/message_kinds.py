@@ -261,7 +261,7 @@ def choose_topic(
     if not best.choices:
         raise InputError(f"{path}: topic {best.topic} has no joints in its messages; choose another with --topic")
     message = f"{best} was read; also there: {', '.join(map(str, others))}; choose with --topic"
-    findings = (Finding(code="topic_chosen", message=message),) if others else ()
+    findings = (Finding("topic_chosen", message),) if others else ()
     return best, choose_arm(best.names, arm, path=str(path), topic=best.topic), findings
 
 

@@ -184,7 +184,7 @@ def choose_clock(times: Times) -> MessageClock:
     chosen = next(iter(running), "log_time")
     for name in (name for name in clocks if name not in (*running, chosen)):
         text = f"{_TITLES[name]} is the same (or not a number) in all messages; {_TITLES[chosen]} was used"
-        findings.append(Finding(code="clock_stopped", message=text))
+        findings.append(Finding("clock_stopped", text))
     if chosen != "log_time":
         findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
     # The robot's clock counts from its start, so the log time stands in for it.
@@ -200,7 +200,7 @@ def _robot_unit(robot_time: Float, log_time: Int) -> tuple[float, list[Finding]]
     for factor, unit in _ROBOT_TIME_UNITS:
         if abs(ratio / factor - 1.0) < _UNIT_TOLERANCE:
             text = f"the robot's own time counts in {unit} by the log time; it was divided by {factor:g}"
-            return factor, [Finding(code="robot_time_unit", message=text, amount=factor)]
+            return factor, [Finding("robot_time_unit", text, amount=factor)]
     return 1.0, []
 
 
@@ -219,6 +219,5 @@ def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
     if abs(drift) > _DISAGREEMENT_DRIFT and abs(drift) * t.max() > limit_s:
         texts[f"the log time runs {drift * 100:+.3g} % against {_TITLES[chosen]}"] = drift
     return [
-        Finding(code="clock_disagreement", amount=amount, message=f"{text}; {chosen} was used")
-        for text, amount in texts.items()
+        Finding("clock_disagreement", f"{text}; {chosen} was used", amount=amount) for text, amount in texts.items()
     ]

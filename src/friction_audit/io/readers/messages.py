@@ -279,7 +279,7 @@ def _missing(stream: MessageStream, chosen: Candidate, seen: Mapping[int, int]) 
         return []
     where = "metadata.yaml" if lost > indexed else "the index of the file"
     text = f"{lost} of {found + lost} messages on {chosen.topic} that {where} counts are missing"
-    return [Finding(code="missing_messages", message=text, amount=float(lost), damaged=True)]
+    return [Finding("missing_messages", text, amount=float(lost), damaged=True)]
 
 
 def _losses(stream: MessageStream, decoder: JointDecoder, count: int) -> Iterator[Finding]:
@@ -287,13 +287,13 @@ def _losses(stream: MessageStream, decoder: JointDecoder, count: int) -> Iterato
         place = "" if d.byte is None else f" at byte {d.byte} of {d.file_bytes}"
         text = f"the file is damaged{place} ({d.reason}); the {count} messages outside the damage were read"
         amount = None if d.byte is None else float(d.byte)
-        yield Finding(code="truncated", message=text, amount=amount, damaged=True)
+        yield Finding("truncated", text, amount=amount, damaged=True)
     if lost := decoder.undecodable:
         text = f"{lost} messages do not fit their definition and were left out"
-        yield Finding(code="undecodable_messages", message=text, amount=float(lost), damaged=True)
+        yield Finding("undecodable_messages", text, amount=float(lost), damaged=True)
     if some := decoder.incomplete:
         text = f"{some} messages hold only some of the joints; the others are missing there"
-        yield Finding(code="incomplete_messages", message=text, amount=float(some))
+        yield Finding("incomplete_messages", text, amount=float(some))
 
 
 def _joints_and_channels(decoder: JointDecoder, candidates: Sequence[Candidate]) -> Iterator[Finding]:
@@ -302,13 +302,13 @@ def _joints_and_channels(decoder: JointDecoder, candidates: Sequence[Candidate])
     left_out = dict.fromkeys(name for name in chosen.names if name not in decoder.joints)
     if left_out:  # as the joints of a gripper are
         text = f"left out, no joints of the arm: {', '.join(left_out)}"
-        yield Finding(code="joints_left_out", message=text, amount=float(len(left_out)))
+        yield Finding("joints_left_out", text, amount=float(len(left_out)))
     empty = [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]
     if empty:
         better = [c.topic for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
         hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
         fields = ", ".join(chosen.kind.fields[name] for name in empty)
-        yield Finding(code="channel_empty", message=f"{chosen.topic} holds no values in {fields}{hint}")
+        yield Finding("channel_empty", f"{chosen.topic} holds no values in {fields}{hint}")
 
 
 def _robot(joints: Sequence[str], candidates: Sequence[Candidate]) -> str:

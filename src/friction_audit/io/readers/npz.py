@@ -131,7 +131,7 @@ def _entries(archive: zipfile.ZipFile, path: Path) -> tuple[dict[str, Entry], tu
             entry = _entry(archive, info)
         except _DAMAGED as error:
             text = f"array {name!r} is damaged and left out ({error})"
-            damage.append(Finding(code="damaged_numbers", message=text, damaged=True))
+            damage.append(Finding("damaged_numbers", text, damaged=True))
             continue
         if entry.dtype.hasobject:
             raise InputError(

@@ -284,7 +284,7 @@ def _suffix_mismatch(path: Path, reader: Reader) -> tuple[Finding, ...]:
     message = (
         f"the name ends in {path.suffix}, as {others[0]} does, but the content is {reader.name}; it was read as that"
     )
-    return (Finding(code="suffix_mismatch", message=message),)
+    return (Finding("suffix_mismatch", message),)
 
 
 def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
@@ -295,7 +295,7 @@ def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
         f"the file changed while it was read ({how}); what was read may end early or be of two files; read it again "
         "when the recording is finished"
     )
-    return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
+    return (Finding("file_grew", message, amount=float(after.size - before.size), damaged=True),)
 
 
 def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Recording:
@@ -324,7 +324,7 @@ def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Re
     message = f"{channel} is {name} times {' times '.join(parts)}"
     if is_current:
         message += "; a torque from a motor current: its friction is that of motor, gear and joint"
-    recording = recording.with_findings(Finding(code="torque_converted", message=message))
+    recording = recording.with_findings(Finding("torque_converted", message))
     return replace(recording, torque_unit="N m" if is_current else unit)
 
 
@@ -341,8 +341,8 @@ def _doubt_current(recording: Recording) -> Recording:
             f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques; if "
             "these are amperes, put :A after the names in --map tau_J"
         )
-        return recording.with_findings(Finding(code="effort_is_current", message=message))
+        return recording.with_findings(Finding("effort_is_current", message))
     if kinds == {ESTIMATE}:
         message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
-        return recording.with_findings(Finding(code="torque_from_current", message=message))
+        return recording.with_findings(Finding("torque_from_current", message))
     return recording

@@ -230,7 +230,7 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     columns = replace(columns, joint_names=tuple(names), robot=robot_of(names))
     if lost:
         message = f"{lost} rows belong to times at which other joints have no row; they are left out"
-        found = Finding(code="incomplete_rows", message=message, amount=float(lost), damaged=True)
+        found = Finding("incomplete_rows", message, amount=float(lost), damaged=True)
         columns = replace(columns, findings=(*columns.findings, found))
     return columns, replace(part, clock=replace(clock, t=clock.t[rows[0]]), channels=channels)
 
