@@ -57,42 +57,24 @@ class Joined:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Source:
-    """Where a log came from and how it was understood.
+    """Where a log came from and how it was understood."""
 
-    Attributes:
-        path: The path as the user gave it.
-        sha256: Content hash of the file (of all files, in sorted order, for a directory).
-        format: Name of the reader that read it.
-        robot: Name of a preset, or ``"unknown"``: by joint names or message types, or as the user said.
-        serial: Serial number of the arm as the file states it, empty if it does not.
-        clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
-        start_s: Unix time of the first sample, or None when the clock does not say. [s]
-        topic: Topic that was read, or None for tables.
-        channels: Channel of JointLog -> name in the file, with ``{i}`` for the joint's index.
-        torque_unit: ``"N m"``, or ``"A"`` (``"mA"``) where the name of the torque column says motor current.
-        clock_windows: Windows of time, over all moving joints, on which q, dq and the clock were compared; 0 if the
-            clock could not be checked.
-        findings: What was noticed about the recording.
-        window: Start and end of the part that was taken, as asked for. [s]
-        skipped_s: Time from the first sample of the recording to that of this log. [s]
-        joined: Further files that channels came from.
-    """
-
-    path: str
-    sha256: str
-    format: str
-    robot: str = "unknown"
-    serial: str = ""
-    clock: str = "column"
-    start_s: float | None = None
-    topic: str | None = None
-    channels: Mapping[str, str] = field(default_factory=dict)
-    torque_unit: str = "N m"
+    path: str  # as the user gave it
+    sha256: str  # content hash of the file (of all files, in sorted order, for a directory)
+    format: str  # name of the reader that read it
+    robot: str = "unknown"  # name of a preset, or "unknown": by joint names or message types, or as the user said
+    serial: str = ""  # serial number of the arm as the file states it
+    clock: str = "column"  # or "robot_time", "header_stamp", "log_time"
+    start_s: float | None = None  # Unix time of the first sample, or None when the clock does not say [s]
+    topic: str | None = None  # read, None for tables
+    channels: Mapping[str, str] = field(default_factory=dict)  # channel -> name in the file, {i} for the joint's index
+    torque_unit: str = "N m"  # or "A", "mA" where the name of the torque column says motor current
+    # Windows of time, over all moving joints, on which q, dq and the clock were compared; 0 if that was not possible.
     clock_windows: int = 0
-    findings: tuple[Finding, ...] = ()
-    window: tuple[float | None, float | None] = (None, None)
-    skipped_s: float = 0.0
-    joined: tuple[Joined, ...] = ()
+    findings: tuple[Finding, ...] = ()  # what was noticed about the recording
+    window: tuple[float | None, float | None] = (None, None)  # start and end of the part taken, as asked for [s]
+    skipped_s: float = 0.0  # time from the first sample of the recording to that of this log [s]
+    joined: tuple[Joined, ...] = ()  # further files that channels came from
 
     @property
     def dead_torque(self) -> frozenset[int]:
@@ -102,16 +84,10 @@ class Source:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Recording:
-    """What a report says of a log: its clock, its joints and its source, without the channels.
+    """What a report says of a log: its clock, its joints and its source, without the channels."""
 
-    Attributes:
-        t: Time since the first sample, strictly increasing, t[0] = 0, shape (n,). [s]
-        joint_names: One name per joint, in the order of the columns.
-        source: Where the log came from.
-    """
-
-    t: Float
-    joint_names: tuple[str, ...]
+    t: Float  # time since the first sample, strictly increasing, t[0] = 0, shape (n,) [s]
+    joint_names: tuple[str, ...]  # in the order of the columns
     source: Source
 
     @property
@@ -135,44 +111,33 @@ class JointLog(Recording):
     """A recorded joint log: n samples of j joints.
 
     Arrays of shape (n, j) are float64, finite, read-only, and best laid out column by column (Fortran order):
-    every step works through one joint at a time.
-
-    Attributes, in addition to those of a ``Recording``:
-        q: Joint position, shape (n, j). [rad]
-        dq: Joint velocity, shape (n, j). [rad/s]
-        tau_J: Measured link-side torque, gravity and payload included, shape (n, j). [N m]
-        tau_J_d: Desired link-side torque, without gravity. [N m]
-        tau_ext_hat_filtered: The vendor's estimate of the external torque, low-pass filtered. [N m]
-        gravity: Gravity torque as logged (libfranka ``Model::gravity``). [N m]
-        tau_interaction: A column that already is the interaction torque F_m. [N m]
-        tau_compensation: Torque of a friction compensator that was active, positive towards positive motion. [N m]
-        tau_passivity: Torque of that compensator's passivity controller, logged apart from it. [N m]
-        temperature: Joint temperature. [degC]
-
-    Raises:
-        InputError: If a shape, the clock or a value breaks the promise, or no torque channel is there.
+    every step works through one joint at a time. InputError if a shape, the clock or a value breaks the promise, or no
+    torque channel is there.
     """
 
-    q: Float
-    dq: Float
-    tau_J: Float | None = None
-    tau_J_d: Float | None = None
-    tau_ext_hat_filtered: Float | None = None
-    gravity: Float | None = None
-    tau_interaction: Float | None = None
-    tau_compensation: Float | None = None
-    tau_passivity: Float | None = None
-    temperature: Float | None = None
+    q: Float  # joint position [rad]
+    dq: Float  # joint velocity [rad/s]
+    tau_J: Float | None = None  # measured link-side torque, gravity and payload included [N m]
+    tau_J_d: Float | None = None  # desired link-side torque, without gravity [N m]
+    tau_ext_hat_filtered: Float | None = None  # the vendor's estimate of the external torque, low-pass filtered [N m]
+    gravity: Float | None = None  # gravity torque as logged (libfranka Model::gravity) [N m]
+    tau_interaction: Float | None = None  # a column that already is the interaction torque F_m [N m]
+    tau_compensation: Float | None = None  # of a friction compensator that was active, with the motion positive [N m]
+    tau_passivity: Float | None = None  # of that compensator's passivity controller, logged apart from it [N m]
+    temperature: Float | None = None  # of the joint [degC]
 
     def __post_init__(self) -> None:
         """Prove the invariants and make the arrays read-only."""
-        _check_clock(self.t, self.source.path)
-        shape = (len(self.t), len(self.joint_names))
-        for name in JOINT_CHANNELS:
-            _check_channel(name, getattr(self, name), shape, self.source.path)
-        if all(getattr(self, name) is None for name in TORQUE_CHANNELS):
-            raise InputError(f"{self.source.path}: no torque channel; expected one of {', '.join(TORQUE_CHANNELS)}")
-        for array in (self.t, *self.channels().values()):
+        path, t, channels = self.source.path, self.t, self.channels()
+        if t.ndim != 1 or t.dtype != np.float64 or len(t) < MINIMUM_SAMPLES:
+            raise InputError(f"{path}: {t.size} samples; at least {MINIMUM_SAMPLES} are needed for a joint log")
+        if t[0] != 0.0 or not np.isfinite(t[-1]) or not np.all(t[1:] > t[:-1]):
+            raise InputError(f"{path}: time must start at 0 and increase strictly")
+        for name, array in channels.items():
+            _check_channel(name, array, (len(t), len(self.joint_names)), path)
+        if not channels.keys() & {*TORQUE_CHANNELS}:
+            raise InputError(f"{path}: no torque channel; expected one of {', '.join(TORQUE_CHANNELS)}")
+        for array in (t, *channels.values()):
             array.setflags(write=False)
 
     def __repr__(self) -> str:
@@ -205,12 +170,9 @@ class JointLog(Recording):
         return replace(self, **kept, joint_names=tuple(self.joint_names[c] for c in columns))
 
     def take_window(self, start_s: float | None, stop_s: float | None) -> "JointLog":
-        """Return the samples with start_s <= t < stop_s; the clock starts at 0 again, and so does the recording.
+        """Return the samples with start_s <= t < stop_s, two at least; the clock and the recording start at 0 again.
 
         A part that was taken while the log was read is not taken from itself again.
-
-        Raises:
-            UsageError: If fewer than two samples lie in the window.
         """
         if (start_s, stop_s) in ((None, None), self.source.window):
             return self
@@ -229,35 +191,23 @@ class JointLog(Recording):
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LogPart(JointLog):
-    """Samples of a log that follow each other, on its clock.
+    """Samples of a log that follow each other, on its clock."""
 
-    Attributes, in addition to those of a ``JointLog``:
-        first: Number of the first of them in the log.
-    """
-
-    first: int
+    first: int  # number of the first of them in the log
 
     def __post_init__(self) -> None:
         """Prove nothing: a part is as its log is."""
 
 
 def find_window(t: Float, start_s: float | None, stop_s: float | None, path: str) -> slice:
-    """Return the samples with start_s <= t < stop_s.
-
-    Raises:
-        UsageError: If they are fewer than two.
-    """
+    """Return the samples with start_s <= t < stop_s; UsageError if they are fewer than two."""
     first = 0 if start_s is None else int(np.searchsorted(t, start_s))
     last = len(t) if stop_s is None else int(np.searchsorted(t, stop_s))
     return check_window(first, last, start_s, stop_s, float(t[-1]), path)
 
 
 def check_window(first: int, last: int, start_s: float | None, stop_s: float | None, end_s: float, path: str) -> slice:
-    """Return the samples of a window of time in a log that lasts until ``end_s``.
-
-    Raises:
-        UsageError: If they are fewer than two.
-    """
+    """Return the samples of a window of time in a log that lasts until ``end_s``; UsageError if fewer than two."""
     if last - first < MINIMUM_SAMPLES:
         raise UsageError(
             f"{path}: {max(last - first, 0)} samples between {start_s or 0:g} s and "
@@ -289,16 +239,7 @@ def read_only(numbers: Float) -> Float:
     return whole
 
 
-def _check_clock(t: Float, path: str) -> None:
-    if t.ndim != 1 or t.dtype != np.float64 or len(t) < MINIMUM_SAMPLES:
-        raise InputError(f"{path}: {t.size} samples; at least {MINIMUM_SAMPLES} are needed for a joint log")
-    if t[0] != 0.0 or not np.isfinite(t[-1]) or not np.all(t[1:] > t[:-1]):
-        raise InputError(f"{path}: time must start at 0 and increase strictly")
-
-
-def _check_channel(name: str, array: Float | None, shape: tuple[int, int], path: str) -> None:
-    if array is None:
-        return
+def _check_channel(name: str, array: Float, shape: tuple[int, int], path: str) -> None:
     if array.shape != shape or array.dtype != np.float64:
         raise InputError(f"{path}: {name} has shape {array.shape} {array.dtype}; expected {shape} float64")
     # A sum is finite only if every term is, up to overflow: one pass and no temporary array.

@@ -21,24 +21,16 @@ class LogInBlocks(LogPart):
 
     Its arrays are means over ``mean_of`` samples each, of all of the log or, of a long one, of stretches spread evenly
     over it.
-
-    Attributes, in addition to those of a ``LogPart``:
-        mean_of: Samples per mean.
-        numbers: Number of each mean among those of the whole log, shape (m,).
-        clock: Number of samples, time of the last one [s], median step [s].
-        gaps: Number of the sample before each gap, its time and that of the sample after it, shape (k, 3).
-        read: Yields the clock of each block, and those of its channels that are asked for.
-        read_whole: Reads the log into memory.
-        listener: What has taken every block while the log was checked, or None.
     """
 
-    mean_of: int
-    numbers: NDArray[np.int64]
-    clock: tuple[int, float, float]
-    gaps: Float
+    mean_of: int  # samples per mean
+    numbers: NDArray[np.int64]  # number of each mean among those of the whole log, shape (m,)
+    clock: tuple[int, float, float]  # number of samples, time of the last one [s], median step [s]
+    gaps: Float  # number of the sample before each gap, its time and that of the sample after it, shape (k, 3)
+    # Yields the clock of each block, and those of its channels that are asked for.
     read: Callable[[Collection[str]], Iterator[tuple[Float, dict[str, Float]]]]
-    read_whole: Callable[[], JointLog]
-    listener: Any = None
+    read_whole: Callable[[], JointLog]  # reads the log into memory
+    listener: Any = None  # what has taken every block while the log was checked, or None
 
     @property
     def samples(self) -> int:

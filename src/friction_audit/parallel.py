@@ -17,10 +17,7 @@ from functools import lru_cache
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
-
-if TYPE_CHECKING:
-    from threadpoolctl import ThreadpoolController
+from typing import Any, TypeVar
 
 Result = TypeVar("Result")
 
@@ -69,7 +66,7 @@ def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
 
 
 @lru_cache(maxsize=1)
-def _libraries(modules: int) -> "ThreadpoolController":  # noqa: ARG001 - with more of them, there may be new libraries
+def _libraries(modules: int) -> Any:  # noqa: ANN401, ARG001 - with more of them, there may be new libraries
     """Return the libraries whose threads can be limited; to look for them takes milliseconds, for every block."""
     from threadpoolctl import ThreadpoolController
 
@@ -88,9 +85,7 @@ def ahead(items: Iterator[Result]) -> Iterator[Result]:
 def workers_for(pieces: int, working_bytes: int = 0) -> int:
     """Return how many processes are to share pieces of work: 1 where this process is not to be forked.
 
-    Args:
-        pieces: How many there are.
-        working_bytes: Memory that each process needs of its own; all of them fit into what is available.
+    The memory that each needs of its own, ``working_bytes``, fits into what is available.
     """
     first = threading.current_thread() is threading.main_thread() and multiprocessing.parent_process() is None
     if sys.platform != "linux" or not (first and _OWN.get()) or _ALONE.get():
@@ -130,13 +125,8 @@ def _tune_malloc(*, mapped: int, kept: int) -> None:
 def in_processes(work: Callable[[int], Result], pieces: int, workers: int) -> Iterator[Result]:
     """Yield the result of each piece of work (0-based), in order, each as soon as it is there.
 
-    Processes are forked, so that they share the data that the work refers to. What one that is killed was to do is done
-    here.
-
-    Args:
-        work: Does one piece; results can be pickled. It writes nowhere: a process may end at any time.
-        pieces: How many there are.
-        workers: Processes that share them; with 1 this process does them.
+    Processes are forked, so that they share the data that the work refers to; results can be pickled. Work writes
+    nowhere, since a process may end at any time: what one that is killed was to do is done here.
     """
     from threadpoolctl import threadpool_limits
 
@@ -172,11 +162,8 @@ def processes(
 ) -> Iterator[ProcessPoolExecutor]:
     """Yield a pool whose processes end with the block, at once and however it ends, and with this process.
 
-    Args:
-        workers: How many processes.
-        method: How they start: ``"fork"``, or ``"forkserver"`` where this process has threads and open files.
-        work: What forked processes do with the pieces given to them.
-        preload: Modules that a fork server imports once for all processes.
+    They start by ``"fork"`` and do ``work``, or by ``"forkserver"`` where this process has threads and open files: that
+    server imports the modules of ``preload`` once for all of them.
     """
     context = multiprocessing.get_context(method)
     if preload:

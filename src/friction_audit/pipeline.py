@@ -40,20 +40,11 @@ ENOUGH_MEANS = 50  # of the first block of a log, a second at least, that may sh
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class AuditSettings:
-    """All settings of the chain.
+    """All settings of the chain."""
 
-    Attributes:
-        joints: Numbers (1..n) of the joints to look at, or None for all.
-        t_start_s: Start of the window, or None. [s]
-        t_stop_s: End of the window, or None. [s]
-        torque: The interaction torque.
-        cycles: The segmentation.
-        friction: The estimate.
-    """
-
-    joints: tuple[int, ...] | None = None
-    t_start_s: float | None = None
-    t_stop_s: float | None = None
+    joints: tuple[int, ...] | None = None  # numbers (1..n) of the joints to look at, or None for all
+    t_start_s: float | None = None  # start of the window [s]
+    t_stop_s: float | None = None  # end of the window [s]
     torque: TorqueSettings = field(default_factory=TorqueSettings)
     cycles: CycleSettings = field(default_factory=CycleSettings)
     friction: FrictionSettings = field(default_factory=FrictionSettings)
@@ -103,12 +94,7 @@ def _repr(name: str, path: str, unit: str, joints: "Iterable[object]") -> str:
 
 
 def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
-    """Estimate the friction of the joints of a log.
-
-    Raises:
-        UsageError: If the settings contradict the log.
-        InputError: If the log lacks a channel that the settings ask for.
-    """
+    """Estimate the friction of the joints of a log; InputError if it lacks a channel that the settings ask for."""
     from friction_audit.friction.estimate import estimate_friction, friction_of
     from friction_audit.preprocessing.segmentation import join_cycles, segment_cycles
 

@@ -35,10 +35,6 @@ class Preset:
     acceleration_rad_s2: tuple[float, ...] = ()
     torque_rate_nm_s: float = inf  # fastest change of a commanded torque [N m/s]
 
-    def says(self, prefix: str) -> bool:
-        """Return True if the prefix of a joint's name, such as ``left_ur10e_``, says this arm."""
-        return re.search(rf"(?:^|[\W_])(?:{self.pattern})(?:[\W_]|\d|$)", prefix, re.IGNORECASE) is not None
-
 
 def _radians(*degrees: float) -> tuple[float, ...]:
     return tuple(map(radians, degrees))
@@ -150,5 +146,6 @@ def candidates(names: Sequence[str]) -> tuple[str, ...]:
 def _is_named(names: Sequence[str], preset: Preset) -> bool:
     """Return True if the prefix of a joint says this arm; of an arm without such names all joints have to be there."""
     prefixes = {(match["arm"] or "") if (match := _ARM_JOINT.match(name)) else name for name in names}
+    arm = re.compile(rf"(?:^|[\W_])(?:{preset.pattern})(?:[\W_]|\d|$)", re.IGNORECASE)  # of left_ur10e_, say
     whole = preset.label.startswith("Franka") or len(names) == len(preset.joints)
-    return whole and any(map(preset.says, prefixes))
+    return whole and any(map(arm.search, prefixes))

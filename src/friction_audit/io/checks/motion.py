@@ -284,7 +284,8 @@ def _mismatch(recording: Recording, ratios: MotionRatio, joint: int) -> Finding:
             f"by {factor:.4g}, or name its own column with --map dq=<column>"
         )
         return Finding("velocity_scale", message, joint + 1, factor)
-    return Finding("position_mismatch", f"{message}check that both columns are of this joint", joint + 1, ratio)
+    message += "check that both columns are of this joint"
+    return Finding("position_mismatch", message, joint + 1, ratio)
 
 
 def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
