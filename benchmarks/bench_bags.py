@@ -109,7 +109,7 @@ def read_ours(path: Path, messages: int) -> tuple[Samples, ...]:
     from friction_audit.io.readers.read import choose_reader
     from friction_audit.io.readers.reader import ReadOptions
 
-    recording = choose_reader(path).read(path, ReadOptions())
+    recording = choose_reader(path).loaded.read(path, ReadOptions())
     assert len(recording.t) == messages
     assert recording.joint_names == tuple(NAMES)
     return tuple(recording.channels[name] for name in ("q", "dq", "tau_J"))

@@ -35,7 +35,7 @@ def samples(n: int, joints: int = 7, seed: int = 0) -> Samples:
 
 
 def read(path: Path, **options: Any) -> Recording:
-    return choose_reader(path).read(path, ReadOptions(**options))
+    return choose_reader(path).loaded.read(path, ReadOptions(**options))
 
 
 def damage(recording: Recording) -> list[Finding]:

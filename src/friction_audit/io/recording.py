@@ -1,6 +1,6 @@
 """A recording as a reader returns it, before its faults are looked for: in memory, or read block by block."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -83,8 +83,8 @@ class Recording:
 
     def with_findings(self, *findings: Finding | None) -> "Recording":
         """Return the recording with findings added."""
-        new = tuple(finding for finding in findings if finding is not None)
-        return replace(self, findings=(*self.findings, *new)) if new else self
+        new = filter(None, findings)
+        return replace(self, findings=(*self.findings, *new))
 
     @property
     def rows(self) -> int:
@@ -149,13 +149,10 @@ class Recording:
 
         return self.mended(mend, rows)
 
-    def take_joints(self, joints: Sequence[int]) -> "Recording":
+    def take_joints(self, joints: list[int]) -> "Recording":
         """Return some joints only, given by column."""
-
-        def change(t: Float, channels: dict[str, Float]) -> Block:
-            return t, {channel: np.asfortranarray(array[:, list(joints)]) for channel, array in channels.items()}
-
-        return replace(self.changed(change), joint_names=tuple(self.joint_names[joint] for joint in joints))
+        left = self.changed(lambda t, every: (t, {name: np.asfortranarray(a[:, joints]) for name, a in every.items()}))
+        return replace(left, joint_names=tuple(self.joint_names[joint] for joint in joints))
 
     def name_of(self, channel: str, joint: int) -> str:
         """Return how messages call a channel of a joint (0-based)."""
@@ -188,9 +185,8 @@ def with_velocity(recording: Recording, step_s: float) -> Recording:
     if not is_derived:
         message = f"no velocity was found: {message}; if there is one by another name, use --map dq=NAME"
     said = any(finding.code == "velocity_derived" for finding in recording.findings)
-    finding = None if said else Finding("velocity_derived", message)
-    channels = {**recording.channels, "dq": rate}
-    return replace(recording, channels=channels, mapping={**names, "dq": DERIVATIVE}).with_findings(finding)
+    recording = replace(recording, channels=recording.channels | {"dq": rate}, mapping={**names, "dq": DERIVATIVE})
+    return recording if said else recording.with_findings(Finding("velocity_derived", message))
 
 
 def take_rows(t: Float, channels: dict[str, Float], rows: NDArray[Any]) -> Block:

@@ -26,25 +26,22 @@ class ArrayTable(ColumnTable):
 
     def __init__(self, path: Path, arrays: Mapping[str, Any], findings: tuple[Finding, ...] = ()) -> None:
         """Keep arrays, or what has the shape and type of one and is read by ``load``."""
-        widths = {name: prod(array.shape[1:]) for name, array in arrays.items()}
         self._arrays, self._findings = arrays, findings
+        widths = {name: prod(array.shape[1:]) for name, array in arrays.items()}
         self._cells = [(name, cell) for name, n in widths.items() if n <= MOST_JOINTS for cell in range(n)]
         super().__init__(path, [name if widths[name] == 1 else f"{name}[{cell}]" for name, cell in self._cells])
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return what was noticed when the arrays were read."""
         return self._findings
 
     def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
         """Return an array as (n, k), in the rows of a mask or in all."""
-        array: NDArray[Any] = self._arrays[name].reshape(len(self._arrays[name]), -1)
-        return array if rows is None else array[rows]
+        array = self._arrays[name] if rows is None else self._arrays[name][rows]
+        return array.reshape(len(array), -1)  # type: ignore[no-any-return]
 
     def size(self, columns: ColumnMap) -> tuple[int, int]:
-        """Return the number of samples, and the bytes of the arrays of these columns."""
-        wanted = [*columns.time.cells, *(cell for cells in columns.channels.values() for cell in cells)]
-        names = list(dict.fromkeys(self._cells[cell][0] for cell in wanted))
-        samples = self._arrays[names[0]].shape[0]
+        names = {self._cells[cell][0]: None for cell in columns.cells}
+        samples = self._arrays[next(iter(names))].shape[0]
         for name in sorted(names):
             if (shape := self._arrays[name].shape)[0] != samples:
                 raise InputError(
@@ -54,7 +51,6 @@ class ArrayTable(ColumnTable):
         return samples, sum(int(self._arrays[name].nbytes) for name in names)
 
     def read_clock(self, time: TimeColumn) -> Clock:
-        """Read all stamps."""
         parts, unit = [self._column(cell) for cell in time.cells], time.unit
         if parts[0].dtype.kind in "mM":
             parts, unit = [part.astype(f"{part.dtype.kind}8[ns]").astype(np.int64) for part in parts], "ns"
@@ -65,14 +61,12 @@ class ArrayTable(ColumnTable):
         return self.load(name, rows)[:, place]
 
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
-        """Read the channels, in the rows of a mask or in all; one array at a time is in memory as a whole."""
         channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
         for channel, cells in columns.channels.items():
             loaded: dict[str, NDArray[Any]] = {}
             for joint, cell in enumerate(cells):
                 name, place = self._cells[cell]
-                if name not in loaded:
-                    loaded = {name: self.load(name, rows)}
+                loaded = loaded if name in loaded else {name: self.load(name, rows)}  # one at a time is in memory
                 try:
                     channels[channel][:, joint] = loaded[name][:, place]
                 except (ValueError, TypeError) as error:

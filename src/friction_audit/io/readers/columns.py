@@ -4,6 +4,7 @@ import difflib
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import (
@@ -47,6 +48,11 @@ class ColumnMap:
     joint: int | None = None  # position of the column of joints in a table with one row per joint and time, else None
     stated: frozenset[str] = frozenset()  # channels that the user named
 
+    @property
+    def cells(self) -> list[int]:
+        """Positions of the clock and of the columns of all channels."""
+        return [*self.time.cells, *chain.from_iterable(self.channels.values())]
+
 
 def map_columns(
     names: Sequence[str],
@@ -66,7 +72,10 @@ def map_columns(
     """
     bare = [name.strip() for name in names]
     _refuse_absent(mapping, bare, path)
-    joint, labels = _joint_column(bare, mapping) if may_be_long else None, labels or {}
+    labels, listed = labels or {}, [one for channel, one in mapping.items() if channel != "t" and one not in bare]
+    per_joint = any(_SEVERAL.search(one) or f"{one}[0]" in bare for one in listed)  # is a column
+    is_joint = (cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS)
+    joint = next(is_joint, None) if may_be_long and not per_joint else None
     outside = _outside_the_arm(bare, labels, mapping, arm, path) if joint is None else frozenset[int]()
     stated = {c: stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
     taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
@@ -135,14 +144,6 @@ def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
     known = find_time([names[cell]])
     clock = known.clock if known else "column"
     return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
-
-
-def _joint_column(names: Sequence[str], mapping: Mapping[str, str]) -> int | None:
-    """Return the column of joints of a table with one row per joint and time; None if it has a column per joint."""
-    listed = [one for channel, one in mapping.items() if channel != "t" and one not in names]
-    if any(_SEVERAL.search(one) or f"{one}[0]" in names for one in listed):
-        return None
-    return next((cell for cell, name in enumerate(names) if name.lower() in _JOINT_COLUMNS), None)
 
 
 def _of_long_table(

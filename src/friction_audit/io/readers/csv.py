@@ -65,15 +65,13 @@ class CsvTable(Table):
         self._cut: Finding | None = None
 
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        """Read the columns; of a large table the part asked for alone."""
-        dialect, time, path = self._dialect, columns.time, str(self.path)
-        cells = [cell for own in columns.channels.values() for cell in own]
+        dialect, time, path, cells = self._dialect, columns.time, str(self.path), columns.cells
         words = [*self._labels] if columns.joint is None else [columns.joint]
         kind = _time_kind(dialect, time)
         self._kinds = dict.fromkeys(words, str) | dict.fromkeys(cells, float) | dict.fromkeys(time.cells, kind)
         unit = "ns" if len(time.cells) > 1 or kind is str else time.unit
         rows = dialect.size * len(dialect.rows) // sum(sum(map(len, row)) + len(row) for row in dialect.rows)
-        size = 8 * rows * (len(cells) + 1)
+        size = 8 * rows * (len(cells) - len(time.cells) + 1)
         # The first row of libfranka may hold no numbers.
         plain = columns.joint is None and kind is not str and not self.is_libfranka
         if options.in_blocks and plain and size > _SLOWER * IN_BLOCKS_BYTES:
@@ -99,7 +97,6 @@ class CsvTable(Table):
         return Part(clock=clock, channels=channels, joint=joint, first_s=part.first_s if part else None)
 
     def findings(self) -> tuple[Finding, ...]:
-        """Return what is damaged."""
         found = () if self._cut is None else (self._cut,)
         if not self._bad_lines:
             return found
@@ -271,10 +268,9 @@ def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
     texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
     if texts and all(value_of(text, float, dialect.decimal) is None for text in texts):
         return str
-    whole = [text.lstrip("-").isdigit() for text in texts]
-    long = any(is_whole and len(text) >= _LONG_INTEGER for is_whole, text in zip(whole, texts, strict=True))
-    exact = long or (len(time.cells) > 1 and all(whole))
-    return np.int64 if exact else float
+    whole = [text for text in texts if text.lstrip("-").isdigit()]
+    is_split = len(time.cells) > 1 and len(whole) == len(texts)
+    return np.int64 if is_split or any(len(text) >= _LONG_INTEGER for text in whole) else float
 
 
 def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:
@@ -291,12 +287,8 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
     if not is_start or not any(np.isnan(array[0]).any() for array in recording.channels.values()):
         return recording
     finding = Finding("first_row", "the first row holds no numbers yet; it is left out", amount=1.0)
-    return replace(
-        recording,
-        t=recording.t[1:],
-        channels={channel: array[1:] for channel, array in recording.channels.items()},
-        findings=(*recording.findings, finding),
-    )
+    channels = {channel: array[1:] for channel, array in recording.channels.items()}
+    return replace(recording, t=recording.t[1:], channels=channels).with_findings(finding)
 
 
 def topics(path: Path) -> tuple[Topic, ...]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import chain, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +16,6 @@ from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.reader import refuse_bomb
 from friction_audit.joint_log import Finding
-
-if TYPE_CHECKING:
-    from _typeshed import WriteableBuffer
-
 
 PACKED = {b"\x1f\x8b": "gzip", b"\x28\xb5\x2f\xfd": "zstd"}  # magic bytes -> codec of Arrow
 # The longest head holds four lines of 100 000 columns; a file of one endless line is not split as a whole. [byte]
@@ -45,7 +41,7 @@ class _Unpacked(io.RawIOBase):
     def readable(self) -> bool:
         return True
 
-    def readinto(self, buffer: "WriteableBuffer") -> int:
+    def readinto(self, buffer: Any) -> int:  # noqa: ANN401 - what memory can be written to
         try:
             size = int(self._stream.readinto(buffer))
         except OSError as error:

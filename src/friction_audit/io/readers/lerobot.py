@@ -131,8 +131,11 @@ def _columns(file: Path, episode: str) -> dict[str, NDArray[Any]]:
     import pyarrow as pa
     from pyarrow import compute
 
+    from friction_audit.io.readers.arrow import is_list, is_number
+
     with _opened(file) as parquet:
-        wanted = [field.name for field in parquet.schema_arrow if _is_numeric(field.type)]
+        kinds = {one.name: one.type.value_type if is_list(one.type) else one.type for one in parquet.schema_arrow}
+        wanted = [name for name, kind in kinds.items() if is_number(kind)]
         table = parquet.read(wanted)
     table = table.filter(compute.equal(table["episode_index"], int(episode.rpartition("_")[2])))
     try:
@@ -151,10 +154,3 @@ def _opened(file: Path) -> Iterator[Any]:
             yield parquet
     except (pa.ArrowException, OSError) as error:
         raise InputError(f"{file}: a damaged or unfinished Parquet file: {error}; copy the data set again") from error
-
-
-def _is_numeric(kind: Any) -> bool:  # noqa: ANN401 - a type of Arrow
-    import pyarrow as pa
-
-    inner = kind.value_type if pa.types.is_list(kind) or pa.types.is_fixed_size_list(kind) else kind
-    return bool(pa.types.is_floating(inner) or pa.types.is_integer(inner))

@@ -119,17 +119,11 @@ def _from_hdf5(path: Path) -> Iterator[tuple[str, NDArray[Any]]]:
     import h5py
 
     with h5py.File(path) as file:
-        numbers: list[Any] = []
-        file.visititems(
-            lambda _, item: numbers.append(item) if isinstance(item, h5py.Dataset) and _is_numeric(item) else None
-        )
+        items: list[Any] = []
+        file.visititems(lambda _, item: items.append(item))
+        every = (item for item in items if isinstance(item, h5py.Dataset) and item.dtype.kind in "fiu" and item.size)
+        named = [item for item in every if not item.name.startswith("/#")]
+        numbers = [item for item in named if item.attrs.get("MATLAB_class") not in (b"char", b"cell")]
         refuse_too_large(path, 8 * sum(item.size for item in numbers), path.stat().st_size)
         for item in numbers:
             yield item.name.strip("/").replace("/", "."), item[()].T  # MATLAB's columns are HDF5's rows
-
-
-def _is_numeric(item: Any) -> bool:  # noqa: ANN401 - a data set of h5py
-    kind = item.attrs.get("MATLAB_class", b"double")
-    return (
-        item.dtype.kind in "fiu" and kind not in (b"char", b"cell") and not item.name.startswith("/#") and item.size > 0
-    )

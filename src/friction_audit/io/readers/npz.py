@@ -42,19 +42,11 @@ class Entry:
 
     info: zipfile.ZipInfo
     shape: tuple[int, ...]
+    width: int  # numbers per row
     dtype: np.dtype[Any]
+    nbytes: int  # in the file
     by_column: bool
     offset: int
-
-    @property
-    def width(self) -> int:
-        """Numbers per row."""
-        return prod(self.shape[1:])
-
-    @property
-    def nbytes(self) -> int:
-        """Bytes in the file."""
-        return self.info.compress_size
 
 
 def read(path: Path, options: ReadOptions) -> Recording:
@@ -82,16 +74,15 @@ class NpzTable(ArrayTable):
         self.clock = _PANDA_PY_CLOCK if self._entries.keys() >= _PANDA_PY else None
 
     def load(self, name: str, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
-        """Return an array as (n, k), in the rows of a mask or in all."""
         return _array(self._archive, self._entries[name], rows)
 
     def in_blocks(self, columns: ColumnMap) -> Part | None:
         """Read pieces of all arrays side by side; None where one is compressed with its columns one after the other."""
-        cells = [*columns.time.cells, *(cell for own in columns.channels.values() for cell in own)]
-        by_column = [e for e in (self._entries[self._cells[cell][0]] for cell in cells) if e.by_column]
+        entries = dict.fromkeys(self._entries[self._cells[cell][0]] for cell in columns.cells)
+        by_column = [entry for entry in entries if entry.by_column]
         if any(entry.info.compress_type != zipfile.ZIP_STORED for entry in by_column):
             return None
-        for entry in dict.fromkeys(by_column):  # a map says nothing of a wrong checksum
+        for entry in by_column:  # a map says nothing of a wrong checksum
             for _ in _pieces(self._archive, entry):
                 pass
 
@@ -102,8 +93,7 @@ class NpzTable(ArrayTable):
                     arrays = dict(zip(names, chunks, strict=True))
                     yield {cell: arrays[self._cells[cell][0]][:, self._cells[cell][1]] for cell in cells}
 
-        rows = self._entries[self._cells[columns.time.cells[0]][0]].shape[0]
-        return part_in_blocks(columns, columns.time.unit, rows, pieces, str(self.path))
+        return part_in_blocks(columns, columns.time.unit, next(iter(entries)).shape[0], pieces, str(self.path))
 
 
 @contextmanager
@@ -151,7 +141,8 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
         version = npy.read_magic(stream)
         read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
         shape, by_column, dtype = read(stream)
-        entry = Entry(info=info, shape=shape, by_column=by_column, dtype=dtype, offset=stream.tell())
+        sizes = {"width": prod(shape[1:]), "nbytes": info.compress_size, "offset": stream.tell()}
+        entry = Entry(info=info, shape=shape, dtype=dtype, by_column=by_column, **sizes)
     if not dtype.itemsize or (not dtype.hasobject and entry.offset + prod(shape) * dtype.itemsize != info.file_size):
         raise ValueError(f"shape {shape} of {dtype} in {info.file_size} bytes")
     return entry

@@ -42,6 +42,7 @@ READERS: tuple[Reader, ...] = (
     Reader("mcap", (".mcap",), b"\x89MCAP0\r\n"),
     Reader("csv", (".csv", ".tsv", ".txt", ".dat", ".csv.gz", ".csv.zst")),
 )
+_FORMATS = ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
 _DEFAULT = ReadOptions()
 _FACTORS = {"torque_constant": "torque constant {} N m/A", "gear_ratio": "gear ratio {}", "torque_scale": "scale {}"}
 Listen = Callable[[JointLog], Take | None]
@@ -49,16 +50,10 @@ _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x
 
 
 def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen = lambda _: None) -> JointLog:
-    """Read a recorded joint log of any format, and check it.
+    """Read a recorded joint log of any format, a file or the directory of a bag or data set, and check it.
 
-    Args:
-        path: A file, or the directory of a ROS 2 bag.
-        options: What the user says about how to read it.
-        listen: Given what is known of a log in blocks at its first block, returns what takes every block (number of
-            the first sample, time, channels) while it is checked, or None.
-
-    Raises:
-        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+    ``listen`` is given what is known of a log in blocks at its first block, and returns what takes every block (number
+    of the first sample, time, channels) while it is checked, or None.
     """
     if options.in_blocks:
         with suppress(WholeLogError):
@@ -68,23 +63,18 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT, listen: Listen =
 
 
 def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLog:
-    options, anew = _velocity_anew(options)
     files = [(file := Path(name), _stamp(file), choose_reader(file)) for name in (path, *options.join)]
-    at, damage, mismatches = files[0], list[Finding](), list[Finding]()
+    at, parts, asked = files[0], list[tuple[Path, Recording]](), _asked(options)
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
         # hashlib gives the lock away: this costs no time on a second core.
         digests = [pool.submit(sha256_of, file) for file, *_ in files] if options.hashed else []
         try:
-            parts = []
             for at in files:
-                part = at[2].read(at[0], _own_options(options, first=at is files[0]))
-                damage += part.findings
-                mismatches += _suffix_mismatch(at[0], at[2])
-                parts.append((at[0], part))
+                part = at[2].loaded.read(at[0], _own_options(asked, first=at is files[0]))
+                parts.append((at[0], part.with_findings(_suffix_mismatch(at[0], at[2]))))
             at = files[0]
-            recording = (join_recordings(parts, options.mapping) if options.join else part).with_findings(*mismatches)
-            recording = _convert_torque(_without_velocity(recording) if anew else recording, options, str(path))
-            recording = _examined(recording, options, str(path), listen)
+            recording = join_recordings(parts, asked.mapping) if options.join else parts[0][1]
+            recording = _checked(recording, options, str(path), listen)
             contents = [digest.result() for digest in digests] or [""] * len(files)
         except OSError as error:
             raise _unreadable(at[0], error) from error
@@ -93,33 +83,23 @@ def _read_log(path: str | Path, options: ReadOptions, listen: Listen) -> JointLo
                 f"{at[0]}: not enough memory to read a file of {at[1].size} bytes; {TAKE_A_PART}"
             ) from error
         except InputError as error:
-            notes = [finding.message for finding in _suffix_mismatch(at[0], at[2])]
-            notes += [finding.message for finding in damage if finding.damaged and finding.message not in str(error)]
+            damage = (one for _, part in parts for one in part.findings if one.damaged)
+            found = (_suffix_mismatch(at[0], at[2]), *damage)
+            notes = [one.message for one in found if one and one.message not in str(error)]
             if _stamp(at[0]) != at[1]:
                 notes.append("the file changed while it was read: read it again when it is finished")
             if not notes:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
-    recording = recording.with_findings(*(one for file, before, _ in files for one in _growth(before, _stamp(file))))
-    recording = _doubt_current(recording)
-    name, content, form = str(path), contents[0], files[0][2].name
-    log = to_joint_log(recording, options, path=name, sha256=content, format=form)
+    recording = recording.with_findings(*(_growth(before, _stamp(file)) for file, before, _ in files))
     others = zip(files[1:], contents[1:], strict=True)
     joined = tuple(Joined(path=str(file), sha256=sha, format=reader.name) for (file, _, reader), sha in others)
-    return replace(log, source=replace(log.source, joined=joined)) if joined else log
+    return to_joint_log(recording, options, path=str(path), sha256=contents[0], format=files[0][2].name, joined=joined)
 
 
-def _velocity_anew(options: ReadOptions) -> tuple[ReadOptions, bool]:
-    """Return what is left for a reader to do, and whether ``--map dq=derivative`` asks for a velocity made from q."""
-    anew = options.mapping.get("dq") == DERIVATIVE
-    mapping = {channel: name for channel, name in options.mapping.items() if not anew or channel != "dq"}
-    return replace(options, mapping=mapping), anew
-
-
-def _without_velocity(recording: Recording) -> Recording:
-    """Return the recording without its velocity, which is to be made from q when its faults are mended."""
-    channels = {channel: array for channel, array in recording.channels.items() if channel != "dq"}
-    return replace(recording, channels=channels, mapping={**recording.mapping, "dq": DERIVATIVE})
+def _asked(options: ReadOptions) -> ReadOptions:
+    """Return what is left for a reader to do: a velocity for ``--map dq=derivative`` is not looked for in a file."""
+    return replace(options, mapping={c: name for c, name in options.mapping.items() if (c, name) != ("dq", DERIVATIVE)})
 
 
 def _own_options(options: ReadOptions, *, first: bool) -> ReadOptions:
@@ -132,39 +112,36 @@ def _own_options(options: ReadOptions, *, first: bool) -> ReadOptions:
 
 
 def log_from_frame(frame: Any, options: ReadOptions = _DEFAULT, *, name: str = "frame") -> JointLog:  # noqa: ANN401
-    """Read a data frame, or a mapping of names to arrays, as a joint log, and check it.
+    """Read a pandas, polars or Arrow table, or arrays of shape (n,) or (n, joints) by name, as a joint log; check it.
 
-    Args:
-        frame: A pandas, polars or Arrow table with named columns, or arrays of shape (n,) or (n, joints) by name.
-        options: What the user says about how to read it.
-        name: What messages and results call it.
-
-    Raises:
-        UsageError: If it is no frame.
-        InputError: If it cannot be read as a joint log.
+    Messages and results call it by the name. UsageError if it is no frame.
     """
     arrays = arrays_of_frame(frame, name)
-    options, anew = _velocity_anew(options)
-    recording = read_table(ArrayTable(Path(name), arrays), options)
-    recording = _convert_torque(_without_velocity(recording) if anew else recording, options, name)
-    recording = _doubt_current(_examined(recording, options, name, lambda _: None))
+    recording = _checked(read_table(ArrayTable(Path(name), arrays), _asked(options)), options, name, lambda _: None)
     digest = sha256()
     for column, array in arrays.items():
         digest.update(column.encode() + (str(array.tolist()).encode() if array.dtype == object else array.tobytes()))
     return to_joint_log(recording, options, path=name, sha256=digest.hexdigest(), format="frame")
 
 
-def _examined(recording: Recording, options: ReadOptions, path: str, listen: Listen) -> Recording:
+def _checked(recording: Recording, options: ReadOptions, path: str, listen: Listen) -> Recording:
+    """Return a recording with its torque converted, and its faults noticed and mended."""
+    if options.mapping.get("dq") == DERIVATIVE:  # made from q when its faults are mended
+        channels = {channel: array for channel, array in recording.channels.items() if channel != "dq"}
+        recording = replace(recording, channels=channels, mapping={**recording.mapping, "dq": DERIVATIVE})
+    recording = _convert_torque(recording, options, path)
     row_bytes = np.float64().itemsize * (1 + sum(array.shape[1] for array in recording.channels.values()))
     if recording.blocks is not None and options.reads_part(recording.rows * row_bytes):
         recording = leave_out_far(recording, *options.window_of_clock())
-    window = (options.t_start_s, options.t_end_s)
-
-    def listener(known: Recording) -> Take | None:
-        return listen(to_joint_log(known, options, path=path, sha256="", format=""))
-
-    scale = options.time_scale
-    return examine(recording, path=path, robot=options.robot, time_scale=scale, window=window, listen=listener)
+    recording = examine(
+        recording,
+        path=path,
+        robot=options.robot,
+        time_scale=options.time_scale,
+        window=(options.t_start_s, options.t_end_s),
+        listen=lambda known: listen(to_joint_log(known, options, path=path, sha256="", format="")),
+    )
+    return recording.with_findings(_doubt_current(recording))
 
 
 def to_joint_log(
@@ -174,6 +151,7 @@ def to_joint_log(
     path: str,
     sha256: str,
     format: str,  # noqa: A002
+    joined: tuple[Joined, ...] = (),
 ) -> JointLog:
     """Make an examined recording a JointLog whose clock starts at 0, in memory or not."""
     blocks = recording.blocks
@@ -192,17 +170,16 @@ def to_joint_log(
         torque_unit=recording.torque_unit or torque_unit(recording.mapping.get(torque, "")),
         clock_windows=recording.clock_windows,
         findings=recording.findings,
+        window=(options.t_start_s, options.t_end_s),
+        skipped_s=first if options.has_window else 0.0,
+        joined=joined,
     )
-    if options.has_window:
-        source = replace(source, window=(options.t_start_s, options.t_end_s), skipped_s=first)
+    held: dict[str, Any] = {**recording.channels, "joint_names": recording.joint_names, "source": source}
     if blocks is None:
-        t = recording.t if first == 0.0 else recording.t - first
-        return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
+        return JointLog(t=recording.t if first == 0.0 else recording.t - first, **held)
     return LogInBlocks(
         t=recording.t,
-        **recording.channels,
-        joint_names=recording.joint_names,
-        source=source,
+        **held,
         first=0,
         mean_of=blocks.mean_of,
         numbers=blocks.numbers,
@@ -220,7 +197,7 @@ def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
     _stamp(file)
     reader = choose_reader(file)
     try:
-        return reader.name, reader.topics(file)
+        return reader.name, reader.loaded.topics(file)
     except OSError as error:
         raise _unreadable(file, error) from error
 
@@ -236,18 +213,13 @@ def choose_reader(path: Path) -> Reader:
         raise InputError(
             f"{path}: packed with {packed}; expected a log that is not; unpack it with `{packed} -d {path}`"
         )
-    if by_suffix and not path.is_dir():
-        return by_suffix[0]
-    if path.is_dir():
-        next(path.iterdir(), None)  # raises if it may not be looked into
     what = "of no known format"
     if path.is_dir():
+        next(path.iterdir(), None)  # raises if it may not be looked into
         what = f"a directory without the storage files of a bag or the {DATA_SET} of a LeRobot data set"
-    raise InputError(f"{path}: {what}; what is read: {_formats()}; convert it, or choose a file inside")
-
-
-def _formats() -> str:
-    return ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
+    elif by_suffix:
+        return by_suffix[0]
+    raise InputError(f"{path}: {what}; what is read: {_FORMATS}; convert it, or choose a file inside")
 
 
 def _stamp(path: Path) -> Stamp:
@@ -265,7 +237,7 @@ def _stamp(path: Path) -> Stamp:
         raise _unreadable(path, error) from error
     if stamp.size == 0:
         what = "its files are empty" if path.is_dir() else "the file is empty"
-        raise InputError(f"{path}: {what} (0 bytes); expected a joint log: {_formats()}; copy or record it again")
+        raise InputError(f"{path}: {what} (0 bytes); expected a joint log: {_FORMATS}; copy or record it again")
     return stamp
 
 
@@ -277,25 +249,25 @@ def _unreadable(path: Path, error: OSError) -> InputError:
     return InputError(f"{path}: {advice}")
 
 
-def _suffix_mismatch(path: Path, reader: Reader) -> tuple[Finding, ...]:
-    others = [other.name for other in READERS if other.is_named(path) and other.name != reader.name]
-    if reader.is_named(path) or not others:
-        return ()
+def _suffix_mismatch(path: Path, reader: Reader) -> Finding | None:
+    others = [other.name for other in READERS if other.is_named(path)]
+    if reader.name in others or not others:
+        return None
     message = (
         f"the name ends in {path.suffix}, as {others[0]} does, but the content is {reader.name}; it was read as that"
     )
-    return (Finding("suffix_mismatch", message),)
+    return Finding("suffix_mismatch", message)
 
 
-def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
+def _growth(before: Stamp, after: Stamp) -> Finding | None:
     if before == after:
-        return ()
+        return None
     how = f"{before.size} bytes before, {after.size} after" if before.size != after.size else "its size stayed"
     message = (
         f"the file changed while it was read ({how}); what was read may end early or be of two files; read it again "
         "when the recording is finished"
     )
-    return (Finding("file_grew", message, amount=float(after.size - before.size), damaged=True),)
+    return Finding("file_grew", message, amount=float(after.size - before.size), damaged=True)
 
 
 def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Recording:
@@ -328,21 +300,21 @@ def _convert_torque(recording: Recording, options: ReadOptions, path: str) -> Re
     return replace(recording, torque_unit="N m" if is_current else unit)
 
 
-def _doubt_current(recording: Recording) -> Recording:
-    """Note where the arm by its name has no torque sensor: its effort is a current, or a torque made from one."""
+def _doubt_current(recording: Recording) -> Finding | None:
+    """Say where the arm by its name has no torque sensor: its effort is a current, or a torque made from one."""
     names = (recording.robot,) if recording.robot in PRESETS else candidates(recording.joint_names)
     kinds = {PRESETS[name].torque for name in names}
     name = recording.mapping.get("tau_J", "")
     if "tau_J" not in recording.channels or (recording.torque_unit or torque_unit(name)) != "N m":
-        return recording
+        return None
     arm = PRESETS[names[0]].label if len(names) == 1 else "these arms"
     if kinds == {CURRENT} and "effort" in name.lower() and not recording.torque_unit:
         message = (
             f"{name}: the ROS driver of {arm} gives the motor current [A] as effort, unless it is set to torques; if "
             "these are amperes, put :A after the names in --map tau_J"
         )
-        return recording.with_findings(Finding("effort_is_current", message))
+        return Finding("effort_is_current", message)
     if kinds == {ESTIMATE}:
         message = f"{arm}: {name} is estimated from the motor current: its friction is that of motor, gear and joint"
-        return recording.with_findings(Finding("torque_from_current", message))
-    return recording
+        return Finding("torque_from_current", message)
+    return None

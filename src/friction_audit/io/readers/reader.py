@@ -3,16 +3,13 @@
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
-from difflib import get_close_matches
 from importlib import import_module
 from math import inf
 from pathlib import Path
-from types import ModuleType
 from typing import Any, ClassVar, Self
 
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import InputError, UsageError, near_misses
 from friction_audit.io.files import starts_with
-from friction_audit.io.recording import Recording
 from friction_audit.joint_log import JOINT_CHANNELS
 
 MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its ends are judged by their neighbours
@@ -81,7 +78,6 @@ class SeveralLogsError(UsageError):
         self.topics = tuple(topics)  # what --topic may say, once for each
 
     def __str__(self) -> str:
-        """Return the message."""
         return str(self.args[0])
 
 
@@ -119,10 +115,7 @@ class ReadOptions:
         join = (self.join,) if isinstance(self.join, str | Path) else self.join
         object.__setattr__(self, "join", tuple(map(str, join)))
         if wrong := [channel for channel in self.mapping if channel not in _MAPPABLE]:
-            near = {channel: " or ".join(get_close_matches(channel, _MAPPABLE, n=2)) for channel in wrong}
-            hints = [
-                f"--map {one}: no such channel{f' (did you mean {near[one]}?)' if near[one] else ''}" for one in wrong
-            ]
+            hints = (f"--map {channel}: no such channel{near_misses(channel, _MAPPABLE)}" for channel in wrong)
             raise UsageError(f"{'; '.join(hints)}; channels are {', '.join(_MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
@@ -201,20 +194,11 @@ class Reader:
 
     def recognises(self, path: Path) -> bool:
         """Return True if this file (or directory) is of this format, from its content; never raises."""
-        return starts_with(path, self.magic) if self.magic else bool(self._module.recognises(path))
-
-    def read(self, path: Path, options: ReadOptions) -> Recording:
-        """Read it."""
-        recording: Recording = self._module.read(path, options)
-        return recording
-
-    def topics(self, path: Path) -> tuple[Topic, ...]:
-        """List what is in it."""
-        found: tuple[Topic, ...] = self._module.topics(path)
-        return found
+        return starts_with(path, self.magic) if self.magic else bool(self.loaded.recognises(path))
 
     @property
-    def _module(self) -> ModuleType:
+    def loaded(self) -> Any:  # noqa: ANN401 - a module
+        """Its module, with ``read(path, options) -> Recording`` and ``topics(path) -> tuple[Topic, ...]``."""
         return import_module(f"{__package__}.{self.module or self.name}")
 
 

@@ -63,7 +63,6 @@ class ColumnTable(Table):
     """A table that is stored column by column, so that the clock can be read before all else."""
 
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
-        """Read the columns; of a large table the part asked for alone."""
         rows, packed = self.size(columns)
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
@@ -75,11 +74,8 @@ class ColumnTable(Table):
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
         if not is_part:
             return self.read_all(columns)
-        clock = (
-            self.read_clock(columns.time)
-            if options.hashed or options.in_blocks
-            else self.first_stamps(columns.time, options)
-        )
+        whole = options.hashed or options.in_blocks
+        clock = self.read_clock(columns.time) if whole else self.first_stamps(columns.time, options)
         clock, kept, first_s = take_part(clock, options, path=str(self.path))
         refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
         return replace(self.read_rows(columns, clock, kept), first_s=first_s)
@@ -193,8 +189,7 @@ def _with_stated(recording: Recording, table: Table) -> Recording:
     """Add the start, the joints and the robot that the file states apart from its columns."""
     if recording.start_s is None and table.start_s is not None:
         stamps = [0.0] if recording.blocks is not None else recording.t  # a clock read in blocks begins at 0
-        first_s = float(stamps[0]) if recording.first_s is None else recording.first_s
-        start_s = table.start_s - first_s
+        start_s = table.start_s - float(stamps[0] if recording.first_s is None else recording.first_s)
         recording = replace(recording, start_s=start_s if isfinite(start_s) else None)
     if table.labels or len(table.joint_names) != len(recording.joint_names):
         return recording
@@ -227,11 +222,9 @@ def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: 
     if all(map(str.isdigit, names)):
         base = 0 if any(int(name) == 0 for name in names) else 1
         names = [f"joint{int(name) - base + 1}" for name in names]
-    columns = replace(columns, joint_names=tuple(names), robot=robot_of(names))
-    if lost:
-        message = f"{lost} rows belong to times at which other joints have no row; they are left out"
-        found = Finding("incomplete_rows", message, amount=float(lost), damaged=True)
-        columns = replace(columns, findings=(*columns.findings, found))
+    message = f"{lost} rows belong to times at which other joints have no row; they are left out"
+    found = (Finding("incomplete_rows", message, amount=float(lost), damaged=True),) if lost else ()
+    columns = replace(columns, joint_names=tuple(names), robot=robot_of(names), findings=(*columns.findings, *found))
     return columns, replace(part, clock=replace(clock, t=clock.t[rows[0]]), channels=channels)
 
 

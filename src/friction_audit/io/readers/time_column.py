@@ -120,9 +120,8 @@ def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
     for name, cell in sorted(lower.items(), key=lambda item: item[1]):
         match = _SECONDS.fullmatch(name)
-        partners = (f"{match['head']}{part}" for part in ("nsecs", "nsec", "nanosec", "nanosecs")) if match else ()
-        partner = next((lower[one] for one in partners if one in lower), None)
-        if partner is not None:
+        partners = [f"{match['head']}{part}" for part in ("nsecs", "nsec", "nanosec", "nanosecs")] if match else []
+        for partner in (lower[one] for one in partners if one in lower):
             both = f"{names[cell]} + {names[partner]}"
             return TimeColumn(cells=(cell, partner), name=both, unit="ns", clock="header_stamp")
     return None
