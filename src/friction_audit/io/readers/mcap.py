@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 from functools import partial
 from io import SEEK_CUR, BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 from zlib import crc32
 
 from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
@@ -21,9 +21,6 @@ from friction_audit.io.readers.message_stream import (
     open_log,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
-
-if TYPE_CHECKING:
-    from mcap.records import Channel, Schema
 
 MAGIC = b"\x89MCAP0\r\n"
 _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 3, 4, 5, 6, 12  # opcodes of records
@@ -47,14 +44,11 @@ class McapStream(MessageStream):
     """
 
     def __init__(self, path: Path) -> None:
-        """Find the channels, from the summary at the end or, where that is missing, by reading everything once."""
         super().__init__(path)
         with open_log(path, MAGIC, "an MCAP file") as file:
             is_whole = self._read_summary(file)
-        if not is_whole:
-            self._channels: dict[int, Channel] = {}
-            self._schemas: dict[int, Schema] = {}
-            self._counts = Counter[int]()
+        if not is_whole:  # everything is read once, to find the channels
+            self._channels, self._schemas, self._counts = dict[int, Any](), dict[int, Any](), Counter[int]()
             for block in self.blocks(None):
                 self._counts[block.key] += len(block)
             self._refuse_without(self._channels, "chunk")
@@ -140,16 +134,16 @@ class McapStream(MessageStream):
 
     def _learn(self, opcode: int, offset: int, content: bytes) -> None:
         try:
-            record: Any = _parse(opcode, content) if opcode in (_SCHEMA, _CHANNEL, _METADATA) else None
+            record = _parse(opcode, content) if opcode in (_SCHEMA, _CHANNEL, _METADATA) else None
         except _BROKEN as error:
-            self._note(offset, f"a record is broken: {error}")
-            return
+            return self._note(offset, f"a record is broken: {error}")
         if opcode == _METADATA:
             self.notes = {**self.notes, **record.metadata}
         elif record:
             (self._channels if opcode == _CHANNEL else self._schemas)[record.id] = record
+        return None
 
-    def _connection(self, channel: "Channel") -> Connection:
+    def _connection(self, channel: Any) -> Connection:  # noqa: ANN401 - a record of mcap
         schema = self._schemas.get(channel.schema_id)
         encoding, name = channel.message_encoding, schema.name if schema else ""
         if encoding == "ros1" and "/msg/" not in name:  # as rosbags spells ROS types

@@ -10,17 +10,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.io.readers.message_stream import Block, BrokenError, Connection
 
-if TYPE_CHECKING:
-    from rosbags.interfaces.typing import Typesdict
-    from rosbags.typesys.store import Typestore
-
+Types = dict[str, Any]  # definitions of messages by name, as rosbags has them
 # Files in franka_msgs/, in the order in which they are tried.
 _FRANKA_GENERATIONS = ("FrankaRobotState_nested", "FrankaState_flat", "FrankaState_multipanda")
 _FRANKA_TYPES = ("franka_msgs/msg/FrankaState", "franka_msgs/msg/FrankaRobotState")
@@ -109,7 +106,7 @@ def decoder_for(connection: Connection, payloads: Iterable[bytes]) -> MessageDec
     return None
 
 
-def _ros_decoder(connection: Connection, types: "Typesdict") -> MessageDecoder:
+def _ros_decoder(connection: Connection, types: Types) -> MessageDecoder:
     """Return the decoder of ROS 1 or ROS 2 (CDR) messages, through rosbags."""
     from rosbags.serde import SerdeError
     from rosbags.typesys import Stores, TypesysError, get_typestore
@@ -117,7 +114,7 @@ def _ros_decoder(connection: Connection, types: "Typesdict") -> MessageDecoder:
     encoding, name = connection.encoding, connection.type
 
     @cache
-    def store() -> "Typestore":  # generated when it is first needed
+    def store() -> Any:  # noqa: ANN401 - of rosbags, generated when it is first needed
         made = get_typestore(Stores.EMPTY)
         made.register(types)
         return made
@@ -151,7 +148,7 @@ def _protobuf_decoder(connection: Connection) -> MessageDecoder:
     return MessageDecoder(tuple(_protobuf_paths(decode(b"").DESCRIPTOR)), decode, (DecodeError,))
 
 
-def _find_definition(connection: Connection, payloads: Iterable[bytes]) -> "Typesdict | None":
+def _find_definition(connection: Connection, payloads: Iterable[bytes]) -> Types | None:
     """Find the definition of a connection's type and of all that it contains, as rosbags parses them."""
     from rosbags.typesys import Stores, get_typestore
 
@@ -169,10 +166,10 @@ def _find_definition(connection: Connection, payloads: Iterable[bytes]) -> "Type
     return None
 
 
-def _parse(connection: Connection) -> "Typesdict":
+def _parse(connection: Connection) -> Types:
     from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
 
-    types: Typesdict = dict(get_typestore(Stores.EMPTY).fielddefs)
+    types: Types = dict(get_typestore(Stores.EMPTY).fielddefs)
     separator, (language, content) = "=" * 80 + "\n", connection.definition
     try:
         text = content.decode()
@@ -190,7 +187,7 @@ def _parse(connection: Connection) -> "Typesdict":
     return types
 
 
-def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()) -> int:
+def _count_fields(typename: str, types: Types, above: tuple[str, ...] = ()) -> int:
     """Count fields, arrays of numbers as one; BrokenError for a message that a decoder would not come to an end of."""
     if typename in above or len(above) > _DEEPEST:
         raise BrokenError(f"{typename} contains itself, or is nested more than {_DEEPEST} deep")
@@ -206,18 +203,18 @@ def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()
     return count
 
 
-def _franka_definitions(typename: str) -> Iterator["Typesdict"]:
+def _franka_definitions(typename: str) -> Iterator[Types]:
     for generation, errors in product(_FRANKA_GENERATIONS, _ERRORS):
         yield franka_types((errors, "CollisionIndicators", "Elbow", generation), typename)
 
 
-def franka_types(names: Sequence[str], own: str) -> "Typesdict":
+def franka_types(names: Sequence[str], own: str) -> Types:
     """Return the types in some files of franka_msgs/, which are called as the types are; the last one is ``own``."""
     from importlib.resources import files
 
     from rosbags.typesys import get_types_from_msg
 
-    found: Typesdict = {}
+    found: Types = {}
     for name in names:
         text = (files("friction_audit.io.readers") / "franka_msgs" / f"{name}.msg").read_text(encoding="utf-8")
         typename = own if name == names[-1] else f"franka_msgs/msg/{name.partition('_')[0]}"
@@ -225,7 +222,7 @@ def franka_types(names: Sequence[str], own: str) -> "Typesdict":
     return found
 
 
-def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[str]:
+def _ros_paths(typename: str, types: Types, prefix: str = "") -> Iterator[str]:
     for name, description in types[typename][1]:
         path, (is_message, detail, length) = prefix + name, _element_of(description)
         if not is_message or (length is None and detail in _STAMP_TYPES):
@@ -252,7 +249,7 @@ def _protobuf_paths(descriptor: object, prefix: str = "") -> Iterator[str]:
             yield from _protobuf_paths(field.message_type, f"{path}[]." if field.is_repeated else f"{path}.")
 
 
-def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: str) -> Layout:
+def find_layout(payload: bytes, typename: str, types: Types, *, encoding: str) -> Layout:
     """Walk a message definition over one payload; BrokenError if they do not fit, or the payload is big-endian."""
     if encoding == "cdr" and payload[:2] != _CDR_LITTLE_ENDIAN:
         raise BrokenError("not little-endian plain CDR")
@@ -262,7 +259,7 @@ def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: 
     except (struct.error, UnicodeDecodeError, KeyError) as error:
         raise BrokenError(str(error)) from error
     spare = len(payload) - walk.position
-    if spare < 0 or spare > (_CDR_TRAILING_PADDING_BYTES if walk.is_cdr else 0):
+    if not 0 <= spare <= (_CDR_TRAILING_PADDING_BYTES if walk.is_cdr else 0):
         raise BrokenError(f"{spare} bytes left over")
     fixed = np.flatnonzero(walk.fixed)
     return Layout(len(payload), walk.numbers, walk.strings, fixed, np.frombuffer(payload, np.uint8)[fixed])
@@ -280,7 +277,7 @@ def _element_of(description: Any) -> tuple[bool, Any, int | None]:  # noqa: ANN4
 class _Walk:
     """A walk over a payload: CDR aligns primitives after its header of four bytes and ends strings with a zero."""
 
-    def __init__(self, payload: bytes, types: "Typesdict", *, is_cdr: bool) -> None:
+    def __init__(self, payload: bytes, types: Types, *, is_cdr: bool) -> None:
         self.payload, self.types, self.is_cdr = payload, types, is_cdr
         self.numbers: dict[str, Leaf] = {}
         self.strings: dict[str, tuple[str, ...]] = {}
@@ -311,22 +308,23 @@ class _Walk:
         self.numbers[path] = Leaf(self.position, _NUMBER_TYPES[base], count)
         self.position += count * width
 
+    def deciding(self, size: int) -> bytes:
+        """Return bytes that decide the layout."""
+        begin, self.position = self.position, self.position + size
+        self.fixed[begin : self.position] = True
+        return self.payload[begin : self.position]
+
     def length(self) -> int:
         self.align(4)
-        (value,) = struct.unpack_from("<I", self.payload, self.position)
-        self.fixed[self.position : self.position + 4] = True
-        self.position += 4
+        (value,) = struct.unpack("<I", self.deciding(4))
         if value > len(self.payload):
             raise BrokenError(f"a sequence of {value} elements")
         return int(value)
 
     def string(self) -> str:
-        size = self.length()
-        content = self.payload[self.position : self.position + size]
+        content = self.deciding(size := self.length())
         if len(content) < size or (self.is_cdr and content[-1:] != b"\x00"):
             raise BrokenError("a string without end")
-        self.fixed[self.position : self.position + size] = True
-        self.position += size
         return (content[:-1] if self.is_cdr else content).decode()
 
     def align(self, width: int) -> None:

@@ -7,13 +7,12 @@ Field names are compared without regard to case, since ROS 2 forced lower case o
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, near_misses
 from friction_audit.io.readers.channel_names import (
     DRIVER_NODES,
     UNNAMED_ARM,
@@ -285,30 +284,24 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
         if candidate.topic.strip("/") == wanted.strip("/"):
             return candidate
     there = next((topic for topic in topics if topic.name.strip("/") == wanted.strip("/")), None)
-    near = get_close_matches(wanted, [topic.name for topic in topics], cutoff=0.5)
     if there is None:
-        hint = f"did you mean {' or '.join(near)}? " if near else ""
-        raise InputError(f"{path}: no topic {wanted}; {hint}{_listed(topics)}; choose one with --topic")
+        near = near_misses(wanted, [topic.name for topic in topics])
+        raise InputError(f"{path}: no topic {wanted}{near}; {_listed(topics)}; choose one with --topic")
     what = f"of type {there.type} holds no joint state that can be read; {_EXPECTED}"
     raise InputError(f"{path}: topic {there.name} {what if there.messages else 'has no messages'}; {_listed(topics)}")
 
 
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
-    names = dict.fromkeys(candidate.topic for candidate in candidates)
-    if not topics or (names and not any(topic.messages for topic in topics if topic.name in names)):
-        return (
-            f"{path}: 0 messages on {', '.join(names) or 'any topic'}; expected joint states; {_listed(topics)}; check "
-            "that the robot and the recording were running, and record again"
-        )
-    if broken := next((candidate for candidate in candidates if not candidate.rows), None):
-        return (
-            f"{path}: the first messages on topic {broken.topic} of type {broken.type} do not fit their definition; "
-            f"{_listed(topics)}; choose another one with --topic, or record again"
-        )
-    return (
-        f"{path}: no topic with measured joint states; {_EXPECTED}; {_listed(topics)}; name the fields with --topic "
-        "and --map if one of them holds the joints"
-    )
+    broken = next((candidate for candidate in candidates if not candidate.rows), None)
+    what = f"no topic with measured joint states; {_EXPECTED}"
+    advice = "name the fields with --topic and --map if one of them holds the joints"
+    if not any(topic.messages for topic in topics):
+        what = "0 messages on any topic; expected joint states"
+        advice = "check that the robot and the recording were running, and record again"
+    elif broken:
+        what = f"the first messages on topic {broken.topic} of type {broken.type} do not fit their definition"
+        advice = "choose another one with --topic, or record again"
+    return f"{path}: {what}; {_listed(topics)}; {advice}"
 
 
 def _listed(topics: Sequence[Topic]) -> str:

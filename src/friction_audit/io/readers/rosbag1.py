@@ -52,7 +52,6 @@ class Rosbag1Stream(MessageStream):
     """
 
     def __init__(self, path: Path) -> None:
-        """Find chunks and connections; InputError if this is no such bag, or nothing in it is whole."""
         super().__init__(path)
         self._connections: dict[int, dict[str, bytes]] = {}
         self._counts = Counter[int]()
@@ -80,7 +79,6 @@ class Rosbag1Stream(MessageStream):
         )
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
-        """Yield the messages of some connections, chunk by chunk; chunks outside the window are passed over."""
         for chunk, data in self._unpacked(window):
             yield from self._find_messages(chunk, data, keys)
 

@@ -43,11 +43,9 @@ class Rosbag2Stream(MessageStream):
 
     @property
     def damage(self) -> tuple[Damage, ...]:
-        """What was found broken so far, in any of the files."""
         return tuple(damage for stream in self._streams for damage in stream.damage)
 
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
-        """Yield the messages of some connections, file by file."""
         for stream in self._streams:
             numbers = {own: key for key, (place, own) in enumerate(self._places) if place is stream and key in keys}
             for block in stream.blocks(list(numbers), window) if numbers else ():
@@ -58,19 +56,21 @@ class Rosbag2Stream(MessageStream):
 def _opened(path: Path) -> Iterator[MessageStream]:
     """Open all storage files of a bag; what had to be decompressed is kept as long."""
     with ExitStack() as stack:
-        metadata = _metadata(path)
+        metadata, listed = "", path / METADATA
+        if listed.is_file():
+            with listed.open("rb") as stated:
+                metadata = stated.read(_LARGEST_METADATA).decode(errors="replace")
         files = _storage_files(path, metadata) if path.is_dir() else [path]
-        compressed = [file for file in files if file.suffix in _COMPRESSED_SUFFIXES]
-        folder = Path(stack.enter_context(TemporaryDirectory())) if compressed else None
-        streams, is_lasting = list[MessageStream](), True
+        is_packed = any(file.suffix in _COMPRESSED_SUFFIXES for file in files)
+        folder = Path(stack.enter_context(TemporaryDirectory()) if is_packed else path)
+        streams = list[MessageStream]()
         for packed in files:  # by what it holds; by its name if it holds neither
-            file = _decompress_file(packed, folder) if folder and packed in compressed else packed
+            file = _decompress_file(packed, folder) if packed.suffix in _COMPRESSED_SUFFIXES else packed
             is_sqlite = starts_with(file, SQLITE_MAGIC)
             is_mcap = starts_with(file, MAGIC) or (file.suffix == ".mcap" and not is_sqlite)
             streams.append(McapStream(file) if is_mcap else Sqlite3Stream(file))
-            is_lasting &= file is packed
         stream = Rosbag2Stream(path, streams, metadata)
-        stream.is_lasting = is_lasting
+        stream.is_lasting = not is_packed
         yield stream
 
 
@@ -138,29 +138,13 @@ def recognises(path: Path) -> bool:
 read, topics = partial(read_messages, _opened), partial(topics_of, _opened)
 
 
-def _metadata(folder: Path) -> str:
-    """Return metadata.yaml; nothing where there is none."""
-    path = folder / METADATA
-    if not path.is_file():
-        return ""
-    if path.stat().st_size > _LARGEST_METADATA:
-        raise InputError(f"{path}: holds more than {_LARGEST_METADATA} bytes; remove it to read without")
-    try:
-        return path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(f"{path}: is not text ({error.reason}); remove it to read without") from error
-
-
 def _stated_counts(metadata: str) -> dict[str, int]:
     """Return the number of messages of each topic that metadata.yaml states; recorders differ in the order of keys."""
     topics = metadata.partition(_TOPICS)[2]
-    counts = {}
     indent = len(topics) - len(topics.lstrip(" "))
-    for item in re.split(rf"^ {{{indent}}}- ", topics, flags=re.MULTILINE):
-        name, count = _NAME.search(item), _COUNT.search(item)
-        if name and count:
-            counts[name[1]] = int(count[1])
-    return counts
+    items = re.split(rf"^ {{{indent}}}- ", topics, flags=re.MULTILINE)
+    found = ((_NAME.search(item), _COUNT.search(item)) for item in items)
+    return {name[1]: int(count[1]) for name, count in found if name and count}
 
 
 def _custom_data(metadata: str) -> dict[str, str]:

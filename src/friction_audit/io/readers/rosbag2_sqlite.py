@@ -128,7 +128,6 @@ class Sqlite3Stream(MessageStream):
     """The messages in one sqlite3 storage file."""
 
     def __init__(self, path: Path) -> None:
-        """Read topics, definitions and message counts."""
         super().__init__(path)
         self._last_sound = _LAST_ID
         with open_log(path, SQLITE_MAGIC, "an SQLite file") as file:
