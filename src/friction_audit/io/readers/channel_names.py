@@ -89,7 +89,7 @@ def parse_name(name: str) -> ForeignName | None:
     text = name.strip("- ")
     units = " ".join(_BRACKETED_UNIT.findall(text))
     bare = _BRACKETED_UNIT.sub(lambda unit: " " * len(unit[0]), _IN_PARENTHESES.sub(r"[\1]", text))
-    match = None if is_finger(text) else next((m for one in _PATTERNS if (m := one.fullmatch(bare))), None)
+    match = None if _FINGER.search(text) else next((m for one in _PATTERNS if (m := one.fullmatch(bare))), None)
     if match is None:
         return None
     parts = match.groupdict()
@@ -253,7 +253,7 @@ DRIVER_NODES = {"franka_state_controller", "franka_robot_state_broadcaster", "jo
 UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
 # panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
 _ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
-_FINGER = re.compile(r"finger|gripper", re.IGNORECASE)
+_FINGER = re.compile(r"finger|gripper", re.IGNORECASE)  # no part of the arm
 _LAST_NUMBER = re.compile(r"(.*?)(\d+)")
 _MAKE = re.compile("|".join(("franka", "lbr", r"fr3v\d_\d", *(one.pattern for one in PRESETS.values()))), re.IGNORECASE)
 _FEWEST_OF_A_SECOND_ARM = 2  # a single numbered joint next to an arm (a lift, a gripper) is not a second arm
@@ -265,7 +265,7 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     Where no name ends in ``joint`` and a number, there is one arm, "": names that differ in a number at their end alone
     (``A1``) in the order of the numbers, others in the order of the message.
     """
-    bodies = [name for name in dict.fromkeys(names) if not is_finger(name)]
+    bodies = [name for name in dict.fromkeys(names) if not _FINGER.search(name)]
     numbered: dict[str, list[tuple[int, str]]] = {}
     for name in bodies:
         if match := _ARM_JOINT.match(name):
@@ -278,11 +278,6 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         for arm, joints in sorted(numbered.items())
         if len(joints) >= min(most, _FEWEST_OF_A_SECOND_ARM)
     }
-
-
-def is_finger(name: str) -> bool:
-    """Return True for joints of a gripper, which are no part of the arm."""
-    return _FINGER.search(name) is not None
 
 
 def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:

@@ -134,7 +134,7 @@ class McapStream(MessageStream):
 
     def _learn(self, opcode: int, offset: int, content: bytes) -> None:
         try:
-            record = _parse(opcode, content) if opcode in (_SCHEMA, _CHANNEL, _METADATA) else None
+            record: Any = _parse(opcode, content) if opcode in (_SCHEMA, _CHANNEL, _METADATA) else None
         except _BROKEN as error:
             return self._note(offset, f"a record is broken: {error}")
         if opcode == _METADATA:

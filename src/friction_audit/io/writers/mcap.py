@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from friction_audit.io.readers.message_kinds import JOINT_STATE
 from friction_audit.io.writers.ros_messages import (
@@ -15,16 +15,13 @@ from friction_audit.io.writers.ros_messages import (
     JOINT_STATE_ROS1,
     JOINT_STATE_ROS2,
     MessageType,
+    Typestore,
     encode,
     load_types,
     ros_writer,
 )
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channels, stamps_ns
 from friction_audit.joint_log import JointLog
-
-if TYPE_CHECKING:
-    from google.protobuf.descriptor_pb2 import FileDescriptorSet
-    from rosbags.typesys.store import Typestore
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -99,7 +96,6 @@ file {
     name: "JointState"
     field { name: "name" number: 1 label: LABEL_OPTIONAL type: TYPE_STRING }
     %s
-    %s
   }
 }
 file {
@@ -115,20 +111,19 @@ file {
 """
 
 
-def _descriptors() -> "FileDescriptorSet":
+def _descriptors() -> Any:  # noqa: ANN401 - a FileDescriptorSet
     from google.protobuf import text_format, timestamp_pb2
     from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
-    names = [name for name in _JOINT if name != "name"]  # optional, so that a number that is not there is none
-    fields = (
-        f'field {{ name: "{name}" number: {number} label: LABEL_OPTIONAL type: TYPE_DOUBLE oneof_index: {number - 2} '
-        "proto3_optional: true }"
-        for number, name in enumerate(names, start=2)
+    fields = (  # optional, so that a number that is not there is none
+        f'field {{ name: "{name}" number: {place + 1} label: LABEL_OPTIONAL type: TYPE_DOUBLE oneof_index: {place - 1} '
+        f'proto3_optional: true }} oneof_decl {{ name: "_{name}" }}'
+        for place, name in enumerate(_JOINT)
+        if name != "name"
     )
-    text = _PROTOBUF % ("\n".join(fields), "\n".join(f'oneof_decl {{ name: "_{name}" }}' for name in names))
     found = FileDescriptorSet()
     timestamp_pb2.DESCRIPTOR.CopyToProto(found.file.add())
-    text_format.Merge(text, found)
+    text_format.Merge(_PROTOBUF % "\n".join(fields), found)
     return found
 
 
@@ -150,11 +145,8 @@ def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:
                 message = {"timestamp": {"sec": sec, "nsec": nsec}, "joints": joints}
                 yield stamp, 0, json.dumps(message, separators=(",", ":")).encode()
             else:
-                yield (
-                    stamp,
-                    0,
-                    joint_states(timestamp={"seconds": sec, "nanos": nsec}, joints=joints).SerializeToString(),
-                )
+                filled = joint_states(timestamp={"seconds": sec, "nanos": nsec}, joints=joints)
+                yield stamp, 0, filled.SerializeToString()
 
     channel = Channel(
         topic="/joint_states",

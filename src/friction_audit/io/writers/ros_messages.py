@@ -7,7 +7,7 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,8 @@ from friction_audit.io.readers.message_kinds import JOINT_STATE, ROBOT_STATE
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channels, stamps_ns
 from friction_audit.joint_log import JointLog
 
-if TYPE_CHECKING:
-    from rosbags.typesys.store import Typestore
-
 _BLOCK = 4096  # messages made at once
+Typestore = Any  # of rosbags, which takes long to import
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -88,9 +86,8 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
 
     One message is serialised by rosbags; the numbers of each sample are written into copies of its bytes.
     """
-    if not log.t.size:
-        return
     sample, recorded = _blank(types, (2, message.name)), logged_channels(log)
+    arrays: dict[str, NDArray[Any]]
     arrays = {path: recorded[channel] for channel, path in message.fields.items() if channel in recorded}
     for path in message.names:
         _set(sample, path, list(log.joint_names))
@@ -102,22 +99,16 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
     if message.robot_time is not None:
         arrays[message.robot_time] = log.t[:, np.newaxis]
     stamps = stamps_ns(log)
+    arrays["header.stamp.sec"] = np.column_stack(np.divmod(stamps, NANOSECONDS)).astype("<u4")  # and nanosec after it
     for first in range(0, len(stamps), _BLOCK):
         rows = slice(first, first + _BLOCK)
         copies = np.repeat(np.frombuffer(form, np.uint8)[np.newaxis], len(stamps[rows]), axis=0)
-        clock = np.column_stack(np.divmod(stamps[rows], NANOSECONDS)).astype("<u4")
-        _put(copies, places["header.stamp.sec"].offset, clock)
         for path, array in arrays.items():
-            _put(copies, places[path].offset, array[rows])
+            data, place = np.ascontiguousarray(array[rows]).view(np.uint8), places[path].offset
+            copies[:, place : place + data.shape[1]] = data
         filled = copies.tobytes()
         for row, stamp in enumerate(stamps[rows].tolist()):
             yield stamp, filled[row * len(form) : (row + 1) * len(form)]
-
-
-def _put(copies: NDArray[np.uint8], place: int, numbers: NDArray[Any]) -> None:
-    """Write rows of numbers into the copies, from a byte on."""
-    data = np.ascontiguousarray(numbers).view(np.uint8)
-    copies[:, place : place + data.shape[1]] = data
 
 
 def _set(sample: Any, path: str, value: object) -> None:  # noqa: ANN401

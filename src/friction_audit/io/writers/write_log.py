@@ -1,14 +1,13 @@
 """Write a log in any format, Parquet and NumPy archives here; of the writers of an ending, the first is its default."""
 
 import json
-from difflib import get_close_matches
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from friction_audit.errors import UsageError
+from friction_audit.errors import UsageError, near_misses
 from friction_audit.io.files import whole_file
 from friction_audit.io.writers.csv import CSV_DIALECTS
 from friction_audit.io.writers.mcap import MCAP_DIALECTS
@@ -76,9 +75,7 @@ def choose_writer(path: Path, dialect: str | None = None) -> Writer:
         raise UsageError(f"{ending}: expected one of {endings}, or name a --dialect")
     if found is None:
         names = [writer.name for writer in WRITERS]
-        near = get_close_matches(str(dialect), names, n=2, cutoff=0.5)
-        hint = f"; did you mean {' or '.join(near)}?" if near else ""
-        raise UsageError(f"--dialect {dialect}: expected one of {', '.join(names)}{hint}")
+        raise UsageError(f"--dialect {dialect}: expected one of {', '.join(names)}{near_misses(str(dialect), names)}")
     if found.suffix not in ("", suffix):
         raise UsageError(f"{ending}: the dialect {dialect} writes {found.suffix}; rename it")
     return found
