@@ -1,7 +1,7 @@
 """The sqlite3 storage of a ROS 2 bag, also where pages are broken or cut off.
 
-Of a file that is cut off, the messages on its leaf pages are read without SQLite, which would look for the pages above;
-for the layout of pages and records see https://www.sqlite.org/fileformat2.html.
+Of such a file the messages on its leaf pages are read without SQLite, which would look for the pages above; for the
+layout of pages and records see https://www.sqlite.org/fileformat2.html.
 """
 
 import re
@@ -10,9 +10,10 @@ import struct
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import closing, suppress
+from functools import cached_property
 from itertools import islice, pairwise
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.message_stream import (
@@ -36,8 +37,8 @@ _MESSAGE = re.compile(
 _INTEGERS = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8, 8: 0, 9: 0}  # type of an integer -> its bytes; 8 means 0, 9 means 1
 
 
-class _Cut:
-    """A database that is cut off: the messages on its leaf pages."""
+class _Leaves:
+    """The messages on the leaf pages of a database."""
 
     def __init__(self, path: Path, header: bytes) -> None:
         self._path, self._size = path, _page_bytes(header)
@@ -45,20 +46,20 @@ class _Cut:
         with open_log(path) as file:
             self._leaves = list(self._find_leaves(file, int.from_bytes(header[32:36], "big")))
 
-    def messages(self) -> Iterator[tuple[int, int, bytes]]:
-        """Yield topic, time stamp and content."""
+    def messages(self) -> Iterator[tuple[int, int, int, bytes]]:
+        """Yield id, topic, time stamp and content."""
         with open_log(self._path) as file:
             for page in (self._page(file, number) for number in self._leaves):
                 yield from (found for cell in _messages_on(page) if (found := self._message(file, page, cell)))
 
-    def _message(self, file: BinaryIO, page: bytes, cell: re.Match[bytes]) -> tuple[int, int, bytes] | None:
+    def _message(self, file: BinaryIO, page: bytes, cell: re.Match[bytes]) -> tuple[int, int, int, bytes] | None:
         record, first = self._record(file, page, cell), cell[3][0]
         second = first + _INTEGERS[cell[4][0]]
         third = second + _INTEGERS[cell[5][0]]
         if not len(record) == _number(cell[1]) == third + (_number(cell[6]) - 12) // 2:
             return None
         topic = int.from_bytes(record[first:second], "big", signed=True) + (cell[4] == b"\x09")
-        return topic, int.from_bytes(record[second:third], "big", signed=True), record[third:]
+        return _number(cell[2]), topic, int.from_bytes(record[second:third], "big", signed=True), record[third:]
 
     def _page(self, file: BinaryIO, number: int) -> bytes:
         file.seek(max(number - 1, 0) * self._size)
@@ -117,8 +118,6 @@ _DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
 _ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 _MESSAGES_PER_BLOCK = 1024  # larger ones wake the garbage collector, which doubles the time
 _LARGEST_MESSAGE = 1 << 20  # the state of a thousand joints takes 50 kB; a message of a gigabyte is a bomb [byte]
-# One lost page of the tree is missed by up to 7 000 messages; after more in a row, the rest is lost.
-_MOST_BROKEN_IDS = 10_000
 _LAST_ID = 2**63 - 1
 
 Row = tuple[int, int, bytes]  # id, time stamp and content of a message
@@ -129,13 +128,12 @@ class Sqlite3Stream(MessageStream):
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
-        self._last_sound = _LAST_ID
         with open_log(path, SQLITE_MAGIC, "an SQLite file") as file:
-            header = SQLITE_MAGIC + file.read(_HEADER_BYTES - len(SQLITE_MAGIC))
-        is_stated = len(header) == _HEADER_BYTES and header[24:28] == header[92:96]
-        whole = _page_bytes(header) * int.from_bytes(header[28:32], "big") if is_stated else 0
-        self._cut = _Cut(path, header) if self._bytes < whole else None
-        if self._cut is not None:
+            self._header = SQLITE_MAGIC + file.read(_HEADER_BYTES - len(SQLITE_MAGIC))
+        is_stated = len(self._header) == _HEADER_BYTES and self._header[24:28] == self._header[92:96]
+        whole = _page_bytes(self._header) * int.from_bytes(self._header[28:32], "big") if is_stated else 0
+        self._is_cut = self._bytes < whole
+        if self._is_cut:
             self._note(self._bytes, "the file is cut off there", whole)
         try:
             with closing(self._connect()) as opened:
@@ -143,16 +141,18 @@ class Sqlite3Stream(MessageStream):
         except _DATABASE_ERRORS as error:
             raise self._broken(error) from error
 
+    @cached_property
+    def _leaves(self) -> _Leaves:
+        return _Leaves(self._path, self._header)
+
     def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
         """Yield the messages of some topics, one topic after the other."""
         try:
             with closing(self._connect()) as database:
                 # Where a file is cut off, its index is broken too.
-                ids = (0, _LAST_ID) if window is None or self._cut else _ids_in(database, window)
+                ids = (0, _LAST_ID) if window is None or self._is_cut else _ids_in(database, window)
                 for key in keys:
-                    found = self._cut.messages() if self._cut else ()
-                    cut = _in_lots((0, time, data) for topic, time, data in found if topic == key)
-                    lots = cut if self._cut else self._rows(database, key, *ids)
+                    lots = self._on_leaves(key, *ids) if self._is_cut else self._rows(database, key, *ids)
                     yield from (block for rows in lots if (block := self._block(key, rows)) is not None)
         except _DATABASE_ERRORS as error:
             raise self._broken(error) from error
@@ -161,33 +161,19 @@ class Sqlite3Stream(MessageStream):
         """Yield id, time and content of the messages of a topic; those on broken pages are left out."""
         query = "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ?"
         try:
-            cursor = database.execute(query, (key, first, min(last, self._last_sound)))
+            cursor = database.execute(query, (key, first, last))
             while rows := cursor.fetchmany(_MESSAGES_PER_BLOCK):
                 yield rows
                 first = rows[-1][0] + 1
-        except _DATABASE_ERRORS:
-            walk = self._walk(database, "timestamp, CASE topic_id WHEN ? THEN data END", first, last, key)
-            yield from _in_lots((row, time, data) for row, topic, time, data in walk if topic == key)
+        except _DATABASE_ERRORS as error:
+            self._note(None, f"{error}; the messages on whole pages were read")
+            yield from self._on_leaves(key, first, last)
 
-    def _walk(
-        self, database: sqlite3.Connection, columns: str, at: int, last: int, *values: object
-    ) -> Iterator[tuple[Any, ...]]:
-        """Yield id, topic and these columns of each message that can be read, going on by id after each that cannot."""
-        query = f"SELECT rowid, topic_id, {columns} FROM messages WHERE rowid BETWEEN ? AND ? ORDER BY rowid"  # noqa: S608
-        broken = 0
-        while broken < _MOST_BROKEN_IDS:
-            try:
-                for row in database.execute(query, (*values, at, min(last, self._last_sound))):
-                    if row[0] < at:  # on a broken page ids may run back, and the walk would not end
-                        raise sqlite3.DatabaseError("ids run back")
-                    yield row
-                    at, broken = row[0] + 1, 0
-            except _DATABASE_ERRORS as error:
-                at, broken = at + 1, broken + 1
-                self._note(None, f"{error}; the messages on whole pages were read")
-            else:
-                return
-        self._last_sound = at - broken - 1
+    def _on_leaves(self, key: int, first: int, last: int) -> Iterator[list[Row]]:
+        every = ((row, time, data) for row, topic, time, data in self._leaves.messages() if topic == key)
+        whole = (one for one in every if first <= one[0] <= last)
+        while rows := list(islice(whole, _MESSAGES_PER_BLOCK)):
+            yield rows
 
     def _block(self, key: int, rows: Sequence[Row]) -> Block | None:
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
@@ -204,7 +190,7 @@ class Sqlite3Stream(MessageStream):
         journal = self._path.with_name(f"{self._path.name}-wal")
         immutable = "" if journal.exists() and journal.stat().st_size else "&immutable=1"
         database = sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro{immutable}", uri=True)
-        if self._cut:
+        if self._is_cut:
             database.execute("PRAGMA writable_schema = ON")  # else SQLite refuses it
         database.text_factory = lambda text: text.decode(errors="replace")
         # No message is larger than its file, unless an expression in the table's definition makes it.
@@ -243,19 +229,12 @@ class Sqlite3Stream(MessageStream):
 
     def _count_messages(self, database: sqlite3.Connection, keys: Sequence[int]) -> Mapping[int, int]:
         """Count the messages of each topic; of a single one by the index of time stamps, without reading them."""
-        if self._cut:
-            return Counter(topic for topic, *_ in self._cut.messages())
-        try:
-            if len(keys) == 1:
+        with suppress(*_DATABASE_ERRORS):
+            if len(keys) == 1 and not self._is_cut:
                 return {keys[0]: database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]}
-            return dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
-        except _DATABASE_ERRORS:
-            return Counter(topic for _, topic, _ in self._walk(database, "NULL", 0, _LAST_ID))
-
-
-def _in_lots(rows: Iterator[Row]) -> Iterator[list[Row]]:
-    while lot := list(islice(rows, _MESSAGES_PER_BLOCK)):
-        yield lot
+            if not self._is_cut:
+                return dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
+        return Counter(topic for _, topic, *_ in self._leaves.messages())
 
 
 def _ids_in(database: sqlite3.Connection, window: Window) -> tuple[int, int]:
