@@ -6,13 +6,14 @@ import re
 import shutil
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from friction_audit.io.readers.reader import Reader, ReadOptions
-from friction_audit.io.recording import Recording
+from friction_audit.io.readers.read import choose_reader
+from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.writers.write_log import WRITERS
 from friction_audit.joint_log import Float, JointLog, Source
 from tests.cli.conftest import Answer, Run
@@ -274,16 +275,17 @@ def test_no_permission(run: Run, log: Path, monkeypatch: pytest.MonkeyPatch) -> 
 @pytest.fixture
 def still_recorded(log: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Let a log grow as soon as its reader is done."""
-    read_whole = Reader.read
+    module = choose_reader(log).loaded
+    read_whole = module.read
 
-    def read_and_grow(reader: Reader, path: Path, options: ReadOptions) -> Recording:
+    def read_and_grow(path: Path, options: ReadOptions) -> Any:
         try:
-            return read_whole(reader, path, options)
+            return read_whole(path, options)
         finally:
             with storage_of(path).open("ab") as stream:
                 stream.write(b"\n")
 
-    monkeypatch.setattr(Reader, "read", read_and_grow)
+    monkeypatch.setattr(module, "read", read_and_grow)
     return log
 
 

@@ -10,7 +10,7 @@ import pytest
 from mcap.writer import CompressionType, IndexType
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.readers.read import choose_reader
+from friction_audit.io.readers import list_topics
 from tests.io.bag_writing import (
     JOINT_STATE,
     JOINTS,
@@ -77,7 +77,7 @@ def test_joint_states(tmp_path: Path, write: Write) -> None:
     assert recording.start_s == pytest.approx(1.7e9)
     assert recording.mapping == {"q": "position[{i}]", "dq": "velocity[{i}]", "tau_J": "effort[{i}]"}
     assert recording.findings == ()
-    found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in choose_reader(path).loaded.topics(path)}
+    found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in list_topics(path)[1]}
     assert found == {("/joint_states", JOINT_STATE, 1500, True), ("/note", "std_msgs/msg/String", 1, False)}
     with pytest.raises(InputError, match="/note of type std_msgs/msg/String holds no joint state"):
         read(path, topic="/note")

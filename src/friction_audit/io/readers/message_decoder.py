@@ -99,11 +99,11 @@ def decoder_for(connection: Connection, payloads: Iterable[bytes]) -> MessageDec
         return None if types is None or connection.type not in types else _ros_decoder(connection, types)
     if connection.encoding == "protobuf":
         return _protobuf_decoder(connection)
+    paths = dict[str, None]()
     for payload in payloads if connection.encoding == "json" else ():
         with suppress(ValueError, RecursionError):
-            if paths := tuple(_json_paths(json.loads(payload))):  # the first message that has fields
-                return MessageDecoder(paths, json.loads, (ValueError, RecursionError))
-    return None
+            paths |= dict.fromkeys(_json_paths(json.loads(payload)))  # lists may be empty in the first message
+    return MessageDecoder(tuple(paths), json.loads, (ValueError, RecursionError)) if paths else None
 
 
 def _ros_decoder(connection: Connection, types: Types) -> MessageDecoder:

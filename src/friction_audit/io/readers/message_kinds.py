@@ -1,12 +1,12 @@
 """Which message fields are which channel, the values of one message, and which topic and which arm on it to read.
 
-A definition is matched by its fields, not by its type's name: any message that has the fields of a row is readable.
-Field names are compared without regard to case, since ROS 2 forced lower case on libfranka's names.
+A definition is matched by the names of its fields, not by its type's name: any message that has a position and a torque
+is readable.
 """
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -36,14 +36,13 @@ _STAMP_FIELDS = (("sec", "nanosec"), ("sec", "nsec"), ("secs", "nsecs"), ("secon
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MessageKind:
-    """One family of joint state messages; in a path ``list[].field`` is the field in all entries of a list."""
+    """Which field of a message is what; in a path ``list[].field`` is the field in all entries of a list."""
 
     rank: int  # preference when a file holds several; the smallest wins
     fields: Mapping[str, str]  # channel -> dotted path of its array
-    required: tuple[str, ...] = ()  # paths of which a definition must have all
     names: str | None = None  # path of the joint names, if the message carries them
     robot_time: str | None = None  # path of the robot's own clock [s]
-    stamps: tuple[str, ...] = ("header.stamp",)  # paths of the source's time stamp, the first one present is taken
+    stamps: tuple[str, ...] = ()  # paths of the source's time stamp, the first one is taken
 
 
 JOINT_STATE = {"q": "position", "dq": "velocity", "tau_J": "effort"}
@@ -54,68 +53,25 @@ ROBOT_STATE = {  # nested FrankaRobotState
     "tau_J_d": "desired_joint_state.effort",
     "tau_ext_hat_filtered": "tau_ext_hat_filtered.effort",
 }
-KINDS: tuple[MessageKind, ...] = (  # in the order in which a definition is tried
-    MessageKind(
-        rank=0,
-        fields=ROBOT_STATE,
-        required=tuple(ROBOT_STATE[channel] for channel in JOINT_STATE),
-        names="measured_joint_state.name",
-        robot_time="time",
-    ),
-    MessageKind(  # FrankaState, and any message with arrays under the channels' own names
-        rank=0,
-        fields={name: name for name in JOINT_CHANNELS},
-        required=("q", "dq"),
-        names="name",
-        robot_time="time",
-        stamps=("header.stamp", "stamp"),
-    ),
-    MessageKind(  # sensor_msgs/JointState
-        rank=1,
-        fields=JOINT_STATE,
-        required=tuple(JOINT_STATE.values()),
-        names="name",
-        stamps=("header.stamp", "timestamp", "stamp"),
-    ),
-    MessageKind(  # foxglove.JointStates
-        rank=1,
-        fields={channel: f"joints[].{field}" for channel, field in JOINT_STATE.items()},
-        required=("joints",),
-        names="joints[].name",
-        stamps=("timestamp",),
-    ),
-)
+# Rank by the path of the position: a robot's own state, sensor_msgs/JointState and foxglove.JointStates, any other one.
+RANKS = {"q": 0, ROBOT_STATE["q"]: 0, JOINT_STATE["q"]: 1, f"joints[].{JOINT_STATE['q']}": 1}
 
 
-def match_kind(paths: Iterable[str]) -> MessageKind | None:
-    """Find the kind that a message with these fields belongs to, its paths spelled as the message spells them."""
-    spelled = {path.lower(): path for path in paths}
-    kind = next((kind for kind in KINDS if all(path.lower() in spelled for path in kind.required)), None)
-    if kind is None:
-        return _kind_by_names(spelled.values())
-    if kind is KINDS[-1]:  # the first message's list may be empty
-        return kind
-    return replace(
-        kind,
-        fields={c: spelled[path.lower()] for c, path in kind.fields.items() if path.lower() in spelled},
-        names=spelled.get((kind.names or "").lower()),
-        robot_time=spelled.get((kind.robot_time or "").lower()),
-        stamps=tuple(spelled[path] for path in kind.stamps if path in spelled),
-    )
-
-
-def _kind_by_names(paths: Iterable[str]) -> MessageKind | None:
-    """Take any other message whose fields have names of a position and of a torque, as columns of tables have them."""
+def match_kind(paths: Sequence[str]) -> MessageKind | None:
+    """Take a message whose fields have names of a position and of a torque, as columns of tables have them."""
     named = {path: name for path in paths if (name := parse_name(path)) and name.index is None and name.joint is None}
-    rank_of, found = ranks(named.values()), dict[str, list[str]]()
+    rank_of, found = ranks(named.values()), dict[str, str]()
     for path in sorted(named, key=lambda path: rank_of(named[path])):
-        found.setdefault(named[path].channel, []).append(path)
-    if "q" not in found or not found.keys() & {*TORQUE_CHANNELS}:
+        found.setdefault(named[path].channel, path)
+    if "q" not in found or not (found.keys() & {*TORQUE_CHANNELS} or {"q", "dq"} <= {*found.values()}):
         return None
+    head, rank = found["q"].rpartition(".")[0], RANKS.get(found["q"].lower(), 2)
+    names = [path for path in paths if path.split(".")[-1] in ("name", "names", "joint_names")]
     return MessageKind(
-        rank=2,
-        fields={channel: best for channel, (best, *_) in found.items()},
-        names=next((path for path in paths if path.split(".")[-1] in ("name", "names", "joint_names")), None),
+        rank=rank,
+        fields={channel: found[channel] for channel in JOINT_CHANNELS if channel in found},
+        names=min(names, key=lambda path: path.rpartition(".")[0] != head, default=None),
+        robot_time="time" if rank == 0 and "time" in paths else None,
         stamps=tuple(path for path in ("header.stamp", "stamp", "timestamp") if path in paths),
     )
 

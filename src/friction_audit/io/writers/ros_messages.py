@@ -86,6 +86,8 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
 
     One message is serialised by rosbags; the numbers of each sample are written into copies of its bytes.
     """
+    if not log.t.size:
+        return
     sample, recorded = _blank(types, (2, message.name)), logged_channels(log)
     arrays: dict[str, NDArray[Any]]
     arrays = {path: recorded[channel] for channel, path in message.fields.items() if channel in recorded}
