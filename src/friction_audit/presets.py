@@ -131,7 +131,8 @@ PRESETS: dict[str, Preset] = {
         source="xarm_description/urdf/xarm7; no torque sensors: xarm_ros2 issue 98",
     ),
 }
-_ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?\d+$", re.IGNORECASE)
+# panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
+ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 
 
 def candidates(names: Sequence[str]) -> tuple[str, ...]:
@@ -145,7 +146,7 @@ def candidates(names: Sequence[str]) -> tuple[str, ...]:
 
 def _is_named(names: Sequence[str], preset: Preset) -> bool:
     """Return True if the prefix of a joint says this arm; of an arm without such names all joints have to be there."""
-    prefixes = {(match["arm"] or "") if (match := _ARM_JOINT.match(name)) else name for name in names}
+    prefixes = {(match["arm"] or "") if (match := ARM_JOINT.match(name)) else name for name in names}
     arm = re.compile(rf"(?:^|[\W_])(?:{preset.pattern})(?:[\W_]|\d|$)", re.IGNORECASE)  # of left_ur10e_, say
     whole = preset.label.startswith("Franka") or len(names) == len(preset.joints)
     return whole and any(map(arm.search, prefixes))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from friction_audit.errors import InputError
 from friction_audit.io.readers.reader import SeveralLogsError
 from friction_audit.joint_log import Source
-from friction_audit.presets import PRESETS, candidates
+from friction_audit.presets import ARM_JOINT, PRESETS, candidates
 
 # Channel -> words for its quantity, the best first. A name is read word by word: ``MeasuredJointPosition_A1`` holds a
 # quantity (position), words that say nothing about it (measured, joint, a) and one number, and nothing else.
@@ -251,8 +251,6 @@ def positions_of(part: str, names: Sequence[str]) -> list[int]:
 DRIVER_NODES = {"franka_state_controller", "franka_robot_state_broadcaster", "joint_state_broadcaster",
                  "joint_state_controller", "franka"}  # fmt: skip
 UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
-# panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
-_ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 _FINGER = re.compile(r"finger|gripper", re.IGNORECASE)  # no part of the arm
 _LAST_NUMBER = re.compile(r"(.*?)(\d+)")
 _MAKE = re.compile("|".join(("franka", "lbr", r"fr3v\d_\d", *(one.pattern for one in PRESETS.values()))), re.IGNORECASE)
@@ -268,7 +266,7 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     bodies = [name for name in dict.fromkeys(names) if not _FINGER.search(name)]
     numbered: dict[str, list[tuple[int, str]]] = {}
     for name in bodies:
-        if match := _ARM_JOINT.match(name):
+        if match := ARM_JOINT.match(name):
             numbered.setdefault(match["arm"] or "", []).append((int(match["number"]), name))
     if not numbered:
         return {"": _by_last_number(bodies)} if bodies else {}

@@ -148,14 +148,8 @@ class McapStream(MessageStream):
         encoding, name = channel.message_encoding, schema.name if schema else ""
         if encoding == "ros1" and "/msg/" not in name:  # as rosbags spells ROS types
             name = name.replace("/", "/msg/", 1)
-        return Connection(
-            key=channel.id,
-            topic=channel.topic,
-            type=name,
-            encoding=encoding,
-            definition=(schema.encoding, schema.data) if schema else ("", b""),
-            messages=self._counts[channel.id],
-        )
+        definition = (schema.encoding, schema.data) if schema else ("", b"")
+        return Connection(channel.id, channel.topic, name, encoding, definition, self._counts[channel.id])
 
 
 def _times_of_chunk(file: BinaryIO) -> tuple[int, int]:

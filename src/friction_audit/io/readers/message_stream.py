@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from friction_audit.errors import InputError
 
 # Joint states that are all zero are packed 36 times (7 joints, zstd) to 1 000 times (1 000 joints), bombs 25 000 times.
-MOST_TIMES_PACKED = 4000
+_MOST_TIMES_PACKED = 4000
 _SMALLEST_BOUND = 1 << 20  # below it the ratio is not checked [byte]
 # Recorders close a chunk after 0.75 to 16 MB; a larger one would have to lie in memory as a whole. [byte]
 LARGEST_CHUNK = 256 << 20
@@ -30,7 +30,7 @@ class BrokenError(Exception):
 
 def bound_of(packed_bytes: int) -> int:
     """Return how large data can be at most that were packed into so many bytes."""
-    return max(_SMALLEST_BOUND, MOST_TIMES_PACKED * packed_bytes)
+    return max(_SMALLEST_BOUND, _MOST_TIMES_PACKED * packed_bytes)
 
 
 def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:
@@ -80,7 +80,7 @@ Int = NDArray[np.int64]
 _SHORTEST_RUN = 16  # a shorter run of equally long messages means that topics alternate: no more runs are looked for
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Connection:
     """One publisher's stream in a file; several connections may share a topic."""
 

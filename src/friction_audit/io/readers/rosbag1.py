@@ -68,12 +68,12 @@ class Rosbag1Stream(MessageStream):
         self._refuse_without(self._connections, "message")
         self.connections = tuple(
             Connection(
-                key=key,
-                topic=header["topic"].decode(errors="replace"),
-                type=header.get("type", b"").decode(errors="replace").replace("/", "/msg/", 1),
-                encoding="ros1",
-                definition=("ros1msg", header.get("message_definition", b"")),
-                messages=self._counts[key],
+                key,
+                header["topic"].decode(errors="replace"),
+                header.get("type", b"").decode(errors="replace").replace("/", "/msg/", 1),
+                "ros1",
+                ("ros1msg", header.get("message_definition", b"")),
+                self._counts[key],
             )
             for key, header in self._connections.items()
         )

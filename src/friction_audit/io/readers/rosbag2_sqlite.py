@@ -216,15 +216,8 @@ class Sqlite3Stream(MessageStream):
         topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id").fetchall()
         counts = self._count_messages(database, [key for key, *_ in topics])
         return tuple(
-            Connection(
-                key=key,
-                topic=str(topic),
-                type=str(typename),
-                encoding=str(encoding),
-                messages=counts.get(key, 0),
-                definition=definitions.get(typename, ("", b"")),
-            )
-            for key, topic, typename, encoding in topics
+            Connection(key, str(topic), str(kind), str(how), definitions.get(kind, ("", b"")), counts.get(key, 0))
+            for key, topic, kind, how in topics
         )
 
     def _count_messages(self, database: sqlite3.Connection, keys: Sequence[int]) -> Mapping[int, int]:
