@@ -11,6 +11,7 @@ from io import StringIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from friction_audit.cli import main
@@ -40,9 +41,27 @@ def path(name: str) -> str:
     return str(Path(REAL or "") / name)
 
 
-@pytest.mark.parametrize("name", [EXCITATION, AT_REST, ONE_WAY, SLOW_RATE])
-def test_no_sample_of_a_measured_log_is_wild(name: str) -> None:
-    assert "wild_samples" not in [finding.code for finding in read_log(path(name)).source.findings]
+@pytest.mark.parametrize(
+    ("name", "samples", "last_s", "joint", "robot", "found"),
+    [  # of the excitation 1131 rows repeat the row before, 18 of them at rest
+        (EXCITATION, 20_544 - 1_113, 20.999, "joint7", "unknown", ["dropped_samples", "jitter", "stale_samples"]),
+        (AT_REST, 32, 1.054, "joint7", "unknown", ["low_rate"]),
+        (ONE_WAY, 11_023, 11.061, "joint7", "panda", ["dropped_samples"]),
+        (SLOW_RATE, 727 - 14, 24.2, "fer_joint7", "panda", ["low_rate", "stale_samples"]),
+    ],
+)
+def test_measured_logs_are_read(
+    name: str, samples: int, last_s: float, joint: str, robot: str, found: list[str]
+) -> None:
+    log = read_log(path(name))
+    assert (log.samples, log.joint_names[6], log.source.robot) == (samples, joint, robot)
+    assert log.duration_s == pytest.approx(last_s, abs=0.01)
+    assert [finding.code for finding in log.source.findings] == found
+    if name == AT_REST:
+        mean = np.mean(log.channels()["tau_J"], axis=0)
+        np.testing.assert_allclose(mean, [0.19, -17.53, -0.85, 12.89, -0.31, 2.33, 0.22], atol=0.005)
+    if name == ONE_WAY:
+        assert log.source.findings[0].amount == 19 + 2 * 7 + 3 * 2
 
 
 def test_a_clock_wrong_by_two_is_refused_in_spite_of_uneven_stamps(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,7 @@
 """Bags for tests, written by rosbags' and mcap's own writers, and how they are read."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from rosbags.typesys.store import Typestore
 from friction_audit.io.readers.read import choose_reader
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.recording import Recording
+from friction_audit.io.writers.ros_messages import _blank
 from friction_audit.joint_log import Finding
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
@@ -99,20 +101,9 @@ def joint_states(
 
 
 def fill(store: Typestore, typename: str, **fields: Any) -> Any:
-    """Make a message with zeros in all fields but those given."""
-    kind: Any = store.types[typename]
-    values = {name: _zero(store, description) for name, description in store.fielddefs[typename][1]}
-    return kind(**{**values, **{name: value for name, value in fields.items() if name in values}})
-
-
-def _zero(store: Typestore, description: Any) -> Any:
-    node, detail = int(description[0]), description[1]
-    if node == 1:
-        return "" if detail[0] == "string" else 0
-    if node == 2:
-        return fill(store, detail)
-    (_, inner), size = detail
-    return [] if inner[0] == "string" else np.zeros(size if node == 3 else 0, np.dtype(inner[0]))
+    """Make a message with nothing in all fields but those given."""
+    known = {name for name, _ in store.fielddefs[typename][1]}
+    return replace(_blank(store, (2, typename)), **{name: value for name, value in fields.items() if name in known})
 
 
 def franka_messages(store: Typestore, typename: str, values: Samples, names: Sequence[str] = JOINTS) -> Stream:

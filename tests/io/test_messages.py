@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 from pathlib import Path
 from typing import Any
 
@@ -170,18 +169,6 @@ def test_bag_that_is_still_being_written(tmp_path: Path) -> None:
     recording = read(path)
     assert_read(recording, values)
     assert [finding.code for finding in recording.findings] == ["truncated"]
-
-
-REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
-
-
-@pytest.mark.skipif(REAL is None, reason="real logs are not here")
-def test_real_bag_of_an_fr3_at_rest() -> None:
-    recording = read(Path(REAL or "") / "sebtiburzio+dlo_parameter_id" / "calib_0108.bag")
-    assert recording.clock == "robot_time"
-    assert recording.channels["tau_J"].shape == (32, 7)
-    mean = recording.channels["tau_J"].mean(axis=0)
-    np.testing.assert_allclose(mean, [0.19, -17.53, -0.85, 12.89, -0.31, 2.33, 0.22], atol=0.005)
 
 
 def test_json_joint_states(tmp_path: Path) -> None:

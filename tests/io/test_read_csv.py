@@ -1,5 +1,4 @@
 import gzip
-import os
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +7,6 @@ import pandas as pd
 import pytest
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers import read_log
 from tests.io.synthetic_recordings import motion, read_text, tidy_frame
 
 FRAME = tidy_frame(300)
@@ -203,15 +201,6 @@ def test_files_of_many_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     log = read_text(tmp_path, "\n".join([HEAD, *LINES[:199], LINES[199].replace(".", "x", 1), *LINES[200:]]) + "\n")
     assert len(log.t) == 299
     assert "line 201, column time" in log.source.findings[0].message
-
-
-@pytest.mark.skipif("FRICTION_AUDIT_REAL_LOGS" not in os.environ, reason="no measured logs at hand")
-def test_a_measured_libfranka_log() -> None:
-    path = next(Path(os.environ["FRICTION_AUDIT_REAL_LOGS"]).glob("*/OCP_T3_0.81s.csv"))
-    log = read_log(path)
-    assert (len(log.t), len(log.joint_names), log.source.robot) == (11_023, 7, "panda")
-    assert log.duration_s == pytest.approx(11.061)
-    assert {f.code: f.amount for f in log.source.findings} == {"dropped_samples": 19 + 2 * 7 + 3 * 2}
 
 
 def test_lines_are_counted_below_a_megabyte_of_comments(tmp_path: Path) -> None:

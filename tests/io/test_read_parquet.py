@@ -1,4 +1,3 @@
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -206,13 +205,3 @@ def test_a_log_beyond_memory_is_refused_with_a_way_to_a_part(tmp_path: Path, mon
     monkeypatch.setattr("friction_audit.io.readers.reader.address_limit", lambda: 10_000)
     with pytest.raises(InputError, match=r"memory here; read a part of it with .*--t-start 0 --t-end 600"):
         read_log(tidy(tmp_path / "run.parquet"))
-
-
-@pytest.mark.skipif("FRICTION_AUDIT_REAL_LOGS" not in os.environ, reason="no measured logs at hand")
-def test_a_measured_excitation() -> None:
-    path = next(Path(os.environ["FRICTION_AUDIT_REAL_LOGS"]).glob("*/panda_excitation.parquet"))
-    log = read_log(path)
-    found = {f.code: f.amount for f in log.source.findings}
-    assert found.keys() == {"dropped_samples", "jitter", "stale_samples"}
-    assert found["stale_samples"] == 20_544 - len(log.t)
-    assert 1_100 <= (found["stale_samples"] or 0) <= 1_131  # 1131 rows repeat the row before, some of them at rest

@@ -33,7 +33,7 @@ from tests.io.bag_writing import (
 )
 
 STORE = ros2_store()
-STATE, REAL = "franka_msgs/msg/FrankaState", os.environ.get("FRICTION_AUDIT_REAL_LOGS")
+STATE = "franka_msgs/msg/FrankaState"
 
 
 def storage_file(bag: Path) -> Path:
@@ -292,13 +292,3 @@ def test_a_topic_without_messages(tmp_path: Path) -> None:
         read(path)
     with pytest.raises(InputError, match="topic /joint_states has no messages"):
         read(path, topic="joint_states")
-
-
-@pytest.mark.skipif(REAL is None, reason="real logs are not here")
-def test_real_bag_without_metadata() -> None:
-    folder = Path(REAL or "") / "unisa-acg+inverse-dynamics-solver"
-    recording = read(folder / "panda_exciting_trajectory.db3")
-    assert recording.joint_names == tuple(f"fer_joint{i}" for i in range(1, 8))
-    assert recording.robot == "panda"
-    assert len(recording.t) == 727
-    assert recording.t[-1] == pytest.approx(24.2, abs=0.01)

@@ -1,6 +1,7 @@
 """Joints of a table come by name, in any order, by columns or by rows; a torque of a single joint is ambiguous."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,8 @@ import pytest
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import ReadOptions, read_log
+from friction_audit.io.writers.write_log import write_log
+from friction_audit.joint_log import JointLog, Source
 from tests.io.synthetic_recordings import motion, read_text, tidy_frame
 
 SAMPLES = 300
@@ -29,24 +32,20 @@ def values_of(names: Sequence[str], field: str) -> Any:
     return np.column_stack(columns)
 
 
-def write_long(folder: Path, names: Sequence[str]) -> Path:
-    table = {"time": np.repeat(motion(SAMPLES)["t"], len(names)), "joint": list(names) * SAMPLES}
-    table |= {field: values_of(names, field).reshape(-1) for field in FIELDS}
-    pd.DataFrame(table).to_csv(folder / "long.csv", index=False)
-    return folder / "long.csv"
+def write(folder: Path, names: Sequence[str], dialect: str, name: str) -> Path:
+    channels = {channel: values_of(names, field) for field, channel in FIELDS.items()}
+    source = Source(path="made", sha256="", format="made")
+    log = JointLog(t=motion(SAMPLES)["t"], **channels, joint_names=tuple(names), source=source)
+    write_log(log, folder / name, dialect=dialect, overwrite=True)
+    return folder / name
+
+
+write_rostopic = partial(write, dialect="csv-rostopic", name="rostopic.csv")
 
 
 def write_long_parquet(folder: Path, names: Sequence[str]) -> Path:
-    pd.read_csv(write_long(folder, names)).to_parquet(folder / "long.parquet")
+    pd.read_csv(write(folder, names, "csv-long", "long.csv")).to_parquet(folder / "long.parquet")
     return folder / "long.parquet"
-
-
-def write_rostopic(folder: Path, names: Sequence[str]) -> Path:
-    table: dict[str, Any] = {"%time": np.arange(SAMPLES) * 1_000_000}
-    table |= {f"field.name{i}": [name] * SAMPLES for i, name in enumerate(names)}
-    table |= {f"field.{f}{i}": values_of(names, f)[:, i] for f in FIELDS for i in range(len(names))}
-    pd.DataFrame(table).to_csv(folder / "rostopic.csv", index=False)
-    return folder / "rostopic.csv"
 
 
 def write_lists(folder: Path, names: Sequence[str], kind: pa.DataType | None = None) -> Path:
@@ -64,14 +63,17 @@ def write_columns(folder: Path, names: Sequence[str]) -> Path:
     return folder / "columns.csv"
 
 
-def write_npz(folder: Path, names: Sequence[str]) -> Path:
-    arrays = {FIELDS[field]: values_of(names, field) for field in FIELDS}
-    np.savez(folder / "run.npz", time=motion(SAMPLES)["t"], joint_names=np.array(names), **arrays)
-    return folder / "run.npz"
-
-
 WRITERS = pytest.mark.parametrize(
-    "write", [write_long, write_long_parquet, write_rostopic, write_lists, write_columns, write_npz]
+    "write",
+    [
+        partial(write, dialect="csv-long", name="long.csv"),
+        partial(write, dialect="npz", name="run.npz"),
+        write_rostopic,
+        write_long_parquet,
+        write_lists,
+        write_columns,
+    ],
+    ids=["long", "npz", "rostopic", "long parquet", "lists", "columns"],
 )
 
 
