@@ -8,18 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from friction_audit.io.readers.message_kinds import JOINT_STATE
-from friction_audit.io.writers.ros_messages import (
-    FRANKA_ROBOT_STATE,
-    FRANKA_ROBOT_STATE_FLAT,
-    FRANKA_STATE,
-    JOINT_STATE_ROS1,
-    JOINT_STATE_ROS2,
-    MessageType,
-    Typestore,
-    encode,
-    load_types,
-    ros_writer,
-)
+from friction_audit.io.writers import ros_messages as ros
 from friction_audit.io.writers.tables import NANOSECONDS, Writer, logged_channels, stamps_ns
 from friction_audit.joint_log import JointLog
 
@@ -57,7 +46,7 @@ def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[t
         writer.finish()  # type: ignore[no-untyped-call]
 
 
-def ros_channel(message: MessageType, types: "Typestore") -> Channel:
+def ros_channel(message: ros.MessageType, types: ros.Typestore) -> Channel:
     """Return the channel of a topic of ROS 1 or ROS 2 messages, with their definition."""
     definition, _ = types.generate_msgdef(message.name, ros_version=1 if message.ros == 1 else 2)
     return Channel(
@@ -70,9 +59,9 @@ def ros_channel(message: MessageType, types: "Typestore") -> Channel:
     )
 
 
-def _write_ros(message: MessageType, log: JointLog, path: Path) -> None:
-    types = load_types(message)
-    messages = ((time, 0, payload) for time, payload in encode(log, message, types))
+def _write_ros(message: ros.MessageType, log: JointLog, path: Path) -> None:
+    types = ros.load_types(message)
+    messages = ((time, 0, payload) for time, payload in ros.encode(log, message, types))
     write_channels(path, (ros_channel(message, types),), messages)
 
 
@@ -159,14 +148,14 @@ def _write_foxglove(log: JointLog, path: Path, *, encoding: str) -> None:
 
 
 MCAP_DIALECTS = (
-    ros_writer("mcap", ".mcap", _write_ros, JOINT_STATE_ROS2, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
-    ros_writer("mcap-franka-robot-state", ".mcap", _write_ros, FRANKA_ROBOT_STATE,
+    ros.ros_writer("mcap", ".mcap", _write_ros, ros.JOINT_STATE_ROS2, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
+    ros.ros_writer("mcap-franka-robot-state", ".mcap", _write_ros, ros.FRANKA_ROBOT_STATE,
                "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)"),
-    ros_writer("mcap-franka-robot-state-flat", ".mcap", _write_ros, FRANKA_ROBOT_STATE_FLAT,
+    ros.ros_writer("mcap-franka-robot-state-flat", ".mcap", _write_ros, ros.FRANKA_ROBOT_STATE_FLAT,
                "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)"),
-    ros_writer("mcap-franka-state", ".mcap", _write_ros, FRANKA_STATE,
+    ros.ros_writer("mcap-franka-state", ".mcap", _write_ros, ros.FRANKA_STATE,
                "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)"),
-    ros_writer("mcap-ros1", ".mcap", _write_ros, JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
+    ros.ros_writer("mcap-ros1", ".mcap", _write_ros, ros.JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
     Writer("mcap-json", ".mcap", partial(_write_foxglove, encoding="json"),
            "MCAP of foxglove.JointStates as JSON", holds=tuple(JOINT_STATE)),
     Writer("mcap-protobuf", ".mcap", partial(_write_foxglove, encoding="protobuf"),
