@@ -1,5 +1,7 @@
 """Every term keeps the contract, and the five give what a hand calculation gives."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -57,7 +59,8 @@ def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Effect, motion: Mo
 def test_torque_and_friction_of_a_model_by_hand() -> None:
     still = np.zeros(2)
     motion = Motion(t=np.array([0.0, 1.0]), q=still, dq=np.array([2.0, -2.0]), ddq=np.array([1.0, 1.0]))
-    model = simple_model(inertia_kg_m2=0.5, coulomb_nm=0.3, viscous_nms_per_rad=0.1, offset_nm=0.05)
+    model = simple_model(inertia_kg_m2=0.5, coulomb_nm=0.3, viscous_nms_per_rad=0.1)
+    model = replace(model, terms=(*model.terms, FittedTerm("offset", (0.05,))))
     assert model.friction(motion) == pytest.approx([0.5, -0.5])
     assert model.torque(motion) == pytest.approx([1.05, 0.05])
     # What is left of the inertia where a model of the links took too much of it.

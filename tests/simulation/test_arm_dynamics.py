@@ -11,10 +11,9 @@ from numpy.testing import assert_allclose
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
-from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Simulation, TrueMotion, mechanism, simulate
+from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Simulation, TrueMotion, bench, simulate
 from friction_audit.simulation import settings as settings_module
-from friction_audit.simulation.arm import move_arm
-from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.settings import make_streams
 from tests.simulation.hand_at_flange import Pull, pull
 
@@ -57,9 +56,9 @@ def work(power: Float) -> Float:
 
 def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> TrueMotion:
     """Return the motion under a controller with another rate."""
-    for module in (settings_module, mechanism):
+    for module in (settings_module, bench):
         monkeypatch.setattr(module, "CONTROL_RATE_HZ", rate_hz)
-    return move_arm(settings, make_streams(SEED, 7), "free swing", None).motion
+    return settings.move(make_streams(SEED, 7), "free swing", None).motion
 
 
 def imbalance(settings: ArmSettings, motion: TrueMotion) -> Float:

@@ -53,9 +53,6 @@ class FrictionalLag(Effect):
             for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())
         )
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        return bool(0.0 < coefficients[0] <= LARGEST_SHARE)
-
 
 FRICTIONAL_LAG = FrictionalLag(
     name="frictional_lag",
@@ -69,6 +66,7 @@ FRICTIONAL_LAG = FrictionalLag(
     ),
     traits=Trait.NEEDS_NOMINAL,
     needs=several_speeds,
+    possible=lambda found, _: 0.0 < found[0] <= LARGEST_SHARE,
     record="repeat motions of equal speed with different accelerations",
     separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
 )

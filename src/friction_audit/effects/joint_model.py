@@ -128,18 +128,14 @@ class ArmModel:
 
     def __post_init__(self) -> None:
         if not self.joints or len(self.names) != len(self.joints):
-            raise AnalysisError(
-                f"{len(self.names)} names for {len(self.joints)} joints; expected one each, and a joint at least"
-            )
+            found = f"{len(self.names)} names for {len(self.joints)} joints"
+            raise AnalysisError(f"{found}; expected one each, and a joint at least")
 
 
-def simple_model(
-    *, inertia_kg_m2: float, coulomb_nm: float, viscous_nms_per_rad: float, offset_nm: float = 0.0
-) -> JointModel:
-    """Return a model of inertia, Coulomb and viscous friction, and a constant torque where there is one."""
+def simple_model(*, inertia_kg_m2: float, coulomb_nm: float, viscous_nms_per_rad: float) -> JointModel:
+    """Return a model of inertia, Coulomb and viscous friction."""
     terms = (FittedTerm("coulomb", (coulomb_nm,)), FittedTerm("viscous", (viscous_nms_per_rad,)))
-    offset = (FittedTerm("offset", (offset_nm,)),) if offset_nm != 0.0 else ()
-    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=terms + offset)
+    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=terms)
 
 
 def _sum(terms: Iterable[FittedTerm], motion: Motion) -> Float:
@@ -192,22 +188,21 @@ def _lines(model: ArmModel) -> Iterator[str]:
 
     yield from (f"schema = {_text(SCHEMA)}", f"version = {_text(__version__)}")
     for name, joint in zip(model.names, model.joints, strict=True):
-        yield from ("", "[[joint]]", f"name = {_text(name)}", *(_joint_lines(joint) if joint is not None else ()))
-
-
-def _joint_lines(joint: JointModel) -> Iterator[str]:
-    yield f"inertia_kg_m2 = {float(joint.inertia_kg_m2)!r}"
-    if joint.held:
-        yield f"held = [{', '.join(_text(name) for name in joint.held)}]"
-    origin = joint.provenance
-    yield from ("", "[joint.provenance]")
-    yield from (f"{key} = {_text(getattr(origin, key))}" for key in ("method", "log", "sha256"))
-    yield f"cycles = {origin.cycles}"
-    for term in joint.terms:
-        yield from ("", f"[joint.terms.{term.name}]  # {term.effect.label}")
-        for parameter, value in zip(term.effect.parameters, term.values, strict=True):
-            if value != parameter.default or not parameter.optional:
-                yield f"{parameter.name} = {float(value)!r}  # {parameter.unit}, {parameter.meaning}"
+        yield from ("", "[[joint]]", f"name = {_text(name)}")
+        if joint is None:
+            continue
+        yield f"inertia_kg_m2 = {float(joint.inertia_kg_m2)!r}"
+        if joint.held:
+            yield f"held = [{', '.join(_text(name) for name in joint.held)}]"
+        origin = joint.provenance
+        yield from ("", "[joint.provenance]")
+        yield from (f"{key} = {_text(getattr(origin, key))}" for key in ("method", "log", "sha256"))
+        yield f"cycles = {origin.cycles}"
+        for term in joint.terms:
+            yield from ("", f"[joint.terms.{term.name}]  # {term.effect.label}")
+            pairs = zip(term.effect.parameters, term.values, strict=True)
+            for own, value in ((own, value) for own, value in pairs if value != own.default or not own.optional):
+                yield f"{own.name} = {float(value)!r}  # {own.unit}, {own.meaning}"
 
 
 def _text(text: str) -> str:

@@ -54,7 +54,6 @@ class Presliding(Effect):
                 yield place, (z + many[place][2] * rate - sign)[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """All reaches of all kinds."""
         span = float(np.ptp(data.q)) or 1.0
         return tuple(
             {"reach_rad": share * span, "yielding_exponent": exponent, "bristle_damping_s": damping}

@@ -165,54 +165,32 @@ class JointElasticity(Link):
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Springs that ring below the corner of the regression, or twist by more than the noise of the position."""
-        stiffest = _stiffest_seen(data)
-        return tuple(at for at in _all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
+        far, usual = far_side(data.motion(data.torque)), float(np.sqrt(np.mean(data.torque**2))) or 1.0
+        # Stiffnesses on which the inertia in the torque rings at all frequencies, falling from the stiffest. [N m/rad]
+        inertia, hz = far.inertia_kg_m2 or USUAL_INERTIA_KG_M2, np.array([MOTION_BELOW_HZ, CORNER_HZ, *RINGING_HZ])
+        smooth_at, corner, *_ = ringing = inertia * (2.0 * np.pi * hz) ** 2
+        between = ringing[2:][(ringing[2:] > SOFTEST_NM_PER_RAD) & (ringing[2:] < STIFFEST_NM_PER_RAD)]
+        every = np.append(STIFFEST_NM_PER_RAD, between[::-1])
+        # Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position.
+        stiffest = max(corner, far.coulomb_nm / max(grid_noise(data.q, differences=4), np.finfo(float).tiny))
+        # Every second stiffness is tried for springs that are soft at first; the projection finds those between. Those
+        # that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those that
+        # ring below the corner with more damping and with less inertia on the far side.
+        fast, slow, smooth = every[every > smooth_at], every[every < corner], {"motion_below_hz": MOTION_BELOW_HZ}
+        soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
+        tries: tuple[tuple[Float, dict[str, float]], ...] = (
+            (every, {"damping_ratio": DAMPING_RATIO}),
+            *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
+            (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
+            *((fast[::2], one | smooth) for one in soft),
+            (slow[::2], {"damping_ratio": MUCH_DAMPED}),
+            *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
+        )
+        seen = ((stiffness, other) for tried, other in tries for stiffness in tried.tolist() if stiffness <= stiffest)
+        return tuple({"spring_nm_per_rad": stiffness, **other} for stiffness, other in seen)
 
     def coefficient_of(self, at: Nonlinear) -> float:
         return 1.0 / at["spring_nm_per_rad"]
-
-
-def _all_springs(data: JointData) -> tuple[Nonlinear, ...]:
-    """Linear springs, and of every second stiffness springs that are soft at first; the projection finds those between.
-
-    Springs that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those
-    that ring below the corner with more damping and with less inertia on the far side.
-    """
-    usual, every = float(np.sqrt(np.mean(data.torque**2))) or 1.0, _stiffnesses(data)
-    fast, slow = every[every > _ringing_at(data, MOTION_BELOW_HZ)], every[every < _ringing_at(data, CORNER_HZ)]
-    smooth = {"motion_below_hz": MOTION_BELOW_HZ}
-    soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
-    tries: tuple[tuple[Float, dict[str, float]], ...] = (
-        (every, {"damping_ratio": DAMPING_RATIO}),
-        *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
-        (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
-        *((fast[::2], one | smooth) for one in soft),
-        (slow[::2], {"damping_ratio": MUCH_DAMPED}),
-        *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
-    )
-    return tuple({"spring_nm_per_rad": float(stiffness), **other} for tried, other in tries for stiffness in tried)
-
-
-def _stiffest_seen(data: JointData) -> float:
-    """Stiffness above which a spring neither rings below the regression's corner nor twists visibly at a reversal.
-
-    Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position. [N m/rad]
-    """
-    noise = max(grid_noise(data.q, differences=4), np.finfo(float).tiny)
-    return max(float(_ringing_at(data, CORNER_HZ)), far_side(data.motion(data.torque)).coulomb_nm / noise)
-
-
-def _stiffnesses(data: JointData) -> Float:
-    """The stiffest, and falling those on which the far side rings at all frequencies. [N m/rad]"""
-    ringing = _ringing_at(data, RINGING_HZ)
-    between = ringing[(ringing > SOFTEST_NM_PER_RAD) & (ringing < STIFFEST_NM_PER_RAD)]
-    return np.append(STIFFEST_NM_PER_RAD, between[::-1])
-
-
-def _ringing_at(data: JointData, frequency_hz: Float | float) -> Float:
-    """Stiffness of a spring on which the inertia in the torque rings at a frequency. [N m/rad]"""
-    inertia = far_side(data.motion(data.torque)).inertia_kg_m2 or USUAL_INERTIA_KG_M2
-    return np.asarray(inertia * (2.0 * np.pi * np.asarray(frequency_hz)) ** 2)
 
 
 JOINT_ELASTICITY = JointElasticity(

@@ -4,15 +4,12 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, fields, replace
 from math import inf, ulp
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
 from friction_audit.errors import UsageError
-
-if TYPE_CHECKING:
-    from friction_audit.simulation.effects import Hidden
 
 CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets its torques
 FEWEST_TICKS = 2
@@ -23,13 +20,15 @@ LONGEST_DEAD_TIME_S = 0.005  # five ticks; a state of a joint remembers so much 
 LARGEST = 1e3  # no error of a sensor comes near it, in any unit
 FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.SCALE``)
 
+SomeSettings: TypeAlias = Any  # of a bench, of one joint of a Panda or of an arm, whose modules import this one
+
 
 def kind_name(kind: type) -> str:
     """Return the name of a class as the command line has it, e.g. ``slow_sweep``."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
 
 
-def within(usual: Any, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
+def within(usual: Any = 0.0, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
     """Return a field that holds a number in [low, high], or several in rising order, none of them infinite."""
     return field(default=usual, metadata={"within": (low, high)})
 
@@ -60,7 +59,7 @@ class Checked:
                 raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
 
 
-def require_no_hand(hidden: "Iterable[Hidden]", compensator: object) -> None:
+def require_no_hand(hidden: Iterable[Any], compensator: object) -> None:
     """Refuse what takes a person's hand where motors move the joints: sensors read all that these give."""
     unlogged = any(inside.unlogged_compensation.share != 0.0 for inside in hidden)
     if unlogged or compensator is not None:
@@ -71,9 +70,8 @@ def require_no_hand(hidden: "Iterable[Hidden]", compensator: object) -> None:
 def count_ticks(duration_s: float, rate_hz: float) -> int:
     """Return the number of the controller's ticks in a recording, after checking that it is long enough."""
     if duration_s * rate_hz < FEWEST_TICKS:
-        raise UsageError(
-            f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least {FEWEST_TICKS} sampling intervals"
-        )
+        found = f"{duration_s:g} s at {rate_hz:g} Hz"
+        raise UsageError(f"simulation: {found}: expected at least {FEWEST_TICKS} sampling intervals")
     return round(duration_s * CONTROL_RATE_HZ)
 
 
@@ -106,11 +104,11 @@ class TorqueLoop(Checked):
     of noise; tau_d gravity compensation and u.
     """
 
-    gain: float = within(0.0, 0.0, LARGEST)  # of the torque error; 0 for no torque control
+    gain: float = within(high=LARGEST)  # of the torque error; 0 for no torque control
     # of the derivative of the torque. Against a link held fast the loop rings without end, to first order in the dead
     # time, where it is below gain times dead time [s]
-    damping_s: float = within(0.0, 0.0, LARGEST)
-    dead_time_s: float = within(0.0, 0.0, LONGEST_DEAD_TIME_S)  # from the torque to the motor, in steps of 0.1 ms [s]
+    damping_s: float = within(high=LARGEST)
+    dead_time_s: float = within(high=LONGEST_DEAD_TIME_S)  # from the torque to the motor, in steps of 0.1 ms [s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -127,36 +125,28 @@ class JointParameters(Checked):
     def at_link(self) -> "JointParameters":
         """What the link sees of it through its torque control."""
         left = 1.0 / (1.0 + self.torque_loop.gain)
-        return JointParameters(
-            inertia_kg_m2=left * self.inertia_kg_m2,
-            coulomb_nm=left * self.coulomb_nm,
-            viscous_nms_per_rad=left * self.viscous_nms_per_rad,
-        )
+        inertia, coulomb, viscous = (left * getattr(self, item.name) for item in fields(self)[:3])
+        return JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sensors(Checked):
     """What the sensors and the recorder do to the truth; every default is an ideal one."""
 
-    torque_noise_nm: float = within(0.0, 0.0, LARGEST)  # standard deviation of the torque noise [N m]
-    torque_correlation_s: float = within(
-        0.0, 0.0, LARGEST
-    )  # time after which its autocorrelation has fallen to 1/e [s]
-    slow_noise_share: float = within(0.0, 0.0, 1.0)  # share of its variance that wanders more slowly
+    torque_noise_nm: float = within(high=LARGEST)  # standard deviation of the torque noise [N m]
+    torque_correlation_s: float = within(high=LARGEST)  # time after which its autocorrelation has fallen to 1/e [s]
+    slow_noise_share: float = within(high=1.0)  # share of its variance that wanders more slowly
     # time after which the autocorrelation of the slower part has fallen to 1/e [s]
     slow_correlation_s: float = within(0.05, 0.0, LARGEST)
-    torque_step_nm: float = within(0.0, 0.0, LARGEST)  # resolution of the torque, 0 for none [N m]
-    velocity_noise_rad_s: float = within(0.0, 0.0, LARGEST)  # standard deviation of the velocity noise, white [rad/s]
-    velocity_step_rad_s: float = within(0.0, 0.0, LARGEST)  # resolution of the velocity [rad/s]
-    position_noise_rad: float = within(0.0, 0.0, LARGEST)  # standard deviation of the position noise, white [rad]
-    position_step_rad: float = within(0.0, 0.0, LARGEST)  # resolution of the position [rad]
-    clock_jitter_s: float = within(
-        0.0, 0.0, LARGEST
-    )  # standard deviation of the spacing of the stamps, losses aside [s]
-    stale: float = within(0.0, 0.0, 0.5)  # share of the samples that repeat the one before
-    lost: float = within(0.0, 0.0, 0.5)  # share of the samples that were never recorded
-    # once in a recording so many samples in a row are lost, else one at a time
-    longest_loss: int = within(8, 1, LARGEST)
+    torque_step_nm: float = within(high=LARGEST)  # resolution of the torque, 0 for none [N m]
+    velocity_noise_rad_s: float = within(high=LARGEST)  # standard deviation of the velocity noise, white [rad/s]
+    velocity_step_rad_s: float = within(high=LARGEST)  # resolution of the velocity [rad/s]
+    position_noise_rad: float = within(high=LARGEST)  # standard deviation of the position noise, white [rad]
+    position_step_rad: float = within(high=LARGEST)  # resolution of the position [rad]
+    clock_jitter_s: float = within(high=LARGEST)  # standard deviation of the spacing of the stamps, losses aside [s]
+    stale: float = within(high=0.5)  # share of the samples that repeat the one before
+    lost: float = within(high=0.5)  # share of the samples that were never recorded
+    longest_loss: int = within(8, 1, LARGEST)  # samples in a row that are lost once; all others are lost one by one
 
     def __post_init__(self) -> None:
         Checked.__post_init__(self)

@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.bench import BenchSettings, Operator, moved_by
+from friction_audit.simulation.bench import BenchSettings, Operator, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Clock, Mechanism
 from friction_audit.simulation.mechanics.tick import run
-from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, make_streams
 from friction_audit.simulation.simulation import TrueMotion
 
