@@ -87,8 +87,6 @@ class TimeDelay(Effect):
     early.
     """
 
-    follows = True
-
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield (rest(t - s) - rest(t)) / s, first and last value held, of the torque with the load or without."""
         for loaded in {bool(round(with_load)) for _, with_load in many}:
@@ -106,13 +104,9 @@ class TimeDelay(Effect):
         tried = product(loads, (1.0, -1.0), STEPS_S.tolist())
         return tuple({"delay_step_s": sign * step, "delayed_load": load} for load, sign, step in tried)
 
-    def coefficient_of(self, at: Nonlinear) -> float:
-        return at["delay_step_s"]
-
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        share = coefficients[0] / at["delay_step_s"]
-        least = 0.0 if abs(at["delay_step_s"]) <= STEPS_S[0] else LEAST_SHARE
-        return bool(least < share <= LARGEST_SHARE)
+        step = at["delay_step_s"]
+        return bool(LEAST_SHARE * (abs(step) > STEPS_S[0]) < coefficients[0] / step <= LARGEST_SHARE)
 
 
 TIME_DELAY = TimeDelay(
@@ -125,6 +119,7 @@ TIME_DELAY = TimeDelay(
         Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
     ),
     traits=Trait.NEEDS_NOMINAL,
+    coefficient_of=lambda at: at["delay_step_s"],
     forward="delay",
     needs=reversals,
     record="reverse sharply at two or more clearly different speeds",

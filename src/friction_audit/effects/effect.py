@@ -8,7 +8,6 @@ over the nonlinear parameters only. Effects whose formulas are alike share a mod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Flag, auto
-from typing import ClassVar
 
 import numpy as np
 
@@ -33,6 +32,11 @@ class Trait(Flag):
     EVEN = auto()  # neither it nor what its formula misses depends on the direction
 
 
+def free(at: Nonlinear) -> float:
+    """Refuse to say what a coefficient is that follows from nothing."""
+    raise NotImplementedError("the coefficients of this effect are free")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
     """One effect; a subclass defines ``columns`` or ``columns_of_many`` and overrides what only it needs."""
@@ -49,6 +53,8 @@ class Effect:
     needs: Callable[[JointData, Nominal], str | None] = moves
     # Whether coefficients at a point of the grid are physically possible; above their lower bounds where None.
     possible: Callable[[Float, Nonlinear], bool] | None = None
+    # Coefficient, where it follows from the nonlinear parameters, of one column that acts on the nominal torque.
+    coefficient_of: Callable[[Nonlinear], float] = free
     # How it takes part in a forward simulation:
     # - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other joints as
     #   recorded. Where the past matters too, its torque along the motion is iterated.
@@ -67,10 +73,6 @@ class Effect:
     jumps: tuple[str, ...] = ()  # nonlinear parameters at whose value its torque jumps
     indistinguishable: tuple[str, ...] = ()  # effects that no motion of this kind separates from it
     part_of: tuple[str, ...] = ()  # effects that it may be a part of where they are found too
-
-    # What few effects set, in their class.
-    transmits: ClassVar[bool] = False  # it is a link between the measured side and that of inertia and friction
-    follows: ClassVar[bool] = False  # it acts on the nominal torque, and its coefficient follows from the other numbers
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque per unit of each coefficient, shape (n, p), at the nonlinear parameters in order."""
@@ -116,10 +118,6 @@ class Effect:
         """Return the columns at one point."""
         return next(self.regressors(data, nominal, (at,)))[1]
 
-    def coefficient_of(self, at: Nonlinear) -> float:
-        """Return the coefficient of the one column of an effect whose coefficient ``follows``."""
-        raise NotImplementedError(f"{self.name}: its coefficients are free")
-
     def in_cpp(self, values: Sequence[float], table: str) -> str:
         """Return the torque of a friction that follows from the velocity alone as an expression of C++.
 
@@ -144,6 +142,9 @@ class Effect:
         """``velocity``, ``load and place``, ``sensors``, ``structure``, ``slow and events``; else ``nominal``."""
         return next((family for family, members in FAMILIES.items() if self.name in members), "nominal")
 
+    follows = property(lambda self: self.coefficient_of is not free)
+    # A link between the measured side and that of inertia and friction.
+    transmits = property(lambda self: self.forward in ("spring", "gap"))
     needs_nominal = property(lambda self: Trait.NEEDS_NOMINAL in self.traits)
     exact = property(lambda self: Trait.EXACT in self.traits)
     friction = property(lambda self: Trait.FRICTION in self.traits)
