@@ -151,7 +151,7 @@ def test_the_command_writes_a_document_and_the_trajectory_of_the_arm(run: Run, t
 
 
 def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: Run, tmp_path: Path) -> None:
-    quickly = ("--no-check", "--duration", "30")
+    quickly = ("--no-check", "--duration", "60")
     text = run("plan", result(tmp_path / "a.json", "adequate"), *quickly).out
     assert "nothing to decide" in text
     assert "to diagnose" in text

@@ -61,13 +61,6 @@ def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPat
     return settings.move(make_streams(SEED, 7), "free swing", None).motion
 
 
-def imbalance(settings: ArmSettings, motion: TrueMotion) -> Float:
-    """Return how far energy and friction's work together have gone from where they were, shape (n,). [J]"""
-    total = energies(settings, motion) + motion.dissipated_j.sum(axis=1)
-    gone: Float = np.abs(total - total[0])
-    return gone
-
-
 @pytest.mark.parametrize("joints", [SMOOTH, PANDA_JOINTS], ids=["frictionless", "with friction"])
 def test_free_swing_loses_what_friction_takes_and_errs_with_the_square_of_the_tick(
     joints: tuple[Any, ...], monkeypatch: pytest.MonkeyPatch
@@ -77,7 +70,8 @@ def test_free_swing_loses_what_friction_takes_and_errs_with_the_square_of_the_ti
     # It falls 60 J deep and swings at up to 15 rad/s.
     assert np.abs(fine.dq).max() > 5.0
     assert (fine.dissipated_j[-1].sum() > 1.0) == (joints == PANDA_JOINTS)
-    errors = [imbalance(swing, motion) for motion in (coarse, fine)]
+    totals = [energies(swing, motion) + motion.dissipated_j.sum(axis=1) for motion in (coarse, fine)]
+    errors = [np.abs(total - total[0]) for total in totals]
     worst, finer = (error.max() for error in errors)
     assert worst < 2e-3
     assert 3.5 < worst / finer < 4.8

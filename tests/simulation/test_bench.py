@@ -38,12 +38,6 @@ def only(column: Float) -> Float:
     return column[:, 0]
 
 
-def work(simulation: Simulation) -> float:
-    channels = simulation.log.channels()
-    torque = channels["tau_interaction"] + channels.get("tau_compensation", 0.0)
-    return float(np.trapezoid(only(torque * simulation.log.dq), simulation.log.t))
-
-
 # The drive's torque is linear from tick to tick. Its kinks are smaller than what noise hides, but the trapezoidal rule
 # at the ticks sees them: some parts in a million of the work.
 @pytest.mark.parametrize("settings", [IDEAL, HELPED], ids=["free", "compensated"])
@@ -53,7 +47,9 @@ def test_work_of_the_ideal_log_is_what_friction_took(settings: BenchSettings) ->
     expected = np.trapezoid(friction.coulomb_nm * np.abs(dq) + friction.viscous_nms_per_rad * dq**2, simulation.log.t)
     taken = simulation.truth.motion.dissipated_j[-1, 0]
     assert_allclose(taken, expected, rtol=2e-6)
-    assert_allclose(work(simulation), taken, rtol=1e-6)
+    channels = simulation.log.channels()
+    torque = channels["tau_interaction"] + channels.get("tau_compensation", 0.0)
+    assert_allclose(np.trapezoid(only(torque) * dq, simulation.log.t), taken, rtol=1e-6)
 
 
 def test_sensors_do_not_change_the_motion() -> None:
@@ -219,10 +215,6 @@ def rng(seed: int = 0) -> np.random.Generator:
     return np.random.default_rng(seed)
 
 
-def autocorrelation(noise: np.ndarray, lag: int) -> float:
-    return float(np.corrcoef(noise[lag:], noise[:-lag])[0, 1])
-
-
 def test_ideal_sensors_have_no_noise_but_draw_it() -> None:
     ideal, real, again = rng(1), rng(1), rng(1)
     noise = draw_noise(TICKS, 1000.0, IDEAL_SENSORS, ideal)
@@ -238,7 +230,7 @@ def test_slow_part_keeps_the_variance_and_changes_the_colour(share: float) -> No
     assert_allclose(noise.std(), 0.05, rtol=0.04)
     for lag in (2, 10, 20):
         expected = (1 - share) * np.exp(-lag / 2) + share * np.exp(-lag / 20)
-        assert_allclose(autocorrelation(noise, lag), expected, atol=0.03)
+        assert_allclose(np.corrcoef(noise[lag:], noise[:-lag])[0, 1], expected, atol=0.03)
 
 
 @pytest.mark.parametrize(

@@ -102,14 +102,6 @@ HIDDEN = {
 }
 
 
-def drive_torque(settings: BenchSettings, q: Float, dq: Float) -> Float:
-    """Return the torque of the operator's spring and damper, shape (n + 1,)."""
-    hand, ticks = settings.operator, len(q) - 1
-    wanted = hand.motion.intend(ticks, 1e-3, make_streams(PORT_SEED, 1).person)
-    spring, damper = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
-    return np.asarray(spring * (wanted.position - q) + damper * (wanted.velocity - dq))
-
-
 def impulse(t: Float, torque: Float) -> Float:
     """Return the integral of a torque over time, shape (n + 1,). [N m s]"""
     return np.concatenate([[0.0], np.cumsum(0.5 * (torque[1:] + torque[:-1]) * np.diff(t))])
@@ -122,12 +114,14 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
     simulation = simulate(settings, PORT_SEED)
     log = simulation.log
     assert log.tau_interaction is not None
-    q, dq = log.q[:, 0], log.dq[:, 0]
-    hand = impulse(log.t, drive_torque(settings, q, dq)) - settings.operator.inertia_kg_m2 * dq
+    q, dq, hand = log.q[:, 0], log.dq[:, 0], settings.operator
+    wanted = hand.motion.intend(len(q) - 1, 1e-3, make_streams(PORT_SEED, 1).person)
+    drive = hand.stiffness_nm_per_rad * (wanted.position - q) + hand.damping_nms_per_rad * (wanted.velocity - dq)
+    expected = impulse(log.t, drive) - hand.inertia_kg_m2 * dq
     sensor = impulse(log.t, log.tau_interaction[:, 0])
     assert np.ptp(sensor) > 0.5
     ringing = name in ("elastic", "backlash")
-    assert_allclose(sensor, hand, atol=5e-3 if ringing else 5e-4)
+    assert_allclose(sensor, expected, atol=5e-3 if ringing else 5e-4)
 
 
 @pytest.mark.parametrize("name", ["rigid", "elastic", "presliding"])

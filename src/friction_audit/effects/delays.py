@@ -34,14 +34,12 @@ class FrictionalLag(Effect):
         far, speed, sign = far_side(motion), np.abs(motion.dq), motion.direction
         step = float(motion.t[1] - motion.t[0])
         now = {fading: np.exp(-speed / fading) for fading in {fading for _, _, fading in many}}
-        places: dict[float, list[int]] = {}
-        for place, (lag, _, _) in enumerate(many):
-            places.setdefault(lag, []).append(place)
-        for lag, alike in places.items():
+        for lag in dict.fromkeys(lag for lag, _, _ in many):
             seen = first_order(speed, exp(-step / lag), speed[0])
             viscous = far.viscous_nms_per_rad * (seen - speed)
-            for place in alike:
-                _, excess, fading = many[place]
+            for place, (_, excess, fading) in enumerate(many):
+                if many[place][0] != lag:
+                    continue
                 stribeck = excess * far.coulomb_nm * (np.exp(-seen / fading) - now[fading])
                 yield place, (sign * (viscous + stribeck))[:, None]
 

@@ -11,7 +11,7 @@ from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
 from friction_audit.effects.parameter import Parameter
-from friction_audit.joint_log import Float, read_only
+from friction_audit.joint_log import Float
 
 WAVES = 10
 PATCHES = (8, 16)  # half widths of patches, as how many of them the range takes
@@ -241,7 +241,10 @@ class JointLimitStop(Effect):
         """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power."""
         upper, lower, exponent = values
         columns = np.zeros((4, len(motion.q)))
-        _press(read_only(motion.q), read_only(motion.dq), float(upper), float(lower), float(exponent), columns)
+        at = np.flatnonzero((motion.q > upper) | (motion.q < lower))  # at most samples no stop is touched
+        q, dq = motion.q[at], motion.dq[at]
+        up, down = (np.maximum(depth / DEPTH_RAD, 0.0) ** exponent for depth in (q - upper, lower - q))
+        columns[:, at] = up, -down, dq, dq * (up + down)
         return columns.T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
@@ -256,17 +259,6 @@ class JointLimitStop(Effect):
             }
             for (up, down), depth, exponent in product(ends, DEPTHS, EXPONENTS)
         )
-
-
-@compiled()
-def _press(q: Float, dq: Float, upper: float, lower: float, exponent: float, columns: Float) -> None:
-    """Fill columns (4, n) where a stop is touched; at most samples none is, and they stay zero."""
-    for i in range(len(q)):
-        above, below = max(q[i] - upper, 0.0), max(lower - q[i], 0.0)
-        if above > 0.0 or below > 0.0:
-            up = (above / DEPTH_RAD) ** exponent if above > 0.0 else 0.0
-            down = (below / DEPTH_RAD) ** exponent if below > 0.0 else 0.0
-            columns[0, i], columns[1, i], columns[2, i], columns[3, i] = up, -down, dq[i], dq[i] * (up + down)
 
 
 JOINT_LIMIT_STOP = JointLimitStop(

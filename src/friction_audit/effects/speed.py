@@ -6,7 +6,6 @@ from itertools import product
 
 import numpy as np
 
-from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
@@ -133,10 +132,8 @@ def bend(pace: Float, freedom: float) -> Float:
 
     From a table over the angle whose tangent is t / sqrt(freedom): the function itself takes a microsecond a sample.
     """
-    # The table is even, so that the place follows from the angle without a search.
-    place = np.arctan(pace * np.sqrt(CARREAU / freedom))
-    place *= (TABLE - 1) / (np.pi / 2.0)
-    return np.asarray(_between(bend_table(freedom), place))
+    place = np.arctan(pace * np.sqrt(CARREAU / freedom)) * ((TABLE - 1) / (np.pi / 2.0))
+    return np.asarray(np.interp(place, np.arange(TABLE), bend_table(freedom)))
 
 
 def bend_table(freedom: float) -> Float:
@@ -144,16 +141,6 @@ def bend_table(freedom: float) -> Float:
     from scipy.special import betainc
 
     return np.asarray(betainc(0.5, freedom / 2.0, np.sin(np.linspace(0.0, np.pi / 2.0, TABLE)) ** 2))
-
-
-@compiled()
-def _between(table: Float, place: Float) -> Float:
-    """Return what lies between the entries of a table, at places counted from its first one, shape (n,)."""
-    out = np.empty(len(place))
-    for i in range(len(place)):
-        k = max(min(int(place[i]), len(table) - 2), 0)  # a place that is no number is nowhere, and gives none
-        out[i] = table[k] + (place[i] - k) * (table[k + 1] - table[k])
-    return out
 
 
 NONLINEAR_VISCOUS = NonlinearViscous(
