@@ -26,8 +26,7 @@ from friction_audit.simulation.effects.load_and_place import JointLimitStop
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, TimeDelay, delayed
 from friction_audit.simulation.effects.structure import InertiaError
 from friction_audit.simulation.sensors import draw_noise, quantise
-from friction_audit.simulation.settings import PANDA_SENSORS
-from friction_audit.simulation.simulation import require_sane
+from friction_audit.simulation.settings import PANDA_SENSORS, require_sane
 
 SHORT = BenchSettings(duration_s=20.0)
 IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,))

@@ -15,8 +15,7 @@ from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.slow_and_events import UnloggedCompensation
 from friction_audit.simulation.hide import BY_NAME
 from friction_audit.simulation.scenarios import simulate
-from friction_audit.simulation.settings import IDEAL_SENSORS
-from friction_audit.simulation.simulation import Simulation, TrueMotion
+from friction_audit.simulation.settings import IDEAL_SENSORS, Simulation, TrueMotion
 
 SEED = 4
 PLAIN = BenchSettings(duration_s=20.0)

@@ -15,8 +15,7 @@ from friction_audit.simulation.effects import slow_and_events as slow
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.scenarios import simulate
-from friction_audit.simulation.settings import IDEAL_SENSORS, Sensors, make_streams
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import IDEAL_SENSORS, Sensors, TrueMotion, make_streams
 
 # Friction in the truth is the law as written in a textbook, at the motion that there was.
 

@@ -52,18 +52,11 @@ class _Recording(NamedTuple):
 def simulate_along(
     model: Model, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
 ) -> Float | None:
-    """Simulate a joint under a recorded torque.
+    """Simulate a joint under a torque F_m + u as recorded, along a recording on an even grid.
 
-    Args:
-        model: The joint.
-        motion: The recording, on an even grid, n samples.
-        drive: Torque F_m + u as recorded, shape (n,). [N m]
-        pieces: First and last sample of each piece, shape (p, 2).
-        load: Load on the gear that is not in the drive; that of the motion where None, shape (n,). [N m]
-
-    Returns:
-        Velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces; None where it does not settle or
-        grows beyond all bounds.
+    Pieces are their first and last sample, shape (p, 2); the load is what is on the gear and not in the drive, that of
+    the motion where None. Returns the velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces;
+    None where it does not settle or grows beyond all bounds.
     """
     between = {term.effect.forward: term for term in model.terms if term.effect.forward in BETWEEN}
     if (late := between.get("delay")) is not None:

@@ -23,14 +23,9 @@ Motion = tuple[Float, Float, Float]
 
 
 def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, places: Index) -> Float:
-    """Return entries of the regressor: joint's torque per unit of a parameter of a link, shape (n, e).
+    """Return entries of the regressor: a joint's torque per unit of one of the ten parameters of a link, shape (n, e).
 
-    Args:
-        arm: The arm.
-        motion: Position, velocity and acceleration, shape (n, j) each.
-        joints: Column (of the log) of each entry's joint, shape (e,).
-        links: Column (of the log) of the joint that carries each entry's link, shape (e,).
-        places: Which of the ten parameters, shape (e,).
+    Of each entry, shape (e,): column in the log of its joint, and of the joint that carries its link; the parameter.
     """
     place = np.argsort(arm.columns)
     joints, links = place[joints], place[links]

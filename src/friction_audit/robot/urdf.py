@@ -39,9 +39,8 @@ class Inertial(NamedTuple):
 def parse_urdf(text: bytes, where: str) -> tuple[str, dict[str, tuple[Inertial, ...]]]:
     """Read a URDF. A joint counts if it turns, has a motor of its own (no mimic) and is no finger.
 
-    Returns:
-        A URDF of links with placeholder inertias and of joints, those that count as unlimited hinges, all others fixed
-        at zero; and the inertial parameters of the links, by name.
+    Returns a URDF of links with placeholder inertias and of joints, those that count as unlimited hinges, all others
+    fixed at zero; and the inertial parameters of the links, by name.
     """
     root = _root(text, where)
     faults = _faults(root)

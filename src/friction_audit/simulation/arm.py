@@ -20,13 +20,13 @@ from friction_audit.simulation.settings import (
     AnyCompensator,
     Checked,
     JointParameters,
+    Moved,
     Sensors,
     Streams,
     count_ticks,
     require_no_hand,
     within,
 )
-from friction_audit.simulation.simulation import Moved
 
 CHUNK_TICKS = 1000  # between two reports of the progress
 BRAKE_NM = 1e6  # what a brake holds

@@ -26,17 +26,19 @@ from friction_audit.simulation.settings import (
     PANDA_SENSORS,
     Checked,
     JointParameters,
+    Moved,
     Sensors,
     SomeSettings,
     Streams,
     TorqueLoop,
+    TrueMotion,
     count_ticks,
     of_each_joint,
     positive,
     require_no_hand,
+    require_sane,
     within,
 )
-from friction_audit.simulation.simulation import Moved, TrueMotion, require_sane
 
 Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
 CHUNK_TICKS = 20_000  # between two reports of the progress
@@ -254,7 +256,7 @@ class HandGuidedPanda(Checked):
         # Effects that do nothing in a joint at rest would stand in the truth.
         for number, hidden in enumerate(self.hidden, start=1):
             groups, rests = [group for group in hidden.each() if group.hidden], number != self.joint
-            if idle := [one.name for one in groups if one.needs_moving_neighbour or (rests and not one.felt_at_rest)]:
+            if idle := [one.name for one in groups if not one.felt_at_rest and (rests or one.needs_neighbours)]:
                 found = f"{', '.join(idle)} in joint {number}: does nothing where only joint {self.joint} moves"
                 todo = f"name them after @{self.joint}, or let all joints move (scenario panda)"
                 raise UsageError(f"Panda: {found}; {todo}")

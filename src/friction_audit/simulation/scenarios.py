@@ -17,10 +17,11 @@ from friction_audit.simulation.settings import (
     PANDA_SENSORS,
     JointParameters,
     Sensors,
+    Simulation,
     TorqueLoop,
+    Truth,
     make_streams,
 )
-from friction_audit.simulation.simulation import Simulation, Truth
 
 AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
 
@@ -243,15 +244,9 @@ SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
 def simulate(
     settings: AnySettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
 ) -> Simulation:
-    """Simulate a recording. The same settings and seed give the same log to the bit.
+    """Simulate a recording, with a path for its source. The same settings and seed give the same log to the bit.
 
-    Without a compensator in the loop, the motion does not depend on the sensors.
-
-    Args:
-        settings: The joints, who moves them, the sensors, what is hidden.
-        seed: Seed of everything that is drawn.
-        path: Path that the log names as its source.
-        progress: Is given the share that is done, 0 to 1.
+    Without a compensator in the loop, the motion does not depend on the sensors. Progress: the share that is done.
     """
     streams = make_streams(seed, len(settings.joints))
     moved = settings.move(streams, path, progress)

@@ -13,8 +13,7 @@ from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
 from friction_audit.simulation.effects.slow_and_events import temperature_c
-from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, SomeSettings, Streams, of_each_joint
-from friction_audit.simulation.simulation import Moved
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Moved, Sensors, SomeSettings, Streams, of_each_joint
 
 Number = TypeVar("Number", float, Float)
 

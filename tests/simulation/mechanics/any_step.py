@@ -9,8 +9,7 @@ from friction_audit.simulation.bench import BenchSettings, Operator, assemble, m
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Clock
 from friction_audit.simulation.mechanics.tick import run
-from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, make_streams
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, TrueMotion, make_streams
 
 NEXT_TO_NOTHING = 1e-300
 """Stiffness, or damping, of a hand that has none; the operator's must be above zero."""

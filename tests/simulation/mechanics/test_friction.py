@@ -9,8 +9,7 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden, velocity
 from friction_audit.simulation.mechanics.records import Body, make_body
 from friction_audit.simulation.mechanics.step import accelerate
-from friction_audit.simulation.settings import JointParameters
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import JointParameters, TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release
 
 # Rest is rest: where it begins, what it bears, when it ends.

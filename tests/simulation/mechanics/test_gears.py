@@ -14,8 +14,7 @@ from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Hidden, simu
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, Backlash, JointElasticity
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.settings import JointParameters, TorqueLoop
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import JointParameters, TorqueLoop, TrueMotion
 from tests.simulation.mechanics.any_step import bench, release
 
 # Two masses and a spring: what can be known of them by hand, or from SciPy.

@@ -71,8 +71,7 @@ class HiddenEffect:
     summary: ClassVar[str] = ""  # one line
     forms: ClassVar[tuple[str, ...]] = ()  # functional forms in the literature; ``form`` is an index into them
     needs_neighbours: ClassVar[bool] = False  # if True, it takes an arm of several joints
-    needs_moving_neighbour: ClassVar[bool] = False  # if True, one of them has to move
-    felt_at_rest: ClassVar[bool] = False  # if True, it shows in a joint that stands still
+    felt_at_rest: ClassVar[bool] = False  # if True, it shows in a joint that stands still, its neighbours too
     # the form whose formula equals that of the effect in a joint model; None where none does
     same_law: ClassVar[str | None] = None
     stands_for: ClassVar[tuple[str, ...]] = ()  # other terms of a joint model that it equals

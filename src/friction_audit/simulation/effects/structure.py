@@ -112,7 +112,6 @@ class InertiaError(HiddenEffect):
 class InertialCoupling(HiddenEffect):
     summary = "a joint's rotor also turns with the neighbouring joint nearer to the base"
     needs_neighbours = True
-    needs_moving_neighbour = True
 
     ratio: float = strength(0.2, "turns after the gear per turn of the neighbour", lower=-inf)
 
