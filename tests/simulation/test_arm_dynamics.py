@@ -104,8 +104,7 @@ LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pyte
 def test_sensors_read_the_inverse_dynamics_of_the_links_less_the_hand(carried_kg: float) -> None:
     arm = guided(carried_kg)
     expected = inverse_dynamics(arm.settings, arm.motion) - arm.hand.torque_nm
-    assert arm.simulation.log.tau_J is not None
-    error = arm.simulation.log.tau_J - expected
+    error = arm.simulation.log.channels()["tau_J"] - expected
     # Where a joint breaks away or stops within half a tick, the prediction that the masses are taken at is off.
     assert np.abs(error).max() < 5e-4
     assert error.std(axis=0).max() < 1e-5
@@ -133,7 +132,6 @@ def driven() -> tuple[ArmSettings, Simulation]:
 def test_sensors_of_a_driven_arm_read_inverse_dynamics_and_friction() -> None:
     settings, simulation = driven()
     motion = simulation.truth.motion
-    assert simulation.log.tau_J is not None
-    error = simulation.log.tau_J - inverse_dynamics(settings, motion) - motion.friction_nm
+    error = simulation.log.channels()["tau_J"] - inverse_dynamics(settings, motion) - motion.friction_nm
     assert np.abs(error).max() < 3e-3
     assert error.std(axis=0).max() < 1e-4

@@ -112,12 +112,11 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
     settings = replace(PORT_IDEAL, hidden=(HIDDEN[name],))
     simulation = simulate(settings, PORT_SEED)
     log = simulation.log
-    assert log.tau_interaction is not None
     q, dq, hand = log.q[:, 0], log.dq[:, 0], settings.operator
     wanted = hand.motion.intend(len(q) - 1, 1e-3, make_streams(PORT_SEED, 1).person)
     drive = hand.stiffness_nm_per_rad * (wanted.position - q) + hand.damping_nms_per_rad * (wanted.velocity - dq)
     expected = impulse(log.t, drive) - hand.inertia_kg_m2 * dq
-    sensor = impulse(log.t, log.tau_interaction[:, 0])
+    sensor = impulse(log.t, log.channels()["tau_interaction"][:, 0])
     assert np.ptp(sensor) > 0.5
     ringing = name in ("elastic", "backlash")
     assert_allclose(sensor, expected, atol=5e-3 if ringing else 5e-4)
@@ -129,9 +128,8 @@ def test_sensor_of_a_driven_joint_carries_inertia_gravity_and_friction_of_the_li
     settings = replace(LOADED, driven=True, hidden=(HIDDEN[name],))
     simulation = simulate(settings, PORT_SEED)
     log, motion = simulation.log, simulation.truth.motion
-    assert log.tau_J is not None
     link = 0.3 * motion.inner_ddq + GRAVITY_NM * np.sin(log.q + PHASE_RAD) + motion.friction_nm
-    assert_allclose(log.tau_J, link, atol=2e-3)
+    assert_allclose(log.channels()["tau_J"], link, atol=2e-3)
     sliding = (motion.inner_dq != 0.0) & (name != "presliding")
     dry = 0.30 * np.sign(motion.inner_dq) + 0.07 * motion.inner_dq
     assert_allclose(motion.friction_nm[sliding], dry[sliding], atol=1e-12)
@@ -172,9 +170,8 @@ def test_stale_samples_repeat_the_one_before_and_lost_ones_leave_a_gap() -> None
     assert (fresh | repeats)[moving].all()
     assert_allclose(repeats[moving].mean(), 0.1, atol=0.02)
     assert np.diff(own).max() >= sensors.longest_loss + 1
-    assert log.tau_interaction is not None
     together = np.diff(log.dq[:, 0]) == 0.0
-    assert_array_equal(together[moving[1:]], (np.diff(log.tau_interaction[:, 0]) == 0.0)[moving[1:]])
+    assert_array_equal(together[moving[1:]], (np.diff(log.channels()["tau_interaction"][:, 0]) == 0.0)[moving[1:]])
 
 
 def test_ambient_warmth_has_its_time_constant_and_lowers_friction() -> None:
