@@ -34,8 +34,7 @@ from friction_audit.reporting.compare import compare_lines
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.scenarios import simulate
-from friction_audit.simulation.settings import IDEAL_SENSORS
-from friction_audit.simulation.simulation import Simulation
+from friction_audit.simulation.settings import IDEAL_SENSORS, Simulation
 
 # A short comparison, made once.
 

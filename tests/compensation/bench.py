@@ -17,7 +17,7 @@ from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, 
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.motion import Sinusoid
 from friction_audit.simulation.scenarios import simulate
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import TrueMotion
 
 TICK_S = 1e-3
 INERTIA, COULOMB, VISCOUS = 0.3, 0.30, 0.07

@@ -1,7 +1,7 @@
 """Joints and recordings for the tests of the dynamics: invented terms, and a joint under a sampled torque."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,37 +16,14 @@ from friction_audit.joint_log import Float
 simulate_along: Any = forward.simulate_along  # None, for what cannot be simulated, would fail in every test
 
 
-class Named(NamedTuple):
-    name: str
-
-
-@dataclass(frozen=True)
-class Law:
-    """A law of one coefficient, as the dynamics see it."""
-
-    forward: Forward = "instant"
-    coefficient: str = "invented_nm"
-
-    @property
-    def parameters(self) -> Sequence[Named]:
-        return (Named(self.coefficient),)
-
-
-@dataclass(frozen=True, eq=False)
-class Invented:
-    """A term of any torque."""
-
-    unit_torque: Callable[[Motion], Float]
-    value: float = 1.0
-    effect: Law = Law()
-    name: str = "invented"
-
-    @property
-    def values(self) -> tuple[float, ...]:
-        return (self.value,)
-
-    def torque(self, motion: Motion) -> Float:
-        return np.asarray(self.value * self.unit_torque(motion))
+def invent(
+    torque: Callable[[Motion], Float], value: float = 1.0, forward: Forward = "instant", name: str = "invented_nm"
+) -> Any:
+    """A term of any torque, with one coefficient of a name."""
+    effect = SimpleNamespace(forward=forward, parameters=(SimpleNamespace(name=name),))
+    return SimpleNamespace(
+        name="invented", effect=effect, values=(value,), torque=lambda motion: value * torque(motion)
+    )
 
 
 def joint_with(*terms: Any, inertia_kg_m2: float = 0.3) -> JointModel:

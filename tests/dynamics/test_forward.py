@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -12,14 +11,10 @@ from scipy.integrate import solve_ivp
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import Invented, Law, joint_with, make_recording, recording_of, simulate, simulate_along
+from tests.dynamics.joints import invent, joint_with, make_recording, recording_of, simulate, simulate_along
 
 RATE_HZ = 400.0
 COULOMB, VISCOUS, B = 0.3, 0.07, 0.3
-
-
-def invent(torque: Callable[[Motion], Float], value: float, **law: Any) -> Any:
-    return Invented(torque, value, Law(**law))
 
 
 def clock(seconds: float) -> Float:
@@ -85,7 +80,7 @@ def stiffening(torque: Float) -> Float:
     return np.asarray(np.sign(torque) * np.interp(np.abs(torque), taken, twist))
 
 
-LINEAR = invent(lambda motion: 0.0 * motion.q, 2e-3, forward="spring", coefficient="soft_rad_per_nm")
+LINEAR = invent(lambda motion: 0.0 * motion.q, 2e-3, "spring", "soft_rad_per_nm")
 STIFFENING = FittedTerm("joint_elasticity", (2e-3, 500.0, 0.6, 0.0, 1.0))
 
 
@@ -104,7 +99,7 @@ def test_a_spring_puts_the_measured_side_ahead(term: Term, twist: Callable[[Floa
 
 def test_within_a_play_the_measured_side_is_where_it_was_measured() -> None:
     """The measured side goes to and fro; the other one rests while the play of 0.1 rad is crossed."""
-    term = invent(lambda motion: 0.0 * motion.q, 0.1, forward="gap", coefficient="loose_rad")
+    term = invent(lambda motion: 0.0 * motion.q, 0.1, "gap", "loose_rad")
     t = clock(12.0)
     q, inner = 0.3 * np.sin(t), np.zeros(len(t))
     for i in range(1, len(t)):

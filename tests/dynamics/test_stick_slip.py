@@ -41,7 +41,7 @@ def test_it_runs_out_over_b_v2_by_2c_in_the_time_b_v_by_c() -> None:
 
 def test_it_breaks_away_inside_a_step() -> None:
     """A torque that rises by 1 N m/s passes Coulomb friction at 0.4 s plus the offset, within one step of 1 s."""
-    model = simple_model(inertia_kg_m2=B, coulomb_nm=COULOMB, viscous_nms_per_rad=0.0, offset_nm=0.01234)
+    model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("coulomb", (COULOMB,)), FittedTerm("offset", (0.01234,))))
     _, v, sign = advance(0.0, 0.0, 0.0, Step(1.0, 0.0, 1.0, 0.0, 0.0), np.zeros(1), tables_of(model))
     assert v == pytest.approx((1.0 - 0.41234) ** 2 / (2.0 * B), rel=1e-12)
     assert sign == 1.0

@@ -11,12 +11,11 @@ from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import certain, read_along, tabulate
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import Invented, Law, make_recording
+from tests.dynamics.joints import invent, make_recording
 
 # Bristles read off a term: by hand for a stop and for Dahl's exponential, and along the path of any motion.
 
 LEVEL, REACH = 0.3, 0.01
-BRISTLE = Law(forward="bristle")
 WAY = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
 
 
@@ -37,7 +36,7 @@ def dahl(q: Float, reach: float) -> Float:
 
 def test_a_stop_by_hand() -> None:
     """A spring that slips at 0.3 N m, in the place of 0.3 N m of dry friction: a straight line over twice the reach."""
-    term = Invented(lambda motion: stop(motion.q, REACH) - np.sign(motion.dq), LEVEL, BRISTLE)
+    term = invent(lambda motion: stop(motion.q, REACH) - np.sign(motion.dq), LEVEL, "bristle")
     dry, found, springs = bristles_of(term)
     assert dry == pytest.approx(-LEVEL, rel=1e-6)
     curve = np.interp([0.0, REACH, 2 * REACH, 0.3], found.path, found.torque)
@@ -55,7 +54,7 @@ def test_springs_remember_every_reversal() -> None:
     def two(q: Float) -> Float:
         return 0.5 * (stop(q, 0.002) + stop(q, 0.01))
 
-    _, found, springs = bristles_of(Invented(lambda motion: two(motion.q) - np.sign(motion.dq), LEVEL, BRISTLE))
+    _, found, springs = bristles_of(invent(lambda motion: two(motion.q) - np.sign(motion.dq), LEVEL, "bristle"))
     way = np.interp(np.arange(5001), [0, 1000, 2000, 3000, 4000, 5000], [0.0, 0.03, 0.018, 0.022, 0.01, 0.03])
     wrong = [np.sqrt(np.mean((one.along(way) - LEVEL * two(way)) ** 2)) for one in (springs, found)]
     assert wrong[0] < 3e-3
@@ -68,7 +67,7 @@ def test_an_exponential_and_the_damping_of_its_bending_by_hand(damping: float) -
         z = dahl(motion.q, REACH)
         return z + damping * np.gradient(z, motion.t) - np.sign(motion.dq)
 
-    dry, found, _ = bristles_of(Invented(torque, LEVEL, BRISTLE))
+    dry, found, _ = bristles_of(invent(torque, LEVEL, "bristle"))
     assert found.damping_s == pytest.approx(damping, rel=0.02, abs=1e-6)
     assert dry == pytest.approx(-LEVEL, rel=0.01)
     if damping == 0.0:
@@ -88,15 +87,15 @@ def of_load_and_neighbours(m: Motion) -> Float:
     return 0.1 * m.load * np.sign(m.dq) + 0.2 * m.others.ddq[:, 0] + 0.01 * m.t
 
 
-OF_PLACE = Invented(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
+OF_PLACE = invent(lambda m: m.q**3 + np.sign(m.dq) * m.q**2 + 2 * m.dq * m.q)
 
 
 @pytest.mark.parametrize(
     "term",
     [
-        Invented(of_load_and_neighbours),
+        invent(of_load_and_neighbours),
         OF_PLACE,
-        Invented(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq))),
+        invent(lambda m: np.sign(m.dq) * np.sqrt(np.abs(m.dq))),
         FittedTerm("coulomb", (0.3,)),
         FittedTerm("viscous", (0.1,)),
         FittedTerm("offset", (0.1,)),
@@ -127,7 +126,7 @@ def test_terms_without_a_past_are_tabulated(term: Term) -> None:
     ids=["sum", "late", "curved and changing"],
 )
 def test_what_no_table_holds_is_left_to_the_past(torque: Callable[[Motion], Float]) -> None:
-    term = Invented(torque)
+    term = invent(torque)
     tables, past = tabulate(0.3, (term,), RECORDING)
     assert past == (term,)
     assert not tables.speed.any()

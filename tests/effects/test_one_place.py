@@ -10,7 +10,7 @@ from friction_audit.effects.registry import MODULES, NAMES
 SOURCE = Path(__file__).parents[2] / "src" / "friction_audit"
 TEXTS = {path.relative_to(SOURCE).as_posix(): path.read_text() for path in SOURCE.rglob("*.py")}
 # Where the simulator applies what an effect does: compiled code calls each by its name.
-APPLIED = ("simulation/mechanics/", "simulation/mechanism.py", "simulation/sensors.py")
+APPLIED = ("simulation/mechanics/", "simulation/bench.py", "simulation/sensors.py")
 # Other files: examples of the help, scenarios, a caution of the same name and its sentence, and parts of the program
 # that treat one effect in a way of its own.
 ELSEWHERE = {

@@ -113,7 +113,7 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.0), lambda g: -each("cable_spring_nm", MOTION.q)(g)),
     ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.2), lambda g: -each("cable_spring_nm", MOTION.q)(g)),
     ("torque_bias", (-0.1,), lambda g: np.full(N, g.torque_nm)),
-    ("time_delay", (0.02, 0.02, 0.0), lambda g: whole_delay(g.delay_s) - REST),
+    ("time_delay", (0.02, 0.02, 0.0), lambda g: delayed(g.delay_s, REST, DT) - REST),
     ("torque_crosstalk", (0.08, 0.0, -1.0), crosstalk),
     ("torque_crosstalk", (0.05, 0.05, 0.0), crosstalk),
     ("inertia_error", (0.05,), lambda g: g.extra_kg_m2 * MOTION.ddq),
@@ -127,10 +127,6 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
 IN_LOGS = {"stiction", "frictional_lag", "joint_limit_stop", "torque_drift", "joint_elasticity", "backlash"} | {
     "inertial_coupling", "warm_up", "contact_event",
 }  # fmt: skip
-
-
-def whole_delay(delay_s: float) -> Float:
-    return np.asarray(delayed(delay_s, REST, DT))
 
 
 @pytest.mark.parametrize(("name", "values", "simulated"), CASES, ids=[case[0] for case in CASES])

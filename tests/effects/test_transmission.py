@@ -158,20 +158,6 @@ def test_a_spring_whose_twist_drowns_in_noise_of_the_position_is_none() -> None:
     assert coarsest < 0.3 * (2 * np.pi * 25.0) ** 2 * 1.01
 
 
-@pytest.mark.parametrize("damping", [0.05, 0.5])
-def test_a_damped_far_side_forgets_what_a_position_sensor_shivers(damping: float) -> None:
-    rate = 2 * np.pi * 12.0
-    shiver = 3e-4 * np.sin(rate * DATA.t)
-    shaken = replace(
-        DATA, q=DATA.q + shiver, dq=DATA.dq + 3e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
-    )
-    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "damping_ratio": damping}
-    still, moved = (SPRING.regressor(one, baseline(one), spring)[400:] for one in (DATA, shaken))
-    amplified = np.std(moved - still) / np.std(spring["spring_nm_per_rad"] * BASE.inertia_kg_m2 * rate**2 * shiver)
-    # At its resonance a far side multiplies by one over twice the damping ratio, a little less beside its friction.
-    assert (amplified > 3.0) == (damping < 0.1)
-
-
 def test_noise_of_the_position_shifts_the_strikes_of_a_play_but_not_along_a_smooth_motion() -> None:
     torque = seen(far_side_torque(1e4, 20.0, 2e-3) - BASE.torque)[400:-400]
     noise = 3e-5 * np.random.default_rng(0).standard_normal(len(DATA.q))

@@ -25,10 +25,10 @@ from friction_audit.simulation import (
     TrueMotion,
     simulate,
 )
+from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.effects.load_and_place import GravityError
 from friction_audit.simulation.effects.structure import Backlash, JointElasticity
 from friction_audit.simulation.motion import intend_joints
-from friction_audit.simulation.panda_joint import PANDA_JOINTS
 from friction_audit.simulation.settings import JointByJoint, make_streams
 from tests.simulation.hand_at_flange import flange_poses, intended, pull
 
@@ -92,16 +92,14 @@ def test_brakes_hold_their_joints_and_the_others_move() -> None:
     assert_array_equal(motion.dq[:, [2, 4]], 0.0)
     assert_array_equal(motion.q[:, [2, 4]], np.array(braked.pose_rad)[[2, 4]] * np.ones((len(motion.t), 1)))
     assert (np.ptp(motion.q, axis=0)[[0, 1, 3, 5, 6]] > 0.01).all()
-    assert simulation.log.tau_J is not None
-    assert np.ptp(simulation.log.tau_J[:, 2]) > 0.5
+    assert np.ptp(simulation.log.channels()["tau_J"][:, 2]) > 0.5
 
 
 def test_load_that_nobody_told_sags_and_gravity_compensation_stays_the_controllers(plain: Simulation) -> None:
     carrying = simulate(replace(SHORT, carried_kg=2.0), SEED)
     log, motion = carrying.log, carrying.truth.motion
     arm = load_arm()
-    assert log.gravity is not None
-    assert_allclose(log.gravity, arm.gravity(motion.q), atol=1e-4)
+    assert_allclose(log.channels()["gravity"], arm.gravity(motion.q), atol=1e-4)
     sag = flange(motion)[499] - flange(plain.truth.motion)[499]
     weight_on_the_spring = 2.0 * 9.81 / GUIDED.hand.stiffness_n_per_m
     assert -weight_on_the_spring * 1.02 < sag[2] < -0.7 * weight_on_the_spring

@@ -11,10 +11,9 @@ from numpy.testing import assert_allclose
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
-from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Simulation, TrueMotion, mechanism, simulate
+from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Simulation, TrueMotion, bench, simulate
 from friction_audit.simulation import settings as settings_module
-from friction_audit.simulation.arm import move_arm
-from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.simulation.bench import PANDA_JOINTS
 from friction_audit.simulation.settings import make_streams
 from tests.simulation.hand_at_flange import Pull, pull
 
@@ -57,16 +56,9 @@ def work(power: Float) -> Float:
 
 def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> TrueMotion:
     """Return the motion under a controller with another rate."""
-    for module in (settings_module, mechanism):
+    for module in (settings_module, bench):
         monkeypatch.setattr(module, "CONTROL_RATE_HZ", rate_hz)
-    return move_arm(settings, make_streams(SEED, 7), "free swing", None).motion
-
-
-def imbalance(settings: ArmSettings, motion: TrueMotion) -> Float:
-    """Return how far energy and friction's work together have gone from where they were, shape (n,). [J]"""
-    total = energies(settings, motion) + motion.dissipated_j.sum(axis=1)
-    gone: Float = np.abs(total - total[0])
-    return gone
+    return settings.move(make_streams(SEED, 7), "free swing", None).motion
 
 
 @pytest.mark.parametrize("joints", [SMOOTH, PANDA_JOINTS], ids=["frictionless", "with friction"])
@@ -78,7 +70,8 @@ def test_free_swing_loses_what_friction_takes_and_errs_with_the_square_of_the_ti
     # It falls 60 J deep and swings at up to 15 rad/s.
     assert np.abs(fine.dq).max() > 5.0
     assert (fine.dissipated_j[-1].sum() > 1.0) == (joints == PANDA_JOINTS)
-    errors = [imbalance(swing, motion) for motion in (coarse, fine)]
+    totals = [energies(swing, motion) + motion.dissipated_j.sum(axis=1) for motion in (coarse, fine)]
+    errors = [np.abs(total - total[0]) for total in totals]
     worst, finer = (error.max() for error in errors)
     assert worst < 2e-3
     assert 3.5 < worst / finer < 4.8
@@ -111,8 +104,7 @@ LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pyte
 def test_sensors_read_the_inverse_dynamics_of_the_links_less_the_hand(carried_kg: float) -> None:
     arm = guided(carried_kg)
     expected = inverse_dynamics(arm.settings, arm.motion) - arm.hand.torque_nm
-    assert arm.simulation.log.tau_J is not None
-    error = arm.simulation.log.tau_J - expected
+    error = arm.simulation.log.channels()["tau_J"] - expected
     # Where a joint breaks away or stops within half a tick, the prediction that the masses are taken at is off.
     assert np.abs(error).max() < 5e-4
     assert error.std(axis=0).max() < 1e-5
@@ -140,7 +132,6 @@ def driven() -> tuple[ArmSettings, Simulation]:
 def test_sensors_of_a_driven_arm_read_inverse_dynamics_and_friction() -> None:
     settings, simulation = driven()
     motion = simulation.truth.motion
-    assert simulation.log.tau_J is not None
-    error = simulation.log.tau_J - inverse_dynamics(settings, motion) - motion.friction_nm
+    error = simulation.log.channels()["tau_J"] - inverse_dynamics(settings, motion) - motion.friction_nm
     assert np.abs(error).max() < 3e-3
     assert error.std(axis=0).max() < 1e-4

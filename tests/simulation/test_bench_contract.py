@@ -15,8 +15,7 @@ from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.slow_and_events import UnloggedCompensation
 from friction_audit.simulation.hide import BY_NAME
 from friction_audit.simulation.scenarios import simulate
-from friction_audit.simulation.settings import IDEAL_SENSORS
-from friction_audit.simulation.simulation import Simulation, TrueMotion
+from friction_audit.simulation.settings import IDEAL_SENSORS, Simulation, TrueMotion
 
 SEED = 4
 PLAIN = BenchSettings(duration_s=20.0)
@@ -57,22 +56,12 @@ def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
     yield from ((item.name, getattr(simulation.truth.motion, item.name)) for item in fields(TrueMotion))
 
 
-def others_changed(effect: type[HiddenEffect]) -> dict[str, float]:
-    """Return no strength, and other values than the usual ones for all that can be told besides."""
-    strength = effect.strength_name()
-    told = {item.name: 1.3 * item.default + 0.01 for item in effect.parameters() if item.name != strength}
-    limits = {item.name: (item.lower, item.upper) for item in effect.parameters()}
-    kept = {name: min(max(value, limits[name][0]), limits[name][1]) for name, value in told.items()}
-    return kept | {strength: 0.0}
-
-
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
 def test_at_zero_strength_nothing_changes_to_the_bit(effect: type[HiddenEffect], form: str) -> None:
-    """A joint gets warm with or without an effect on its friction: warm-up may tell how fast."""
-    simulation, plain = (
-        simulate(replace(PLAIN, hidden=(hide(effect, form, **others_changed(effect)),)), SEED),
-        nothing(PLAIN),
-    )
+    """Whatever its other numbers; a joint gets warm without an effect on its friction too: warm-up may say how fast."""
+    others = {item.name: np.clip(1.3 * item.default + 0.01, item.lower, item.upper) for item in effect.parameters()}
+    hidden = hide(effect, form, **others | {effect.strength_name(): 0.0})
+    simulation, plain = simulate(replace(PLAIN, hidden=(hidden,)), SEED), nothing(PLAIN)
     for (name, column), (_, own) in zip(columns(simulation), columns(plain), strict=True):
         if (effect.name, name) != ("warm_up", "warmth"):
             assert_array_equal(column, own, err_msg=name)
@@ -94,21 +83,15 @@ def test_as_usual_it_shows_and_stays_finite(effect: type[HiddenEffect], form: st
         assert np.abs(motion.q - plain.q).max() > 1e-5
 
 
-def net_work(motion: TrueMotion) -> Any:
-    """Return the work of everything but friction on its side of the joint: trapezoids, held torques exactly."""
-    moved = np.diff(motion.inner_q[:, 0])
-    port = 0.5 * (motion.interaction_nm[1:, 0] + motion.interaction_nm[:-1, 0]) * moved
-    held = (motion.compensation_nm + motion.passivity_nm + motion.unlogged_nm)[1:, 0] * moved
-    return np.concatenate([[0.0], np.cumsum(port + held)])
-
-
 @pytest.mark.parametrize(("effect", "form"), [(e, f) for e, f in CASES if e.name in FRICTION])
 def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEffect], form: str) -> None:
     motion = usual(effect.name, form).truth.motion
     taken = motion.dissipated_j[:, 0]
     assert (np.diff(taken) >= 0.0).all()
     kinetic = 0.5 * FINE.joints[0].inertia_kg_m2 * motion.inner_dq[:, 0] ** 2
-    assert_allclose(net_work(motion), taken + kinetic, atol=1e-4 * taken[-1])
+    torque, held = motion.interaction_nm[:, 0], (motion.unlogged_nm + motion.compensation_nm)[1:, 0]
+    work = np.cumsum((0.5 * (torque[1:] + torque[:-1]) + held) * np.diff(motion.inner_q[:, 0]))
+    assert_allclose(work, (taken + kinetic)[1:], atol=1e-4 * taken[-1])
     assert (motion.friction_nm * motion.inner_dq >= 0.0).all()
 
 

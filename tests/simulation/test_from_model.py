@@ -56,20 +56,14 @@ def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, v
     model = model_of({name: values})
     simulation = simulate(with_model(IDEAL, arm_of(model)), 3)
     log = simulation.log
-    assert log.tau_interaction is not None
     t, q, dq = log.t, log.q[:, 0], log.dq[:, 0]
     motion = Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
     without = model_of({})
-    read, far = log.tau_interaction[:, 0], away_from_reversals(dq)
+    # Samples with 20 ms of motion in one direction on either side.
+    way = np.sign(np.where(np.abs(dq) > 1e-3, dq, 0.0))
+    read, far = log.channels()["tau_interaction"][:, 0], np.abs(np.convolve(way, np.ones(41), "same")) == 41.0
     left = [np.sqrt(np.mean((read - one.torque(motion))[far] ** 2)) for one in (without, model)]
     assert left[1] < 0.15 * left[0]
-
-
-def away_from_reversals(dq: np.ndarray[tuple[int], np.dtype[np.float64]]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-    """Samples with 20 ms of motion in one direction on either side."""
-    way = np.sign(np.where(np.abs(dq) > 1e-3, dq, 0.0))
-    same = np.convolve(way, np.ones(41), "same")
-    return np.asarray(np.abs(same) == 41.0)
 
 
 def test_inertia_and_friction_are_taken_over() -> None:

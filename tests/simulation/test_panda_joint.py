@@ -32,13 +32,11 @@ def hide(joint: int, hidden: Hidden) -> tuple[Hidden, ...]:
 def test_sensor_reads_gravity_less_the_interaction_torque() -> None:
     simulation = simulate(IDEAL, 1)
     log, motion = simulation.log, simulation.truth.motion
-    assert log.tau_J is not None
-    assert log.gravity is not None
-    interaction = log.gravity - log.tau_J
+    interaction = log.channels()["gravity"] - log.channels()["tau_J"]
     # The motor holds the gravity of where the joint would be without acceleration since the middle of the tick.
     assert_allclose(interaction[:, 3], motion.interaction_nm[:, 3], atol=2e-5)
     assert_allclose(interaction[:, OTHERS], 0.0, atol=1e-6)
-    assert np.ptp(log.gravity[:, 1]) > 0.1
+    assert np.ptp(log.channels()["gravity"][:, 1]) > 0.1
 
 
 def test_motion_and_noise_are_those_of_the_single_joint() -> None:
@@ -58,12 +56,10 @@ def test_faults_of_the_sensors_are_those_of_every_joint() -> None:
     clean = simulate(IDEAL, 7).log
     biased = simulate(replace(IDEAL, hidden=hide(6, Hidden(torque_bias=TorqueBias(torque_nm=0.2)))), 7).log
     tilted = simulate(replace(IDEAL, hidden=hide(2, Hidden(gravity_error=GravityError(torque_nm=0.4)))), 7).log
-    assert clean.tau_J is not None
-    assert biased.tau_J is not None
-    assert clean.gravity is not None
-    assert tilted.gravity is not None
-    assert_allclose((biased.tau_J - clean.tau_J)[:, 5], -0.2, atol=1e-9)
-    assert_allclose((tilted.gravity - clean.gravity)[:, 1], 0.4 * np.sin(IDEAL.pose_rad[1]), atol=2e-6)
+    assert_allclose((biased.channels()["tau_J"] - clean.channels()["tau_J"])[:, 5], -0.2, atol=1e-9)
+    assert_allclose(
+        (tilted.channels()["gravity"] - clean.channels()["gravity"])[:, 1], 0.4 * np.sin(IDEAL.pose_rad[1]), atol=2e-6
+    )
     assert_array_equal(biased.dq, clean.dq)
 
 

@@ -103,7 +103,7 @@ def _tasks(source: Path | None, motion: MotionOptions, shared: opt.LogOptions) -
     from friction_audit.io.files import read_document
     from friction_audit.planning.task import Joint, Task, arm_of, tasks_of
     from friction_audit.presets import BUILT_IN, PRESETS
-    from friction_audit.simulation.panda_joint import READY_RAD
+    from friction_audit.simulation.bench import READY_RAD
 
     wanted, start = parse_joints(shared.selection.joints), None
     if motion.start is not None:

@@ -225,7 +225,7 @@ class Dictionary:
                 continue
             if len(np.unique(values)) < 2 and block.name != "torque_ripple":  # noqa: PLR2004
                 continue
-            low, high = block.effect.bounds(name)
+            low, high = nonlinear[name].lower, nonlinear[name].upper
             least, most = float(values.min()), float(values.max())
             least, most = (least / 1.5 if least > 0 else least * 1.5), (most * 1.5 if most > 0 else most / 1.5)
             found[name] = (max(low, least), min(high, most))

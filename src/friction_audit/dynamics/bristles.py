@@ -74,20 +74,15 @@ def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
     last = len(curve) - 1
     heights = np.searchsorted(-curve, -np.linspace(curve[0], curve[-1], POINTS)).clip(max=last)
     chosen = np.unique(np.concatenate([[0], heights, np.rint(np.geomspace(1, last, POINTS)).astype(int)]))
-    stiffness, reach = _springs(path, curve)
     dahl = damped._replace(path=path[chosen], torque=curve[chosen])
-    return float(dry), dahl, damped._replace(stiffness=stiffness, reach=reach)
-
-
-def _springs(path: Float, curve: Float) -> tuple[Float, Float]:
-    """Springs whose curve after a reversal has the same height at even steps of it: each turns over twice its reach."""
+    # Springs whose curve has the same height at even steps of it: each turns over twice its reach.
     built = curve[0] - curve
     knots = np.searchsorted(built, built[-1] * np.arange(1, SPRINGS + 1) / SPRINGS * (1.0 - 1e-9))
-    knots = np.unique(np.append(0, np.minimum(knots, len(curve) - 1)))
+    knots = np.unique(np.append(0, np.minimum(knots, last)))
     slopes = np.append(np.diff(built[knots]) / np.diff(path[knots]), 0.0)
     stiffness, reach = np.maximum(-np.diff(slopes), 0.0), 0.5 * path[knots[1:]]
     bears = stiffness * reach > LEAST_SHARE * built[-1]
-    return np.asarray(stiffness[bears]), np.asarray(reach[bears])
+    return float(dry), dahl, damped._replace(stiffness=stiffness[bears], reach=reach[bears])
 
 
 def _reversal(term: Term, speed: float) -> tuple[float, Float]:
@@ -113,11 +108,8 @@ def bend(held: float, way: float, path: Float, torque: Float) -> float:
     drop = torque[low] - torque[high]
     share = min(1.0, max(0.0, (torque[low] - sign * held) / drop)) if drop > 0.0 else 1.0
     on = path[low] + share * (path[high] - path[low]) + abs(way)
-    last = len(path) - 1
-    if on <= path[0]:
-        return float(sign * torque[0])
-    if on >= path[last]:
-        return float(sign * torque[last])
+    if on <= path[0] or on >= path[-1]:
+        return float(sign * (torque[0] if on <= path[0] else torque[-1]))
     low = np.searchsorted(path, on) - 1
     share = (on - path[low]) / (path[low + 1] - path[low])
     return float(sign * (torque[low] + share * (torque[low + 1] - torque[low])))

@@ -13,9 +13,10 @@ recording, and the other side follows it.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,43 +39,24 @@ LEAST_INERTIA = 1e-3  # share of the joint's inertia that terms must leave
 BETWEEN = ("delay", "spring", "gap")  # what is between the sensor and the side of friction
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class _Recording:
+class _Recording(NamedTuple):
     """A recording of the measured side, n samples."""
 
     motion: Motion
     drive: Float  # torque at its time [N m]
     load: Float  # load on the gear that is not in it [N m]
     pieces: NDArray[np.int64]  # first and last sample of each piece, shape (p, 2)
-
-    @property
-    def step_s(self) -> float:
-        return float(self.motion.t[1] - self.motion.t[0])
-
-    @property
-    def inside(self) -> NDArray[np.bool_]:
-        """Samples of the pieces, shape (n,)."""
-        inside = np.zeros(len(self.drive), bool)
-        for first, last in self.pieces:
-            inside[first : last + 1] = True
-        return inside
+    step_s: float
 
 
 def simulate_along(
     model: Model, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
 ) -> Float | None:
-    """Simulate a joint under a recorded torque.
+    """Simulate a joint under a torque F_m + u as recorded, along a recording on an even grid.
 
-    Args:
-        model: The joint.
-        motion: The recording, on an even grid, n samples.
-        drive: Torque F_m + u as recorded, shape (n,). [N m]
-        pieces: First and last sample of each piece, shape (p, 2).
-        load: Load on the gear that is not in the drive; that of the motion where None, shape (n,). [N m]
-
-    Returns:
-        Velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces; None where it does not settle or
-        grows beyond all bounds.
+    Pieces are their first and last sample, shape (p, 2); the load is what is on the gear and not in the drive, that of
+    the motion where None. Returns the velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces;
+    None where it does not settle or grows beyond all bounds.
     """
     between = {term.effect.forward: term for term in model.terms if term.effect.forward in BETWEEN}
     if (late := between.get("delay")) is not None:
@@ -83,7 +65,7 @@ def simulate_along(
         drive = np.asarray(np.interp(motion.t + _parameter(late, "delay_s"), motion.t, drive + own) - own)
     load = motion.load if load is None else load
     load = np.zeros(len(drive)) if load is None else load
-    recording = _Recording(motion=motion, drive=drive, load=load, pieces=pieces)
+    recording = _Recording(motion, drive, load, pieces, float(motion.t[1] - motion.t[0]))
     acting = [term for term in model.terms if term.effect.forward not in BETWEEN]
     tables, past = tabulate(model.inertia_kg_m2, acting, replace(motion, rest=model.rest(motion)))
     if tables.inertia_kg_m2 <= LEAST_INERTIA * abs(model.inertia_kg_m2):
@@ -110,7 +92,9 @@ def _settle(
 
     ``move`` returns position and velocity of the side of friction, and velocity of the measured side.
     """
-    recorded, inside = recording.motion, recording.inside
+    recorded, inside = recording.motion, np.zeros(len(recording.drive), bool)
+    for first, stop in recording.pieces:
+        inside[first : stop + 1] = True
     motion, last = recorded, recorded.dq
     for _ in range(SWEEPS):
         known, time = replace(motion, rest=model.rest(motion)), tables.time
@@ -131,19 +115,16 @@ def _settle(
 
 def _both_sides(recording: _Recording, link: Link, tables: Tables) -> tuple[Float, Float, Float]:
     """Move the measured side, which has inertia, and that of friction."""
-    near = (recording.motion.q, recording.motion.dq)
+    motion, drive, load, pieces, step_s = recording
     far = tables._replace(inertia_kg_m2=tables.inertia_kg_m2 - link.near_kg_m2)
-    _, speed, theta, omega = move_two_sides(
-        recording.drive, recording.load, near, recording.step_s, recording.pieces, link, far
-    )
+    _, speed, theta, omega = move_two_sides(drive, load, (motion.q, motion.dq), step_s, pieces, link, far)
     return theta, omega, speed
 
 
 def _one_side(recording: _Recording, ahead: Float, tables: Tables) -> tuple[Float, Float, Float]:
     """Move the side of friction; the measured one is ahead by a given angle, shape (n,)."""
-    motion, step_s = recording.motion, recording.step_s
-    rate = np.gradient(ahead, step_s)
-    q, dq = motion.q - ahead, motion.dq - rate
+    step_s, rate = recording.step_s, np.gradient(ahead, recording.step_s)
+    q, dq = recording.motion.q - ahead, recording.motion.dq - rate
     bent, steps = tables.bristles.states_along(q), steps_per_sample(step_s, tables)
     place, speed = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
     return place, speed, speed + rate

@@ -118,8 +118,5 @@ class Model(Protocol):
     def terms(self) -> Sequence[Term]:
         """All other terms."""
 
-    def torque(self, motion: Motion) -> Float:
-        """Return the torque F_m + u that the motion takes. [N m], shape (n,)."""
-
     def rest(self, motion: Motion) -> Float:
         """Return the torque of inertia, Coulomb and viscous friction. [N m], shape (n,)."""

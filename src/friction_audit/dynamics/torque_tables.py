@@ -56,7 +56,13 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
 
     Returns the tables, and the terms that no table holds; second bristles are among them.
     """
-    empty = _empty(motion)
+    n, nothing = len(motion.t), np.zeros((2, 1))  # a table of one entry is level
+    top = HEADROOM * max(float(np.max(np.abs(motion.dq), initial=0.0)), CRAWL_RAD_S)
+    low, high = float(motion.q.min()), float(motion.q.max())
+    margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
+    steps: dict[str, Any] = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
+    torques: dict[str, Any] = dict.fromkeys(ADDED[2:], nothing) | {"speed": np.zeros((2, n)), "bristles": NO_BRISTLES}
+    empty = Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques)
     tables, past = empty._replace(inertia_kg_m2=inertia_kg_m2), []
     for term in terms:
         # The fewer a recorded quantity is needed for, the better: speed, then position, then time.
@@ -77,18 +83,6 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
 def certain(motion: Motion) -> Float:
     """Direction of a recorded motion: -1, 1, or 0 where it is not certain, shape (n,)."""
     return np.where(np.abs(motion.dq) > SLOW * np.max(np.abs(motion.dq), initial=0.0), np.sign(motion.dq), 0.0)
-
-
-def _empty(motion: Motion) -> Tables:
-    n = len(motion.t)
-    top = HEADROOM * max(float(np.max(np.abs(motion.dq), initial=0.0)), CRAWL_RAD_S)
-    low, high = float(motion.q.min()), float(motion.q.max())
-    margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
-    nothing = np.zeros((2, 1))  # a table of one entry is level
-    steps: dict[str, Any] = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
-    torques: dict[str, Any] = dict.fromkeys(("place", "place_per_speed", "time", "time_per_speed"), nothing)
-    torques["speed"] = np.zeros((2, n))
-    return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, bristles=NO_BRISTLES)
 
 
 def _holds(share: Tables, term: Term, motion: Motion) -> bool:
@@ -137,9 +131,8 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
     speeds[0] = min(CRAWL_RAD_S, 0.5 * empty.speed_step)
     unmoved = replace(motion, ddq=still)
     yield empty._replace(speed=ask(speeds, replace(unmoved, q=np.full(n, float(np.median(motion.q))))))
-    level, per_speed = affine(
-        replace(unmoved, q=np.asarray(empty.place_start + empty.place_step * np.arange(n), np.float64))
-    )
+    places = np.asarray(empty.place_start + empty.place_step * np.arange(n), np.float64)
+    level, per_speed = affine(replace(unmoved, q=places))
     yield empty._replace(place=level, place_per_speed=per_speed)
     level, per_speed = affine(unmoved)
     yield empty._replace(time=level, time_per_speed=per_speed)

@@ -81,11 +81,9 @@ def move_two_sides(
     """Move a joint through pieces of a recording, each from the recorded start.
 
     Measured torque and load on the gear are linear between samples, shape (n,); ``near`` is the recorded position and
-    velocity of the near side. The state of the far side at a start follows from the recorded motion before.
-
-    Returns:
-        Position and velocity of the near side, then of the far one, shape (4, n); outside of the pieces as recorded and
-        as the far side follows that.
+    velocity of the near side. The state of the far side at a start follows from the recorded motion before. Returns
+    position and velocity of the near side, then of the far one, shape (4, n); outside of the pieces as recorded and as
+    the far side follows that.
     """
     recorded = follow(*near, load, step_s, link, far)
     out, torques, between = recorded.copy(), np.stack([drive, load]), _between(link, far, step_s)

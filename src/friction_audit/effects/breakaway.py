@@ -194,7 +194,6 @@ class Stiction(Effect):
             yield from ((k, (aged[age] * left)[:, None]) for k, (age, own) in enumerate(many) if own == path)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """All ageings with all paths of renewal."""
         tried = product(AGEINGS_S, (AT_ONCE_RAD, *(SPAN_SHARES * (float(np.ptp(data.q)) or 1.0)).tolist()))
         return tuple({"ageing_s": age, "renewal_rad": path} for age, path in tried)
 

@@ -34,14 +34,12 @@ class FrictionalLag(Effect):
         far, speed, sign = far_side(motion), np.abs(motion.dq), motion.direction
         step = float(motion.t[1] - motion.t[0])
         now = {fading: np.exp(-speed / fading) for fading in {fading for _, _, fading in many}}
-        places: dict[float, list[int]] = {}
-        for place, (lag, _, _) in enumerate(many):
-            places.setdefault(lag, []).append(place)
-        for lag, alike in places.items():
+        for lag in dict.fromkeys(lag for lag, _, _ in many):
             seen = first_order(speed, exp(-step / lag), speed[0])
             viscous = far.viscous_nms_per_rad * (seen - speed)
-            for place in alike:
-                _, excess, fading = many[place]
+            for place, (_, excess, fading) in enumerate(many):
+                if many[place][0] != lag:
+                    continue
                 stribeck = excess * far.coulomb_nm * (np.exp(-seen / fading) - now[fading])
                 yield place, (sign * (viscous + stribeck))[:, None]
 
@@ -52,9 +50,6 @@ class FrictionalLag(Effect):
             {"friction_lag_s": lag, "lagging_excess": excess, "lag_speed_rad_s": share * usual}
             for (excess, share), lag in product(STRIBECK, LAGS_S.tolist())
         )
-
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        return bool(0.0 < coefficients[0] <= LARGEST_SHARE)
 
 
 FRICTIONAL_LAG = FrictionalLag(
@@ -69,6 +64,7 @@ FRICTIONAL_LAG = FrictionalLag(
     ),
     traits=Trait.NEEDS_NOMINAL,
     needs=several_speeds,
+    possible=lambda found, _: 0.0 < found[0] <= LARGEST_SHARE,
     record="repeat motions of equal speed with different accelerations",
     separate={"time_delay": "repeat motions of equal speed with different accelerations, and carry a load"},
 )
@@ -89,8 +85,6 @@ class TimeDelay(Effect):
     early.
     """
 
-    follows = True
-
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield (rest(t - s) - rest(t)) / s, first and last value held, of the torque with the load or without."""
         for loaded in {bool(round(with_load)) for _, with_load in many}:
@@ -108,13 +102,9 @@ class TimeDelay(Effect):
         tried = product(loads, (1.0, -1.0), STEPS_S.tolist())
         return tuple({"delay_step_s": sign * step, "delayed_load": load} for load, sign, step in tried)
 
-    def coefficient_of(self, at: Nonlinear) -> float:
-        return at["delay_step_s"]
-
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        share = coefficients[0] / at["delay_step_s"]
-        least = 0.0 if abs(at["delay_step_s"]) <= STEPS_S[0] else LEAST_SHARE
-        return bool(least < share <= LARGEST_SHARE)
+        step = at["delay_step_s"]
+        return bool(LEAST_SHARE * (abs(step) > STEPS_S[0]) < coefficients[0] / step <= LARGEST_SHARE)
 
 
 TIME_DELAY = TimeDelay(
@@ -127,6 +117,7 @@ TIME_DELAY = TimeDelay(
         Parameter.choice("delayed_load", "1 if the load is late too", 0.0, 1.0),
     ),
     traits=Trait.NEEDS_NOMINAL,
+    coefficient_of=lambda at: at["delay_step_s"],
     forward="delay",
     needs=reversals,
     record="reverse sharply at two or more clearly different speeds",

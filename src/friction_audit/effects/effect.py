@@ -8,8 +8,6 @@ over the nonlinear parameters only. Effects whose formulas are alike share a mod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Flag, auto
-from math import inf
-from typing import ClassVar
 
 import numpy as np
 
@@ -34,6 +32,11 @@ class Trait(Flag):
     EVEN = auto()  # neither it nor what its formula misses depends on the direction
 
 
+def free(at: Nonlinear) -> float:
+    """Refuse to say what a coefficient is that follows from nothing."""
+    raise NotImplementedError("the coefficients of this effect are free")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Effect:
     """One effect; a subclass defines ``columns`` or ``columns_of_many`` and overrides what only it needs."""
@@ -48,6 +51,10 @@ class Effect:
     traits: Trait = Trait.NONE
     # Which motion a log must hold; what is returned names the one that it lacks.
     needs: Callable[[JointData, Nominal], str | None] = moves
+    # Whether coefficients at a point of the grid are physically possible; above their lower bounds where None.
+    possible: Callable[[Float, Nonlinear], bool] | None = None
+    # Coefficient, where it follows from the nonlinear parameters, of one column that acts on the nominal torque.
+    coefficient_of: Callable[[Nonlinear], float] = free
     # How it takes part in a forward simulation:
     # - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other joints as
     #   recorded. Where the past matters too, its torque along the motion is iterated.
@@ -63,18 +70,13 @@ class Effect:
     record: str = ""  # the motion on which it shows itself best
     # Effects that are easily confused with it, and the motion that separates the two; every pair stands in one of them.
     separate: Mapping[str, str] = field(default_factory=dict)
-
-    # What few effects set, in their class.
-    transmits: ClassVar[bool] = False  # it is a link between the measured side and that of inertia and friction
-    follows: ClassVar[bool] = False  # it acts on the nominal torque, and its coefficient follows from the other numbers
-    jumps: ClassVar[tuple[str, ...]] = ()  # nonlinear parameters at whose value its torque jumps
-    indistinguishable: ClassVar[tuple[str, ...]] = ()  # effects that no motion of this kind separates from it
-    part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
+    jumps: tuple[str, ...] = ()  # nonlinear parameters at whose value its torque jumps
+    indistinguishable: tuple[str, ...] = ()  # effects that no motion of this kind separates from it
+    part_of: tuple[str, ...] = ()  # effects that it may be a part of where they are found too
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the torque per unit of each coefficient, shape (n, p), at the nonlinear parameters in order."""
-        ((_, columns),) = self.columns_of_many(motion, [values])
-        return columns
+        return next(self.columns_of_many(motion, [values]))[1]
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield place and columns for many values, in any order; instead of ``columns`` where they share work."""
@@ -93,7 +95,9 @@ class Effect:
         return ()
 
     def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """Return whether coefficients are physically possible: by default, above their lower bounds."""
+        """Return whether coefficients are physically possible."""
+        if self.possible is not None:
+            return bool(self.possible(coefficients, at))
         pairs = zip(self.coefficients, coefficients.tolist(), strict=False)
         return all(one.lower < value <= one.upper for one, value in pairs)
 
@@ -112,12 +116,7 @@ class Effect:
 
     def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
         """Return the columns at one point."""
-        ((_, columns),) = self.regressors(data, nominal, (at,))
-        return columns
-
-    def coefficient_of(self, at: Nonlinear) -> float:
-        """Return the coefficient of the one column of an effect whose coefficient ``follows``."""
-        raise NotImplementedError(f"{self.name}: its coefficients are free")
+        return next(self.regressors(data, nominal, (at,)))[1]
 
     def in_cpp(self, values: Sequence[float], table: str) -> str:
         """Return the torque of a friction that follows from the velocity alone as an expression of C++.
@@ -134,15 +133,18 @@ class Effect:
     # Derived.
 
     @property
-    def family(self) -> str:
-        """``velocity``, ``load and place``, ``sensors``, ``structure``, ``slow and events``; else ``nominal``."""
-        return next((family for family, members in FAMILIES.items() if self.name in members), "nominal")
-
-    @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: coefficients, then nonlinear ones."""
         return self.coefficients + self.nonlinear
 
+    @property
+    def family(self) -> str:
+        """``velocity``, ``load and place``, ``sensors``, ``structure``, ``slow and events``; else ``nominal``."""
+        return next((family for family, members in FAMILIES.items() if self.name in members), "nominal")
+
+    follows = property(lambda self: self.coefficient_of is not free)
+    # A link between the measured side and that of inertia and friction.
+    transmits = property(lambda self: self.forward in ("spring", "gap"))
     needs_nominal = property(lambda self: Trait.NEEDS_NOMINAL in self.traits)
     exact = property(lambda self: Trait.EXACT in self.traits)
     friction = property(lambda self: Trait.FRICTION in self.traits)
@@ -156,7 +158,3 @@ class Effect:
     def values(self, at: Nonlinear) -> tuple[float, ...]:
         """Return the nonlinear parameters in order; an optional one that is lacking has its default."""
         return tuple(at.get(p.name, p.default) if p.optional else at[p.name] for p in self.nonlinear)
-
-    def bounds(self, name: str) -> tuple[float, float]:
-        """Return the bounds of a nonlinear parameter; infinite ones if it is not the effect's."""
-        return next(((one.lower, one.upper) for one in self.nonlinear if one.name == name), (-inf, inf))

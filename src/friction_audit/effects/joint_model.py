@@ -28,11 +28,7 @@ MOST_FAULTS, LONGEST_VALUE = 50, 80  # faults that a message names, and characte
 
 @dataclass(frozen=True, slots=True)
 class FittedTerm:
-    """A term with its numbers.
-
-    Raises:
-        AnalysisError: If there is no such term, or values are missing, superfluous or beyond their bounds.
-    """
+    """A term with its numbers; AnalysisError if there is none, or values are missing, superfluous or out of bounds."""
 
     name: str
     values: tuple[float, ...]  # of the term's ``parameters``, in order
@@ -69,16 +65,12 @@ class Provenance:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointModel:
-    """Model of one joint: F_m + u = B ddq + the sum of its terms.
-
-    Raises:
-        AnalysisError: If the inertia is no number, a term stands twice, or one is held that is not there.
-    """
+    """Model of one joint: F_m + u = B ddq + the sum of its terms, each at most once; those that are held are there."""
 
     # Inertia B behind the torque sensor; of a torque from which a rigid-body model has taken the inertia out already,
     # what is left to be paid: about zero, and below it where the model took too much.
     inertia_kg_m2: float
-    terms: tuple[FittedTerm, ...] = ()  # the other terms, each at most once
+    terms: tuple[FittedTerm, ...] = ()  # the other terms
     provenance: Provenance = field(default_factory=Provenance)
     held: tuple[str, ...] = ()  # terms whose numbers are known from elsewhere: a diagnosis does not fit them again
 
@@ -117,29 +109,21 @@ class JointModel:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ArmModel:
-    """Models of the joints of an arm.
-
-    Raises:
-        AnalysisError: If there is no joint, or not one name per joint.
-    """
+    """Models of the joints of an arm; AnalysisError if there is no joint, or not one name per joint."""
 
     names: tuple[str, ...]  # of the joints
     joints: tuple[JointModel | None, ...]  # one per joint; None where the log did not allow one
 
     def __post_init__(self) -> None:
         if not self.joints or len(self.names) != len(self.joints):
-            raise AnalysisError(
-                f"{len(self.names)} names for {len(self.joints)} joints; expected one each, and a joint at least"
-            )
+            found = f"{len(self.names)} names for {len(self.joints)} joints"
+            raise AnalysisError(f"{found}; expected one each, and a joint at least")
 
 
-def simple_model(
-    *, inertia_kg_m2: float, coulomb_nm: float, viscous_nms_per_rad: float, offset_nm: float = 0.0
-) -> JointModel:
-    """Return a model of inertia, Coulomb and viscous friction, and a constant torque where there is one."""
+def simple_model(*, inertia_kg_m2: float, coulomb_nm: float, viscous_nms_per_rad: float) -> JointModel:
+    """Return a model of inertia, Coulomb and viscous friction."""
     terms = (FittedTerm("coulomb", (coulomb_nm,)), FittedTerm("viscous", (viscous_nms_per_rad,)))
-    offset = (FittedTerm("offset", (offset_nm,)),) if offset_nm != 0.0 else ()
-    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=terms + offset)
+    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=terms)
 
 
 def _sum(terms: Iterable[FittedTerm], motion: Motion) -> Float:
@@ -150,21 +134,13 @@ def _sum(terms: Iterable[FittedTerm], motion: Motion) -> Float:
 
 
 def save_model(model: ArmModel, path: Path, *, overwrite: bool = False) -> None:
-    """Write a model, whole or not at all.
-
-    Raises:
-        UsageError: If the file exists and ``overwrite`` is false, or its folder cannot be written to.
-    """
+    """Write a model, whole or not at all; UsageError if the file exists, or its folder cannot be written to."""
     with whole_file(path, overwrite=overwrite) as draft:
         draft.write_text("\n".join(_lines(model)) + "\n", encoding="utf-8")
 
 
 def load_model(path: Path) -> ArmModel:
-    """Read a model.
-
-    Raises:
-        InputError: If the file is none; the message names all that is missing at once.
-    """
+    """Read a model; InputError, which names all that is missing at once, if the file is none."""
     try:
         document = read_toml(path)
     except OSError as error:
@@ -192,22 +168,21 @@ def _lines(model: ArmModel) -> Iterator[str]:
 
     yield from (f"schema = {_text(SCHEMA)}", f"version = {_text(__version__)}")
     for name, joint in zip(model.names, model.joints, strict=True):
-        yield from ("", "[[joint]]", f"name = {_text(name)}", *(_joint_lines(joint) if joint is not None else ()))
-
-
-def _joint_lines(joint: JointModel) -> Iterator[str]:
-    yield f"inertia_kg_m2 = {float(joint.inertia_kg_m2)!r}"
-    if joint.held:
-        yield f"held = [{', '.join(_text(name) for name in joint.held)}]"
-    origin = joint.provenance
-    yield from ("", "[joint.provenance]")
-    yield from (f"{key} = {_text(getattr(origin, key))}" for key in ("method", "log", "sha256"))
-    yield f"cycles = {origin.cycles}"
-    for term in joint.terms:
-        yield from ("", f"[joint.terms.{term.name}]  # {term.effect.label}")
-        for parameter, value in zip(term.effect.parameters, term.values, strict=True):
-            if value != parameter.default or not parameter.optional:
-                yield f"{parameter.name} = {float(value)!r}  # {parameter.unit}, {parameter.meaning}"
+        yield from ("", "[[joint]]", f"name = {_text(name)}")
+        if joint is None:
+            continue
+        yield f"inertia_kg_m2 = {float(joint.inertia_kg_m2)!r}"
+        if joint.held:
+            yield f"held = [{', '.join(_text(name) for name in joint.held)}]"
+        origin = joint.provenance
+        yield from ("", "[joint.provenance]")
+        yield from (f"{key} = {_text(getattr(origin, key))}" for key in ("method", "log", "sha256"))
+        yield f"cycles = {origin.cycles}"
+        for term in joint.terms:
+            yield from ("", f"[joint.terms.{term.name}]  # {term.effect.label}")
+            pairs = zip(term.effect.parameters, term.values, strict=True)
+            for own, value in ((own, value) for own, value in pairs if value != own.default or not own.optional):
+                yield f"{own.name} = {float(value)!r}  # {own.unit}, {own.meaning}"
 
 
 def _text(text: str) -> str:

@@ -52,10 +52,6 @@ class LoadDependentFriction(Effect):
             return f"the load varies from {low:.2g} to {high:.2g} N m only: change it threefold, by posture or payload"
         return None
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """It resists motion, whichever way the power flows."""
-        return bool(coefficients[0] > 0 and abs(coefficients[1]) <= coefficients[0])
-
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         tried = product((0.0, 1.0), EXPONENTS, (WHOLE, STATIC))
         return tuple({"load_exponent": p, "load_directed": d, **of} for d, p, of in tried)
@@ -77,6 +73,7 @@ LOAD_DEPENDENT_FRICTION = LoadDependentFriction(
         ),
     ),
     traits=Trait.NEEDS_NOMINAL,
+    possible=lambda found, _: found[0] > 0 and abs(found[1]) <= found[0],  # resists, whichever way the power flows
     record="pass the same places with loads that differ by a factor of 3",
     separate={
         "position_dependent_friction": "pass the same places with another payload or posture",
@@ -143,10 +140,6 @@ class GravityError(Effect):
         tilt = () if rigid is None else (TILT,)
         return tuple({SOURCE: float(source)} for source in (OWN_ANGLE, *links, *several, *tilt))
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """Either sign is possible; of several links not what no arm carries."""
-        return round(at[SOURCE]) != SEVERAL or bool(np.all(np.abs(coefficients) <= MOST_KG))
-
 
 @lru_cache(maxsize=1)
 def independent(data: JointData) -> NDArray[np.bool_]:
@@ -198,6 +191,8 @@ GRAVITY_ERROR = GravityError(
     nonlinear=(Parameter.choice(SOURCE, "0 own angle, -1 base, -2 several links, else number of the link", SEVERAL),),
     traits=Trait.EVEN,
     needs=partial(span, least_rad=0.3),
+    # Of either sign; of several links not what no arm carries.
+    possible=lambda found, at: round(at[SOURCE]) != SEVERAL or bool(np.all(np.abs(found) <= MOST_KG)),
     record="move through at least 1.5 rad, with rests at several places",
     separate={
         "torque_bias": "move through at least 1.5 rad, with rests at several places",

@@ -28,14 +28,9 @@ class TorqueCrosstalk(Effect):
         return columns
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """The neighbours that there are."""
         before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
         sides = ((-1.0, before), (1.0, after), (0.0, before and after))
         return tuple({"crosstalk_side": side} for side, there in sides if there)
-
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """A sensor feels its own load best."""
-        return bool(np.all(np.abs(coefficients) < 1))
 
 
 TORQUE_CROSSTALK = TorqueCrosstalk(
@@ -48,6 +43,7 @@ TORQUE_CROSSTALK = TorqueCrosstalk(
     ),
     nonlinear=(Parameter.choice("crosstalk_side", "-1 previous joint, 1 next joint, 0 both", -1, 1),),
     needs=neighbours_loaded,
+    possible=lambda found, _: bool(np.all(np.abs(found) < 1)),  # a sensor feels its own load best
     record="push against a neighbour while the arm rests",
     separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
 )

@@ -30,16 +30,6 @@ class OneColumn(Effect):
         return f"{values[0]!r} * {self.cpp}" if self.cpp else super().in_cpp(values, table)
 
 
-class AsymmetricCoulomb(OneColumn):
-    indistinguishable = ("torque_bias",)
-    part_of = ("torque_drift",)
-
-
-class TorqueBias(OneColumn):
-    indistinguishable = ("asymmetric_coulomb",)
-    part_of = ("torque_drift",)
-
-
 def stated_inertia(data: JointData, nominal: Nominal) -> str | None:
     """The number or the motion that is lacking.
 
@@ -89,7 +79,7 @@ NOMINAL = (
     ),
 )
 
-ASYMMETRIC_COULOMB = AsymmetricCoulomb(
+ASYMMETRIC_COULOMB = OneColumn(
     name="asymmetric_coulomb",
     label="friction differs by direction",
     axis="speed",
@@ -104,6 +94,8 @@ ASYMMETRIC_COULOMB = AsymmetricCoulomb(
         "torque_drift": "let the joint rest unloaded for 2 s early and late: a drift is read at rest too, "
         "friction is not",
     },
+    indistinguishable=("torque_bias",),
+    part_of=("torque_drift",),
     of=lambda motion: np.abs(np.sign(motion.dq)),
 )
 
@@ -124,7 +116,7 @@ ASYMMETRIC_VISCOUS = OneColumn(
     of=lambda motion: np.abs(motion.dq),
 )
 
-TORQUE_BIAS = TorqueBias(
+TORQUE_BIAS = OneColumn(
     name="torque_bias",
     label="offset of the torque sensor",
     axis="time",
@@ -135,6 +127,8 @@ TORQUE_BIAS = TorqueBias(
     separate={
         "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"
     },
+    indistinguishable=("asymmetric_coulomb",),
+    part_of=("torque_drift",),
     of=lambda motion: np.ones(len(motion.t)),  # at rest too
 )
 

@@ -11,7 +11,7 @@ from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, both_directions, reach, span, speeds
 from friction_audit.effects.parameter import Parameter
-from friction_audit.joint_log import Float, read_only
+from friction_audit.joint_log import Float
 
 WAVES = 10
 PATCHES = (8, 16)  # half widths of patches, as how many of them the range takes
@@ -51,9 +51,6 @@ class PositionDependentFriction(Effect):
         ]
         return (*waves, *bells, *({ORDER: 1.0 / bell[WIDTH], **bell} for bell in bells))
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        return both_directions(data, nominal) or span(data, nominal, 0.5)
-
 
 POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
     name="position_dependent_friction",
@@ -69,6 +66,7 @@ POSITION_DEPENDENT_FRICTION = PositionDependentFriction(
         Parameter(WIDTH, "rad", "half width of the stretch", lower=1e-4, default=EVERYWHERE, optional=True),
     ),
     traits=Trait.FRICTION,
+    needs=lambda data, nominal: both_directions(data, nominal) or span(data, nominal, 0.5),
     record="pass every place four times in each direction",
     separate={
         "torque_ripple": "pass every place four times in each direction",
@@ -96,7 +94,6 @@ class TorqueRipple(Effect):
     """
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return cos(k q) and sin(k q) as columns."""
         angle = values[0] * motion.q
         return np.stack([np.cos(angle), np.sin(angle)]).T
 
@@ -116,7 +113,6 @@ class TorqueRipple(Effect):
             wave = _turned(wave, turn)
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Orders of the range, as far as they reach."""
         first, last = order_range(data)
         # Of the position while the joint moves: orders that differ by one over it are others.
         spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
@@ -174,8 +170,6 @@ class CableSpring(Effect):
     other. A linear spring about another centre is one about this centre with a preload.
     """
 
-    indistinguishable = ("joint_limit_stop",)
-
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
         centre, free = values
@@ -204,13 +198,10 @@ class CableSpring(Effect):
         )
         return (*bent, STRAIGHT)
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """It pulls back from the beginning, and still when it is stretched by a radian."""
-        return bool(coefficients[0] > 0 and coefficients[0] + coefficients[1] > 0)
-
 
 CABLE_SPRING = CableSpring(
     name="cable_spring",
+    indistinguishable=("joint_limit_stop",),
     label="a cable pulls the joint back",
     axis="position",
     coefficients=(
@@ -224,6 +215,7 @@ CABLE_SPRING = CableSpring(
     ),
     traits=Trait.EVEN,
     needs=partial(span, least_rad=0.8),
+    possible=lambda found, _: found[0] > 0 and found[0] + found[1] > 0,  # still pulls back stretched by a radian
     record="move through all of the range",
     separate={
         "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
@@ -245,17 +237,17 @@ class JointLimitStop(Effect):
     Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper too.
     """
 
-    indistinguishable = ("cable_spring",)
-
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return (depth / 0.1 rad)^n at the upper and the lower stop, dq while one is touched, that times the power."""
         upper, lower, exponent = values
         columns = np.zeros((4, len(motion.q)))
-        _press(read_only(motion.q), read_only(motion.dq), float(upper), float(lower), float(exponent), columns)
+        at = np.flatnonzero((motion.q > upper) | (motion.q < lower))  # at most samples no stop is touched
+        q, dq = motion.q[at], motion.dq[at]
+        up, down = (np.maximum(depth / DEPTH_RAD, 0.0) ** exponent for depth in (q - upper, lower - q))
+        columns[:, at] = up, -down, dq, dq * (up + down)
         return columns.T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """One stop, or two equally deep, with the exponents."""
         low, high = float(data.q.min()), float(data.q.max())
         length = high - low
         ends = ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0))
@@ -268,24 +260,10 @@ class JointLimitStop(Effect):
             for (up, down), depth, exponent in product(ends, DEPTHS, EXPONENTS)
         )
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """Stops push back."""
-        return bool(coefficients[0] >= 0 and coefficients[1] >= 0 and coefficients[0] + coefficients[1] > 0)
-
-
-@compiled()
-def _press(q: Float, dq: Float, upper: float, lower: float, exponent: float, columns: Float) -> None:
-    """Fill columns (4, n) where a stop is touched; at most samples none is, and they stay zero."""
-    for i in range(len(q)):
-        above, below = max(q[i] - upper, 0.0), max(lower - q[i], 0.0)
-        if above > 0.0 or below > 0.0:
-            up = (above / DEPTH_RAD) ** exponent if above > 0.0 else 0.0
-            down = (below / DEPTH_RAD) ** exponent if below > 0.0 else 0.0
-            columns[0, i], columns[1, i], columns[2, i], columns[3, i] = up, -down, dq[i], dq[i] * (up + down)
-
 
 JOINT_LIMIT_STOP = JointLimitStop(
     name="joint_limit_stop",
+    indistinguishable=("cable_spring",),
     label="a stop near the end of the range",
     axis="position",
     coefficients=(
@@ -301,6 +279,7 @@ JOINT_LIMIT_STOP = JointLimitStop(
     ),
     traits=Trait.EVEN,
     needs=partial(span, least_rad=0.5),
+    possible=lambda found, _: min(found[:2]) >= 0 and found[0] + found[1] > 0,  # stops push back
     record="move through all of the range",
     separate={"contact_event": "go to the same place again: a stop is still there"},
 )

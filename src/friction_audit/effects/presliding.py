@@ -40,21 +40,18 @@ class Presliding(Effect):
 
         Those that differ by the damping alone have their bristles in common.
         """
-        places: dict[tuple[float, float], list[int]] = {}
-        for place, (reach, exponent, _) in enumerate(many):
-            places.setdefault((reach, exponent), []).append(place)
         sign, steps = motion.direction, np.diff(motion.t)
         # The step of even times, of which a derivative takes a tenth of the work, or the times themselves.
         even = len(steps) > 0 and np.ptp(steps) <= EVEN * np.mean(steps)
         times: Float | float = float(np.mean(steps)) if even else motion.t
-        for (reach, exponent), alike in places.items():
+        for reach, exponent in dict.fromkeys((reach, exponent) for reach, exponent, _ in many):
+            alike = [place for place, one in enumerate(many) if tuple(one[:2]) == (reach, exponent)]
             z = bristle(motion.q, reach, exponent)
             rate = np.gradient(z, times) if any(many[place][2] > 0.0 for place in alike) else np.zeros(len(z))
             for place in alike:
                 yield place, (z + many[place][2] * rate - sign)[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """All reaches of all kinds."""
         span = float(np.ptp(data.q)) or 1.0
         return tuple(
             {"reach_rad": share * span, "yielding_exponent": exponent, "bristle_damping_s": damping}

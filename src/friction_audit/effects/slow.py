@@ -120,10 +120,6 @@ class WarmUp(Effect):
         short = f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
         return short if length < SHORTEST_S else both_directions(data, nominal)
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """A cold joint has more friction of one kind at least."""
-        return bool(np.any(coefficients > 0))
-
 
 WARM_UP = WarmUp(
     name="warm_up",
@@ -138,6 +134,7 @@ WARM_UP = WarmUp(
         Parameter("warm_up_per_k", "1/K", "share lost per kelvin", lower=0.0, upper=100.0),
     ),
     traits=Trait.FRICTION,
+    possible=lambda found, _: bool(np.any(found > 0)),  # a cold joint has more friction of one kind at least
     record="record from a cold start, slow and fast motions early and late",
     separate={
         "friction_step": "record on for one and a half times as long: warming slows down, a step is over",
@@ -157,7 +154,6 @@ class FrictionStep(Effect):
         return np.stack([motion.direction * ramp, motion.dq * ramp]).T
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Steps from a sixteenth of the log on, and ramps."""
         length = duration(data)
         steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
         ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
@@ -210,14 +206,11 @@ class ContactEvent(Effect):
                 hats += [np.interp(data.t, knots, hat, left=0.0, right=0.0)[:, None] for hat in np.eye(KNOTS + 2)[1:-1]]
             yield place, np.hstack(hats)
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """Any torque, where there was a contact."""
-        return bool(at)
-
 
 CONTACT_EVENT = ContactEvent(
     name="contact_event",
     label="short contact with the arm",
     axis="time",
+    possible=lambda _, at: bool(at),  # any torque, where there was a contact
     record="record again with no person and no object near the arm",
 )

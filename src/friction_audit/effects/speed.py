@@ -6,7 +6,6 @@ from itertools import product
 
 import numpy as np
 
-from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, Nominal, both_directions, speed_range, speeds
@@ -43,7 +42,6 @@ class Stribeck(Effect):
     """
 
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
-        """Return sgn(dq) exp(-|dq / v_s|^delta) as a column."""
         speed, exponent = values
         fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
         return np.asarray(motion.direction * fading)[:, None]
@@ -53,7 +51,6 @@ class Stribeck(Effect):
         return f"{excess!r} * way * std::exp(-std::pow(pace / {speed!r}, {exponent!r}))"
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Stribeck velocities by the speeds of the log, each with the exponents."""
         tried = product(low_speeds(data, self, 8), EXPONENTS)
         return tuple({"stribeck_speed_rad_s": speed, "stribeck_exponent": exponent} for speed, exponent in tried)
 
@@ -121,7 +118,6 @@ class NonlinearViscous(Effect):
         return bend_table(CARREAU * np.exp(values[-1])) if values[-1] else None
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Plain powers, and saturation at several speeds."""
         (fast,) = speeds(data, 95.0).tolist()
         powers = [{"curved_viscous_exponent": n, "curved_viscous_speed_rad_s": NO_BEND * fast} for n in POWERS]
         saturating = (
@@ -130,20 +126,14 @@ class NonlinearViscous(Effect):
         )
         return *powers, *saturating
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        """A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's."""
-        return bool(coefficients[0] > 0 or at["curved_viscous_exponent"] > 1.0)
-
 
 def bend(pace: Float, freedom: float) -> Float:
     """Return the distribution of Student's t, from 0 at 0 to 1, at sqrt(2) times a pace >= 0.
 
     From a table over the angle whose tangent is t / sqrt(freedom): the function itself takes a microsecond a sample.
     """
-    # The table is even, so that the place follows from the angle without a search.
-    place = np.arctan(pace * np.sqrt(CARREAU / freedom))
-    place *= (TABLE - 1) / (np.pi / 2.0)
-    return np.asarray(_between(bend_table(freedom), place))
+    place = np.arctan(pace * np.sqrt(CARREAU / freedom)) * ((TABLE - 1) / (np.pi / 2.0))
+    return np.asarray(np.interp(place, np.arange(TABLE), bend_table(freedom)))
 
 
 def bend_table(freedom: float) -> Float:
@@ -151,16 +141,6 @@ def bend_table(freedom: float) -> Float:
     from scipy.special import betainc
 
     return np.asarray(betainc(0.5, freedom / 2.0, np.sin(np.linspace(0.0, np.pi / 2.0, TABLE)) ** 2))
-
-
-@compiled()
-def _between(table: Float, place: Float) -> Float:
-    """Return what lies between the entries of a table, at places counted from its first one, shape (n,)."""
-    out = np.empty(len(place))
-    for i in range(len(place)):
-        k = max(min(int(place[i]), len(table) - 2), 0)  # a place that is no number is nowhere, and gives none
-        out[i] = table[k] + (place[i] - k) * (table[k + 1] - table[k])
-    return out
 
 
 NONLINEAR_VISCOUS = NonlinearViscous(
@@ -182,6 +162,8 @@ NONLINEAR_VISCOUS = NonlinearViscous(
     ),
     traits=Trait.FRICTION | Trait.SPEED_ONLY,
     needs=partial(speed_range, ratio=5.0),
+    # A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's.
+    possible=lambda found, at: found[0] > 0 or at["curved_viscous_exponent"] > 1.0,
     record="move at speeds that differ by a factor of 5 and more",
     separate={
         "time_delay": "repeat motions of equal speed with different accelerations",
@@ -198,8 +180,6 @@ class UnloggedCompensation(Effect):
     Dynamic identification of the Franka Emika Panda robot, RA-L 4 (2019) 4147, is a sigmoid shifted through the origin.
     """
 
-    jumps = ("unlogged_width_rad_s",)
-
     def columns(self, motion: Motion, values: Sequence[float]) -> Float:
         """Return what the joint then takes less, -tanh(dq / w + k) + tanh(k) or -sgn(dq) beyond a dead band."""
         width, skew, form = values
@@ -209,7 +189,6 @@ class UnloggedCompensation(Effect):
         return np.asarray(np.tanh(skew) - np.tanh(speed + skew))[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Widths by the speeds of the log; smooth ones with some skew."""
         return tuple(
             {"unlogged_width_rad_s": width, "unlogged_skew": skew, "unlogged_form": form}
             for width, (skew, form) in product(low_speeds(data, self, 6), FORMS)
@@ -241,4 +220,5 @@ UNLOGGED_COMPENSATION = UnloggedCompensation(
     ),
     traits=Trait.SPEED_ONLY,
     record="log the commanded torque",
+    jumps=("unlogged_width_rad_s",),
 )

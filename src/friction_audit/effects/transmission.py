@@ -3,10 +3,9 @@
 Both have a far side, which carries friction and most of the inertia, and are followed by the same integrator.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import sqrt
-from typing import ClassVar
 
 import numpy as np
 
@@ -32,36 +31,21 @@ from friction_audit.preprocessing.even_grid import filtered, windowed_sinc
 # below 4 Hz; unless the measured side rings with the far one, its motion is better taken as smooth.
 MOTION_BELOW_HZ = 18.0
 FILTER_S = 0.2  # reach of the low-pass to either side
-LARGEST_SHARE = 1.6
+# Coefficient over what it follows from: 1 but for the errors of a nominal model that was fitted without the link.
+LEAST_OF_SPRING, LEAST_OF_GAP, LARGEST_SHARE = 0.5, 0.4, 1.6
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
 
-FAR_SHARE = Parameter(
-    name="far_share",
-    unit="1",
-    meaning="part of the inertia on the link side, the rest on the measured side",
-    lower=0.0,
-    upper=1.0,
-    optional=True,
-    default=1.0,
-)
+MEANING = "part of the inertia on the link side, the rest on the measured side"
+FAR_SHARE = Parameter("far_share", "1", MEANING, lower=0.0, upper=1.0, optional=True, default=1.0)
 
 
 class Link(Effect):
     """A spring or a gap: those of many parameters are followed side by side."""
 
-    transmits = True
-    follows = True
-    # Coefficient over what it follows from: 1 but for the errors of a nominal model that was fitted without the link.
-    least_share: ClassVar[float]
-
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         """Return the link of some values, to a far side that usually takes so much torque (RMS)."""
         raise NotImplementedError
-
-    def unit(self, values: Sequence[float]) -> float:
-        """Return what the torque that the link adds is multiplied by, to be that of a coefficient of one."""
-        return 1.0
 
     def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
         """Yield columns for many values; all have one far side."""
@@ -80,7 +64,10 @@ class Link(Effect):
         # Negative inertia or friction of the nominal model counts as none.
         numbers = np.maximum([[getattr(one, name) for name in names] for one in nominals], 0.0)
         far = [FarSide(**dict(zip(names, own, strict=True))) for own in numbers.tolist()]
-        for motion, places in motions(data, grid):
+        # Points with ``motion_below_hz`` go along the motion below that frequency, all others as measured.
+        for below_hz in dict.fromkeys(at.get("motion_below_hz") for at in grid):
+            places = [place for place, at in enumerate(grid) if at.get("motion_below_hz") == below_hz]
+            motion = data.motion() if below_hz is None else motion_below(data, below_hz)
             every = max(len(motion.t) // MANY_SAMPLES, 1)
             simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
             usual = np.sqrt(np.mean((numbers[places] @ simple) ** 2, axis=1)).tolist()
@@ -93,15 +80,14 @@ class Link(Effect):
     ) -> Iterator[tuple[int, Float]]:
         links = [self.link(*one) for one in zip(far, usual_nm, many, strict=True)]
         for place, added in added_torques(motion, far, links):
-            yield place, np.multiply(added, self.unit(many[place]), out=added)[:, None]
+            stiffness = many[place][0] if self.forward == "spring" else 1.0  # torque per compliance
+            yield place, np.multiply(added, stiffness, out=added)[:, None]
 
-    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
-        """Return the motion that is lacking: jumps of friction show a link, and an inertia that rings."""
-        inertia = "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
-        return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
 
-    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
-        return bool(self.least_share <= coefficients[0] / self.coefficient_of(at) <= LARGEST_SHARE)
+def jumps_and_inertia(data: JointData, nominal: Nominal) -> str | None:
+    """Return the motion that is lacking: jumps of friction show a link, and an inertia that rings."""
+    inertia = "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
+    return reversals(data, nominal) or (None if nominal.inertia_kg_m2 > 0.0 else inertia)
 
 
 def motion_below(data: JointData, below_hz: float) -> Motion:
@@ -119,20 +105,6 @@ def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
     kernel = windowed_sinc(2.0 * below_hz * step_s, np.hamming(2 * round(FILTER_S / step_s) + 1))
     # From its first value, so that rest is rest to the last digit.
     return np.asarray(signal[0] + filtered((signal - signal[0])[None], kernel, np.arange(len(signal)))[0])
-
-
-def motions(data: JointData, grid: Sequence[Mapping[str, float]]) -> Iterator[tuple[Motion, list[int]]]:
-    """Yield each motion, without a torque, and the places in the grid that go along it.
-
-    Args:
-        data: The joint.
-        grid: Points with ``motion_below_hz`` go along the motion below that frequency, all others as measured.
-    """
-    places: dict[float | None, list[int]] = {}
-    for place, at in enumerate(grid):
-        places.setdefault(at.get("motion_below_hz"), []).append(place)
-    for below_hz, alike in places.items():
-        yield data.motion() if below_hz is None else motion_below(data, below_hz), alike
 
 
 # Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996).
@@ -154,65 +126,35 @@ class JointElasticity(Link):
     compliance as long as the joint rings faster than it is moved, and no longer does where it rings with the motion.
     """
 
-    least_share = 0.5
-
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         stiffness, soft, damping_ratio, share = values
         return Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft, far_share=share)
 
-    def unit(self, values: Sequence[float]) -> float:
-        return values[0]
-
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
         """Springs that ring below the corner of the regression, or twist by more than the noise of the position."""
-        stiffest = _stiffest_seen(data)
-        return tuple(at for at in _all_springs(data) if at["spring_nm_per_rad"] <= stiffest)
-
-    def coefficient_of(self, at: Nonlinear) -> float:
-        return 1.0 / at["spring_nm_per_rad"]
-
-
-def _all_springs(data: JointData) -> tuple[Nonlinear, ...]:
-    """Linear springs, and of every second stiffness springs that are soft at first; the projection finds those between.
-
-    Springs that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those
-    that ring below the corner with more damping and with less inertia on the far side.
-    """
-    usual, every = float(np.sqrt(np.mean(data.torque**2))) or 1.0, _stiffnesses(data)
-    fast, slow = every[every > _ringing_at(data, MOTION_BELOW_HZ)], every[every < _ringing_at(data, CORNER_HZ)]
-    smooth = {"motion_below_hz": MOTION_BELOW_HZ}
-    soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
-    tries: tuple[tuple[Float, dict[str, float]], ...] = (
-        (every, {"damping_ratio": DAMPING_RATIO}),
-        *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
-        (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
-        *((fast[::2], one | smooth) for one in soft),
-        (slow[::2], {"damping_ratio": MUCH_DAMPED}),
-        *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
-    )
-    return tuple({"spring_nm_per_rad": float(stiffness), **other} for tried, other in tries for stiffness in tried)
-
-
-def _stiffest_seen(data: JointData) -> float:
-    """Stiffness above which a spring neither rings below the regression's corner nor twists visibly at a reversal.
-
-    Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position. [N m/rad]
-    """
-    noise = max(grid_noise(data.q, differences=4), np.finfo(float).tiny)
-    return max(float(_ringing_at(data, CORNER_HZ)), far_side(data.motion(data.torque)).coulomb_nm / noise)
-
-
-def _stiffnesses(data: JointData) -> Float:
-    """The stiffest, and falling those on which the far side rings at all frequencies. [N m/rad]"""
-    ringing = _ringing_at(data, RINGING_HZ)
-    between = ringing[(ringing > SOFTEST_NM_PER_RAD) & (ringing < STIFFEST_NM_PER_RAD)]
-    return np.append(STIFFEST_NM_PER_RAD, between[::-1])
-
-
-def _ringing_at(data: JointData, frequency_hz: Float | float) -> Float:
-    """Stiffness of a spring on which the inertia in the torque rings at a frequency. [N m/rad]"""
-    inertia = far_side(data.motion(data.torque)).inertia_kg_m2 or USUAL_INERTIA_KG_M2
-    return np.asarray(inertia * (2.0 * np.pi * np.asarray(frequency_hz)) ** 2)
+        far, usual = far_side(data.motion(data.torque)), float(np.sqrt(np.mean(data.torque**2))) or 1.0
+        # Stiffnesses on which the inertia in the torque rings at all frequencies, falling from the stiffest. [N m/rad]
+        inertia, hz = far.inertia_kg_m2 or USUAL_INERTIA_KG_M2, np.array([MOTION_BELOW_HZ, CORNER_HZ, *RINGING_HZ])
+        smooth_at, corner, *_ = ringing = inertia * (2.0 * np.pi * hz) ** 2
+        between = ringing[2:][(ringing[2:] > SOFTEST_NM_PER_RAD) & (ringing[2:] < STIFFEST_NM_PER_RAD)]
+        every = np.append(STIFFEST_NM_PER_RAD, between[::-1])
+        # Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position.
+        stiffest = max(corner, far.coulomb_nm / max(grid_noise(data.q, differences=4), np.finfo(float).tiny))
+        # Every second stiffness is tried for springs that are soft at first; the projection finds those between. Those
+        # that ring where hardly more than noise moves the measured side are tried with a smooth motion too, those that
+        # ring below the corner with more damping and with less inertia on the far side.
+        fast, slow, smooth = every[every > smooth_at], every[every < corner], {"motion_below_hz": MOTION_BELOW_HZ}
+        soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
+        tries: tuple[tuple[Float, dict[str, float]], ...] = (
+            (every, {"damping_ratio": DAMPING_RATIO}),
+            *((every[::2], one | {"damping_ratio": DAMPING_RATIO}) for one in soft),
+            (fast, smooth | {"damping_ratio": DAMPING_RATIO}),
+            *((fast[::2], one | smooth) for one in soft),
+            (slow[::2], {"damping_ratio": MUCH_DAMPED}),
+            *((slow[::2], {"far_share": share, "damping_ratio": MUCH_DAMPED}) for share in FAR_SHARES),
+        )
+        seen = ((stiffness, other) for tried, other in tries for stiffness in tried.tolist() if stiffness <= stiffest)
+        return tuple({"spring_nm_per_rad": stiffness, **other} for stiffness, other in seen)
 
 
 JOINT_ELASTICITY = JointElasticity(
@@ -242,6 +184,9 @@ JOINT_ELASTICITY = JointElasticity(
         FAR_SHARE,
     ),
     traits=Trait.NEEDS_NOMINAL,
+    needs=jumps_and_inertia,
+    coefficient_of=lambda at: 1.0 / at["spring_nm_per_rad"],
+    possible=lambda found, at: LEAST_OF_SPRING <= found[0] / (1.0 / at["spring_nm_per_rad"]) <= LARGEST_SHARE,
     forward="spring",
     record="repeat the motions at two or more clearly different speeds",
     separate={
@@ -267,8 +212,6 @@ class Backlash(Link):
     gap and strikes it on the other flank.
     """
 
-    least_share = 0.4
-
     def link(self, far: FarSide, usual_nm: float, values: Sequence[float]) -> Transmission:
         gap, contact_hz, damping_ratio, share = values
         inertia = part_of(far, share).inertia_kg_m2
@@ -291,9 +234,6 @@ class Backlash(Link):
             *({"gap_rad": width, **kind} for kind in kinds for width in widths),
             *({"gap_rad": width, **SOFT, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
         )
-
-    def coefficient_of(self, at: Nonlinear) -> float:
-        return 1.0
 
 
 BACKLASH = Backlash(
@@ -318,6 +258,9 @@ BACKLASH = Backlash(
         FAR_SHARE,
     ),
     traits=Trait.NEEDS_NOMINAL,
+    needs=jumps_and_inertia,
+    coefficient_of=lambda _: 1.0,
+    possible=lambda found, _: LEAST_OF_GAP <= found[0] <= LARGEST_SHARE,
     forward="gap",
     record="reverse slowly at least 20 times with hardly any load",
     separate={"contact_event": "reverse again at the same places: a gap opens at every reversal"},

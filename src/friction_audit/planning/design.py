@@ -123,8 +123,8 @@ def value_of_separation(about: Information, counts: Float) -> float:
 
 def value_for_coefficients(about: Information, counts: Float) -> float:
     """Return the D-criterion of inertia, Coulomb and viscous friction of a design, the rest of the model free."""
-    first = (np.tensordot(counts, about.rows[:, 0], 1) + about.prior)[:-1, :-1]
-    return float(np.linalg.slogdet(first[:3, :3] + RIDGE * np.eye(3))[1])
+    first = (np.tensordot(counts, about.rows[:, 0], 1) + about.prior)[:3, :3]
+    return float(np.linalg.slogdet(first + RIDGE * np.eye(3))[1])
 
 
 Criterion = Callable[[Information, Float], float]

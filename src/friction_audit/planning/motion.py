@@ -43,21 +43,15 @@ class Limits:
 
     def __post_init__(self) -> None:
         if not self.low_rad <= self.start_rad <= self.high_rad:
-            raise UsageError(
-                f"start {self.start_rad:.3g} rad: outside of {self.low_rad:.3g} to {self.high_rad:.3g} rad, where the "
-                "joint may move; give another --start, or --range"
-            )
-        if self.high_rad - self.low_rad < LEAST_RANGE_RAD:
-            raise UsageError(
-                f"{self.high_rad - self.low_rad:.3g} rad of range: expected at least {LEAST_RANGE_RAD:g}; widen --range"
-            )
-        rates = (self.speed_rad_s, self.acceleration_rad_s2, self.jerk_rad_s3)
-        if not all(0.0 < rate < inf for rate in rates) or self.speed_rad_s < 2.0 * self.slowest_rad_s:
-            raise UsageError(
-                f"limits of {rates[0]:g} rad/s, {rates[1]:g} rad/s^2 and {rates[2]:g} rad/s^3: expected a speed of at "
-                f"least {2.0 * self.slowest_rad_s:g} rad/s, and others above zero; raise --speed, --acceleration or "
-                "--jerk"
-            )
+            where = f"outside of {self.low_rad:.3g} to {self.high_rad:.3g} rad, where the joint may move"
+            raise UsageError(f"start {self.start_rad:.3g} rad: {where}; give another --start, or --range")
+        if (width := self.high_rad - self.low_rad) < LEAST_RANGE_RAD:
+            raise UsageError(f"{width:.3g} rad of range: expected at least {LEAST_RANGE_RAD:g}; widen --range")
+        rates, least = (self.speed_rad_s, self.acceleration_rad_s2, self.jerk_rad_s3), 2.0 * self.slowest_rad_s
+        if not all(0.0 < rate < inf for rate in rates) or self.speed_rad_s < least:
+            found = f"limits of {rates[0]:g} rad/s, {rates[1]:g} rad/s^2 and {rates[2]:g} rad/s^3"
+            expected = f"expected a speed of at least {least:g} rad/s, and others above zero"
+            raise UsageError(f"{found}: {expected}; raise --speed, --acceleration or --jerk")
 
 
 def limits_of(
@@ -138,10 +132,8 @@ def candidates_of(limits: Limits) -> list[Candidate]:
     low, high = limits.low_rad - limits.start_rad, limits.high_rad - limits.start_rad
     fast, slowest = _stroke(high - low, np.inf, limits).speed_rad_s, limits.slowest_rad_s
     if fast < 4.0 * slowest:
-        raise UsageError(
-            f"limits: the fastest motion over {high - low:.3g} rad has {fast:.2g} rad/s; expected at least "
-            f"{4.0 * slowest:g}; widen --range or raise --speed, --acceleration or --jerk"
-        )
+        found = f"the fastest motion over {high - low:.3g} rad has {fast:.2g} rad/s; expected at least {4 * slowest:g}"
+        raise UsageError(f"limits: {found}; widen --range or raise --speed, --acceleration or --jerk")
     return [
         _candidate(words, np.clip(places, low, high), speeds, limits, rest_s, smooth=smooth)
         for words, places, speeds, rest_s, smooth in _excursions(low, high, fast, limits)

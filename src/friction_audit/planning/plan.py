@@ -1,6 +1,6 @@
 """The next recording of a joint: the motion, what `diagnose` would answer after it, and the trajectory."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
@@ -91,25 +91,18 @@ class JointPlan:
         """The simulation of the joint along the motion."""
         return self.task.joint.settings(self.motion, self.duration_s)
 
-    def trajectory(self, rate_hz: float) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        """Return time, position, velocity and acceleration, shape (4, n). [s], [rad], [rad/s], [rad/s^2]"""
-        ticks = round(self.duration_s * RATE_HZ)
-        found = self.motion.intend(ticks, 1.0 / RATE_HZ, np.random.default_rng(0))
-        t = np.arange(ticks + 1) / RATE_HZ
-        rate = np.gradient(found.velocity, t)
-        whole = np.array([t, self.limits.start_rad + found.position, found.velocity, rate])
-        return whole[:, :: max(round(RATE_HZ / rate_hz), 1)]
-
 
 def trajectory_of(plans: Sequence[JointPlan], arm: Arm, rate_hz: float) -> Trajectory:
     """Return the motions of the joints one after the other, all other joints held at the start."""
     parts, begin = [], 0.0
     for plan in plans:
-        t, *moved = plan.trajectory(rate_hz)
+        ticks, every = round(plan.duration_s * RATE_HZ), max(round(RATE_HZ / rate_hz), 1)
+        found, t = plan.motion.intend(ticks, 1.0 / RATE_HZ, np.random.default_rng(0)), np.arange(ticks + 1) / RATE_HZ
+        moved = plan.limits.start_rad + found.position, found.velocity, np.gradient(found.velocity, t)
         whole = np.zeros((3, len(t), len(arm.names)))
         whole[0] = arm.start_rad
         whole[:, :, plan.task.joint.number - 1] = moved
-        parts.append((begin + t, *whole))
+        parts.append((begin + t[::every], *whole[:, ::every]))
         begin = float(parts[-1][0][-1]) + 1.0 / rate_hz
     return Trajectory(arm.names, *(np.concatenate(one) for one in zip(*parts, strict=True)))
 
@@ -153,9 +146,15 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
 
 
 def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool]:
-    """Return how often each candidate is run, and whether all of it at both ends of the time."""
+    """Return how often each candidate is run, and whether all of it at both ends of the time.
+
+    That is where all that is to be decided is whether an offset drifts: constants, and what changes with time.
+    """
     share, fewest = AT_AN_END
-    if _only_drift(about.truths):
+    known = [effect_of(name) for name in about.truths]
+    constant = [Trait.EXACT in one.traits for one in known]
+    slow = [one.axis == "time" and Trait.EVEN in one.traits for one in known]
+    if 0 < sum(constant) < len(known) and all(map(any, zip(constant, slow, strict=True))):
         counts = design.exchange(about, design.value_of_separation, share * duration_s - AROUND_S)
         if counts.sum() >= fewest:  # else there is no time for both
             return counts, True
@@ -170,14 +169,6 @@ def _filled(about: design.Information, criterion: design.Criterion, duration_s: 
             f"{about.seconds.min():.1f} s; expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
         )
     return counts
-
-
-def _only_drift(names: Iterable[str]) -> bool:
-    """Return True if all that is to be decided is whether an offset drifts: constants, and what changes with time."""
-    known = [effect_of(name) for name in names]
-    constant = [Trait.EXACT in one.traits for one in known]
-    slow = [one.axis == "time" and Trait.EVEN in one.traits for one in known]
-    return 0 < sum(constant) < len(known) and all(map(any, zip(constant, slow, strict=True)))
 
 
 def usual_terms(joint: Joint) -> dict[str, FittedTerm]:
@@ -223,13 +214,8 @@ def _hidden(term: FittedTerm, joint: Joint, settings: BenchSettings) -> tuple[Hi
     """Return the simulator's effect and whether it equals a term; None for one that a joint alone does not show."""
     if EQUALS[term.name].needs_neighbours:
         return None
-    known: dict[str, Any] = {
-        "joint": joint.parameters,
-        "start_rad": 0.0,
-        "driven": not joint.hand,
-        "duration_s": settings.duration_s,
-    }
+    known: dict[str, Any] = {"joint": joint.parameters, "driven": not joint.hand, "duration_s": settings.duration_s}
     try:
-        return equal_of(term, Setting(**known, outer_kg_m2=settings.operator.inertia_kg_m2)), True
+        return equal_of(term, Setting(start_rad=0.0, outer_kg_m2=settings.operator.inertia_kg_m2, **known)), True
     except (NoEqualError, UsageError):
         return near_of(term), False

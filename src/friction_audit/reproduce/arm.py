@@ -17,7 +17,7 @@ from friction_audit.compensation.comparison.trial import Outcome
 from friction_audit.joint_log import Float
 from friction_audit.reproduce.one_joint import BAND
 from friction_audit.reproduce.reproduction import SECOND, Claim, Progress, Simulations, share, spread
-from friction_audit.simulation.simulation import Simulation
+from friction_audit.simulation.settings import Simulation
 
 # Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
 SLOPE_BOUND = 0.1

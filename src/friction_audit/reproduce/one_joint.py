@@ -14,8 +14,7 @@ from friction_audit.reproduce.reproduction import (
     spread,
     within,
 )
-from friction_audit.simulation.settings import CONTROL_RATE_HZ
-from friction_audit.simulation.simulation import Simulation
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 
 PEAK_NM = (1.3, 1.7)  # what still is approximately 1.5 N m
 

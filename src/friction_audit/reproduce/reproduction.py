@@ -13,8 +13,7 @@ from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.simulation import simulate
 from friction_audit.simulation.scenarios import PAPER_SCENARIOS
-from friction_audit.simulation.settings import CONTROL_RATE_HZ
-from friction_audit.simulation.simulation import Simulation
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 
 SECOND = 1  # row of the second cycle
 

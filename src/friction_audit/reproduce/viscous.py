@@ -8,8 +8,7 @@ from friction_audit.joint_log import Float
 from friction_audit.reporting.figures import paper
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.reproduction import Claim, Simulations, make_course, within
-from friction_audit.simulation.settings import CONTROL_RATE_HZ
-from friction_audit.simulation.simulation import Simulation
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation
 
 CLOSURE_BOUND = 1e-5
 MINIMA_BOUND = 1e-4

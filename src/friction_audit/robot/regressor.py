@@ -23,14 +23,9 @@ Motion = tuple[Float, Float, Float]
 
 
 def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, places: Index) -> Float:
-    """Return entries of the regressor: joint's torque per unit of a parameter of a link, shape (n, e).
+    """Return entries of the regressor: a joint's torque per unit of one of the ten parameters of a link, shape (n, e).
 
-    Args:
-        arm: The arm.
-        motion: Position, velocity and acceleration, shape (n, j) each.
-        joints: Column (of the log) of each entry's joint, shape (e,).
-        links: Column (of the log) of the joint that carries each entry's link, shape (e,).
-        places: Which of the ten parameters, shape (e,).
+    Of each entry, shape (e,): column in the log of its joint, and of the joint that carries its link; the parameter.
     """
     place = np.argsort(arm.columns)
     joints, links = place[joints], place[links]
@@ -45,7 +40,7 @@ def regressor_entries(arm: Arm, motion: Motion, joints: Index, links: Index, pla
             for joint in _chain(arm, int(link)):
                 entries = np.flatnonzero((links == link) & (joints == joint))
                 if len(entries):
-                    across = _cross(axis[joint], origin[link] - origin[joint])
+                    across = np.cross(axis[joint], origin[link] - origin[joint], axis=0)
                     pull, turn = (_times(side, orientation[link]) for side in (across, axis[joint]))
                     own = places[entries]
                     found[entries, rows] = _times(pull, force[:, own]) + _times(turn, moment[:, own])
@@ -61,8 +56,9 @@ def _accelerations(arm: Arm, origin: Float, axis: Float, dq: Float, ddq: Float) 
         for parent in _chain(arm, link)[1:2]:
             before, lever = turning[parent], origin[link] - origin[parent]
             turning[link] += before
-            angular[link] += angular[parent] + _cross(before, spin[link])
-            linear[link] = linear[parent] + _cross(angular[parent], lever) + _cross(before, _cross(before, lever))
+            angular[link] += angular[parent] + np.cross(before, spin[link], axis=0)
+            pull = np.cross(angular[parent], lever, axis=0) + np.cross(before, np.cross(before, lever, axis=0), axis=0)
+            linear[link] = linear[parent] + pull
     return turning, angular, linear
 
 
@@ -108,10 +104,6 @@ def _inertia_columns(v: Float) -> Float:
 def _times(v: Float, matrix: Float) -> Float:
     """Vectors (3, n) times matrices (3, k, n), shape (k, n)."""
     return np.asarray(v[0] * matrix[0] + v[1] * matrix[1] + v[2] * matrix[2])
-
-
-def _cross(a: Float, b: Float) -> Float:
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def significant(columns: Float) -> NDArray[np.bool_]:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from math import inf
 from typing import NamedTuple
 from xml.etree import ElementTree as ET
@@ -38,9 +39,8 @@ class Inertial(NamedTuple):
 def parse_urdf(text: bytes, where: str) -> tuple[str, dict[str, tuple[Inertial, ...]]]:
     """Read a URDF. A joint counts if it turns, has a motor of its own (no mimic) and is no finger.
 
-    Returns:
-        A URDF of links with placeholder inertias and of joints, those that count as unlimited hinges, all others fixed
-        at zero; and the inertial parameters of the links, by name.
+    Returns a URDF of links with placeholder inertias and of joints, those that count as unlimited hinges, all others
+    fixed at zero; and the inertial parameters of the links, by name.
     """
     root = _root(text, where)
     faults = _faults(root)
@@ -166,28 +166,19 @@ def _wrong_numbers(parent: ET.Element, tag: str, count: int, lowest: float = -in
 
 def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[str]:
     """Name what keeps the links from being one tree."""
-    for what, elements in (("link", links), ("joint", joints)):
-        names = [element.get("name") for element in elements]
-        yield from (f"{names.count(name)} {what}s of the name {name}" for name in {*names} if names.count(name) > 1)
-    parents: dict[str, str] = {}
-    known = {link.get("name") for link in links}
-    for joint in joints:
-        ends = {end: part.get("link", "") for end in ("parent", "child") if (part := joint.find(end)) is not None}
-        yield from (
-            f"joint {joint.get('name')}: {end} link {ends.get(end)} is not in the file"
-            for end in ("parent", "child")
-            if ends.get(end) not in known
-        )
-        if ends.get("child", "") in parents:
-            yield f"link {ends['child']}: the child of two joints"
-        parents[ends.get("child", "")] = ends.get("parent", "")
-    roots = [link.get("name") for link in links if link.get("name") not in parents]
+    names, ends = [link.get("name") for link in links], dict[str, list[str | None]]()
+    for what, own in (("link", names), ("joint", [joint.get("name") for joint in joints])):
+        yield from (f"{own.count(name)} {what}s of the name {name}" for name in {*own} if own.count(name) > 1)
+    for end in ("parent", "child"):
+        ends[end] = [None if (part := joint.find(end)) is None else part.get("link") for joint in joints]
+        pairs = ((joint, link) for joint, link in zip(joints, ends[end], strict=True) if link not in names)
+        yield from (f"joint {joint.get('name')}: {end} link {link} is not in the file" for joint, link in pairs)
+    below = ends["child"]
+    yield from (f"link {link}: the child of two joints" for link in {*below} if below.count(link) > 1)
+    roots = {*names} - {*below}
     if links and len(roots) != 1:
         yield f"{len(roots)} links that are no child of a joint; expected one, the base"
-    for link in parents:
-        above = link
-        for _ in range(len(links)):
-            above = parents.get(above, above)
-        if above in parents:
-            yield f"link {link}: its joints form a loop"
-            return
+    try:
+        TopologicalSorter({child: [parent] for parent, child in zip(*ends.values(), strict=True)}).prepare()
+    except CycleError as error:
+        yield f"link {error.args[1][0]}: its joints form a loop"

@@ -1,12 +1,18 @@
 """Settings and a seed -> JointLog with known truth."""
 
 from friction_audit.simulation.arm import ArmSettings, Hand
-from friction_audit.simulation.bench import BenchSettings, Operator
+from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator
 from friction_audit.simulation.effects import EFFECTS, Hidden
-from friction_audit.simulation.panda_joint import HandGuidedPanda
 from friction_audit.simulation.scenarios import SCENARIOS, AnySettings, Scenario, simulate
-from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
-from friction_audit.simulation.simulation import Simulation, TrueMotion, Truth
+from friction_audit.simulation.settings import (
+    IDEAL_SENSORS,
+    PANDA_SENSORS,
+    JointParameters,
+    Sensors,
+    Simulation,
+    TrueMotion,
+    Truth,
+)
 
 __all__ = [
     "EFFECTS",

@@ -8,13 +8,11 @@ from friction_audit.compensation.controller import CYCLE_STATE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot import STANDARD_GRAVITY, load_arm
-from friction_audit.simulation.bench import Progress, moved_by
+from friction_audit.simulation.bench import JOINTS, PANDA_JOINTS, READY_RAD, Progress, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.mechanics.records import Mechanism
 from friction_audit.simulation.mechanics.tick import guide, load_masses, run, settle
-from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
-from friction_audit.simulation.panda_joint import JOINTS, PANDA_JOINTS, READY_RAD
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     LONGEST_S,
@@ -22,13 +20,13 @@ from friction_audit.simulation.settings import (
     AnyCompensator,
     Checked,
     JointParameters,
+    Moved,
     Sensors,
     Streams,
     count_ticks,
     require_no_hand,
     within,
 )
-from friction_audit.simulation.simulation import Moved
 
 CHUNK_TICKS = 1000  # between two reports of the progress
 BRAKE_NM = 1e6  # what a brake holds
@@ -100,32 +98,33 @@ class ArmSettings(Checked):
         """Numbers of the joints that move."""
         return tuple(joint for joint in range(1, len(self.joints) + 1) if joint not in self.braked)
 
+    def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
+        """Move the arm from rest.
 
-def move_arm(settings: ArmSettings, streams: Streams, path: str, progress: Progress | None) -> Moved:
-    """Move the arm from rest.
-
-    Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
-    """
-    ticks, pose = count_ticks(settings.duration_s, settings.rate_hz), np.array(settings.pose_rad)
-    joints, hidden = list(settings.joints), list(settings.hidden)
-    for number in settings.braked:  # a brake holds its joint, in which nothing hidden can then be felt
-        joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)
-        hidden[number - 1] = Hidden()
-    held = replace(settings, joints=tuple(joints), hidden=tuple(hidden))
-    mechanism = assemble(held, ticks, pose, streams)
-    gravity = np.zeros((ticks + 1, len(pose)))
-    arm = (ServoedArm if settings.driven else GuidedArm)(settings, mechanism, streams.person)
-    # The inner sides, the motors' or the links', bear gravity compensation or their weight.
-    load = -arm.compute(pose, 0.0 * pose)[1] if settings.driven else arm.support(pose)
-    settle(mechanism.joints, mechanism.body, load)
-    for k in range(ticks + 1):
-        q, dq = arm.predict(k)
-        gravity[k] = arm.support(q)
-        arm.pull(k, q, *arm.compute(q, dq), gravity[k])
-        run(mechanism, np.zeros(0), np.zeros(0), arm.jacobian, arm.cycle, k, k + 1)
-        if progress is not None and k % CHUNK_TICKS == 0:
-            progress(k / ticks)
-    return moved_by(mechanism, path, gravity)
+        Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
+        """
+        ticks, pose = count_ticks(self.duration_s, self.rate_hz), np.array(self.pose_rad)
+        joints, hidden = list(self.joints), list(self.hidden)
+        for number in self.braked:  # a brake holds its joint, in which nothing hidden can then be felt
+            joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)
+            hidden[number - 1] = Hidden()
+        held = replace(self, joints=tuple(joints), hidden=tuple(hidden))
+        mechanism = assemble(held, ticks, pose, streams)
+        gravity = np.zeros((ticks + 1, len(pose)))
+        arm = (ServoedArm if self.driven else GuidedArm)(self, mechanism, streams.person)
+        # The inner sides, the motors' or the links', bear gravity compensation or their weight.
+        load = -arm.compute(pose, 0.0 * pose)[1] if self.driven else arm.support(pose)
+        settle(mechanism.joints, mechanism.body, load)
+        for k in range(ticks + 1):
+            # Position and velocity at tick k, half a tick after the mechanism's state except at the start.
+            ahead, (y, v, a) = 0.5 * mechanism.clock.dt * (k > 0), (of[arm.link] for of in arm.states)
+            q, dq = y + ahead * (v + 0.5 * ahead * a), v + ahead * a
+            gravity[k] = arm.support(q)
+            arm.pull(k, q, *arm.compute(q, dq), gravity[k])
+            run(mechanism, np.zeros(0), np.zeros(0), arm.jacobian, arm.cycle, k, k + 1)
+            if progress is not None and k % CHUNK_TICKS == 0:
+                progress(k / ticks)
+        return moved_by(mechanism, path, gravity)
 
 
 HAND_INERTIA_KG_M2 = 0.002  # of the hand about any axis through the flange; a guess that hardly matters
@@ -152,14 +151,7 @@ class RigidBody:
         self._mass, self._bias, self._held, self.jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
         # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.
         body = mechanism.body
-        self._link = body.inner[:n] if settings.driven else slice(n)
-        self._y, self._v, self._a = body.y, body.v, body.a
-
-    def predict(self, k: int) -> tuple[Float, Float]:
-        """Return position and velocity at tick k, half a tick after the mechanism's state except at the start."""
-        ahead = 0.5 * self._dt if k > 0 else 0.0
-        y, v, a = self._y[self._link], self._v[self._link], self._a[self._link]
-        return y + ahead * (v + 0.5 * ahead * a), v + ahead * a
+        self.link, self.states = body.inner[:n] if settings.driven else slice(n), (body.y, body.v, body.a)
 
     def support(self, q: Float) -> Float:
         """Return the torque with which the controller holds the arm against gravity, by its own model, shape (n,)."""
@@ -207,14 +199,13 @@ class GuidedArm(RigidBody):
     def pull(self, k: int, q: Float, mass: Float, bias: Float, gravity: Float) -> None:
         """Let the hand pull from half a tick before tick k to half a tick after it."""
         mj, data, jacobian, springs, dampers = self._mj, self._data, self.jacobian, self._springs, self._dampers
+        body, rotor = self.mechanism.body, self.rotor
         mj.mj_jacBody(self._model, data, jacobian[:3], jacobian[3:], self._flange)
         mj.mju_mat2Quat(self._quaternion, (self._orientation[k] @ data.xmat[self._flange].reshape(3, 3).T).ravel())
         mj.mju_quat2Vel(self._turn, self._quaternion, 1.0)
         off, target = np.concatenate([self._place[k] - data.xpos[self._flange], self._turn]), self._target[k]
         pull = springs * off + dampers * target + self._lift
-        guide(
-            self.mechanism.body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, self.rotor, gravity
-        )
+        guide(body, mass, bias, jacobian, springs, dampers, pull, springs * target, q, rotor, gravity)
 
 
 class ServoedArm(RigidBody):

@@ -11,7 +11,7 @@ from difflib import get_close_matches
 from functools import partial
 from math import inf, isfinite, nan
 from types import NoneType, UnionType
-from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
@@ -22,7 +22,7 @@ Value = float | int | bool | str | tuple["Value", ...] | None
 
 APART = ("hidden",)  # parts of the settings that have an option of their own
 NOTHING = "none"
-UNIONS = (Union, UnionType)
+PLAIN = (float, int, str, NoneType)  # types of what text can give
 
 
 class PerJoint(NamedTuple):
@@ -181,7 +181,7 @@ def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
             for path in (path for path in own[0] if all(path in one for one in own)):
                 values: Any = tuple(one[path].value for one in own)
                 yield _Leaf(here + path, PerJoint(values), own[0][path].read)
-        elif not kinds and _is_plain(hint):
+        elif not kinds and all(isinstance(one, PLAIN) for one in (value if isinstance(value, tuple) else (value,))):
             yield _Leaf(here, value, partial(_read, hint, inf in (value, item.default)))
 
 
@@ -191,14 +191,13 @@ def _name_of(kind: type) -> str:
 
 def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
     """Return the kinds that an annotation leaves open, by name; empty where it leaves nothing open."""
-    members = get_args(hint) if get_origin(hint) in UNIONS else ()
+    members = get_args(hint) if isinstance(hint, UnionType) else ()
     return {_name_of(member): member for member in members} if any(map(is_dataclass, members)) else {}
 
 
-def _can_be_made(kind: type) -> bool:
-    if not is_dataclass(kind):
-        return True
-    return all(item.default is not MISSING or item.default_factory is not MISSING for item in fields(kind))
+def _can_be_made(kind: Any) -> bool:  # noqa: ANN401 - a kind of settings, or of None
+    items = fields(kind) if is_dataclass(kind) else ()
+    return not any(item.default is item.default_factory is MISSING for item in items)
 
 
 def _turn_into(kinds: dict[str, type], name: str, old: object) -> object:
@@ -212,16 +211,6 @@ def _turn_into(kinds: dict[str, type], name: str, old: object) -> object:
     return kinds[name]()
 
 
-def _is_plain(hint: Any) -> bool:  # noqa: ANN401 - any annotation
-    """Return True for a number, a word, several of one type, or one that may be None: what text can give."""
-    origin, members = get_origin(hint), set(get_args(hint)) - {Ellipsis}
-    if origin is tuple:
-        return len(members) == 1 and members <= {float, int, str}
-    if origin in UNIONS:
-        return len(members) == 2 and NoneType in members and all(map(_is_plain, members - {NoneType}))  # noqa: PLR2004
-    return origin is Literal or hint in (float, int, bool, str)
-
-
 def _read(hint: Any, endless: bool, text: str, _old: object = None) -> Value:  # noqa: ANN401 - any plain annotation
     """Read a value of an annotated type; an endless number may be inf. ValueError says what was expected."""
     origin, members = get_origin(hint), get_args(hint)
@@ -230,7 +219,7 @@ def _read(hint: Any, endless: bool, text: str, _old: object = None) -> Value:  #
         if Ellipsis not in members and len(parts) != len(members):
             raise ValueError(f"{len(members)} values separated by commas, found {len(parts)}")
         return tuple(_read(members[0], endless, part.strip()) for part in parts)
-    if origin in UNIONS:
+    if origin is UnionType:
         return None if text == NOTHING else _read(next(one for one in members if one is not NoneType), endless, text)
     if origin is Literal or hint is bool:
         if text not in (members or ("true", "false")):

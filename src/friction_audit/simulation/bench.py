@@ -1,33 +1,44 @@
-"""One joint on a bench, moved by a hand or by its own motor."""
+"""One joint that moves, on a bench or in a Panda, by a hand or its own motor; the mechanism of every simulation."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
+from math import atan2, hypot, inf, pi
 
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.records import TRACE
+from friction_audit.compensation.records import FIELDS, TRACE, fresh_memory
+from friction_audit.compensation.records import pack as pack_compensators
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
+from friction_audit.robot.arm import load_arm
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.mechanics.records import KEPT, Mechanism
+from friction_audit.simulation.effects.sensors import torque_drift_nm
+from friction_audit.simulation.effects.slow_and_events import draw_events
+from friction_audit.simulation.effects.structure import coupled_mass
+from friction_audit.simulation.mechanics.records import KEPT, ROWS, STATE, Clock, Loop, Mechanism, make_body, pack
 from friction_audit.simulation.mechanics.tick import run, settle
-from friction_audit.simulation.mechanism import assemble, rotor_mass
 from friction_audit.simulation.motion import MotionSettings, StopAndGo
+from friction_audit.simulation.sensors import draw_noise
 from friction_audit.simulation.settings import (
     CONTROL_RATE_HZ,
     LONGEST_S,
     PANDA_SENSORS,
     Checked,
     JointParameters,
+    Moved,
     Sensors,
+    SomeSettings,
     Streams,
+    TorqueLoop,
+    TrueMotion,
     count_ticks,
+    of_each_joint,
     positive,
     require_no_hand,
+    require_sane,
     within,
 )
-from friction_audit.simulation.simulation import Moved, TrueMotion, require_sane
 
 Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
 CHUNK_TICKS = 20_000  # between two reports of the progress
@@ -74,20 +85,16 @@ class BenchSettings(Checked):
         Checked.__post_init__(self)
         count_ticks(self.duration_s, self.rate_hz)
         if (self.gravity_nm != 0.0 or self.driven) and not self.logs_sensor:
-            raise UsageError(
-                "simulation: a joint with a gravity load, or one that moves by itself, cannot log the interaction "
-                "torque; expected logs_sensor=true"
-            )
+            found = "a joint with a gravity load, or one that moves by itself, cannot log the interaction torque"
+            raise UsageError(f"simulation: {found}; expected logs_sensor=true")
         if self.driven:
             require_no_hand(self.hidden, self.compensator)
 
-
-def move_bench(settings: BenchSettings, streams: Streams, path: str, progress: Progress | None) -> Moved:
-    """Move one joint."""
-    mechanism = move(settings, streams, progress)
-    moved = moved_by(mechanism, path)
-    weight = settings.gravity_nm * np.sin(moved.motion.q + settings.gravity_phase_rad)
-    return moved._replace(gravity=weight if settings.logs_sensor else None)
+    def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
+        """Move one joint."""
+        moved = moved_by(move(self, streams, progress), path)
+        weight = self.gravity_nm * np.sin(moved.motion.q + self.gravity_phase_rad)
+        return moved._replace(gravity=weight if self.logs_sensor else None)
 
 
 def move(settings: BenchSettings, streams: Streams, progress: Progress | None, *, start_rad: float = 0.0) -> Mechanism:
@@ -125,3 +132,181 @@ def moved_by(mechanism: Mechanism, path: str, gravity: Float | None = None) -> M
     names = (TRACE.names or ()) if mechanism.traced.shape[2] else ()
     traces = {name: mechanism.traced.view(TRACE)[:, :, 0][name] for name in names}
     return Moved(require_sane(motion, path), mechanism.loop, traces, gravity)
+
+
+HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Joint(JointParameters):
+    hidden: Hidden
+
+
+def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
+    """Return the mass matrix of the motors, with what is hidden in it, shape (n, n). [kg m^2]"""
+    pairs = zip(joints, hidden, strict=True)
+    inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
+    for number, inertia in enumerate(inertias, start=1):
+        if not inertia > 0.0:
+            found = f"extra_kg_m2 leaves joint {number} an inertia of {inertia:g} kg m^2"
+            raise UsageError(f"inertia_error: {found}: expected more than zero")
+    return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
+
+
+def assemble(settings: SomeSettings, ticks: int, start: Float, streams: Streams) -> Mechanism:
+    """Build the mechanism at rest; its masses and its drive are the caller's to set.
+
+    Where ``driven``, the motors are on the outer side, friction and links on the inner one.
+    """
+    n, hidden, driven = len(settings.joints), settings.hidden, settings.driven
+    for number, (joint, inside) in enumerate(zip(settings.joints, hidden, strict=True), start=1):
+        rigid = inside.joint_elasticity.compliance_rad_per_nm == 0.0
+        if joint.torque_loop != TorqueLoop() and (rigid or driven):
+            raise UsageError(
+                f"torque loop: joint {number} {'moves by itself' if driven else 'is rigid'}: expected a hand that "
+                "moves an elastic joint; add --effect joint_elasticity"
+            )
+    drawn = [draw_events(hidden[j].contact_event, settings.duration_s, streams.events[j]) for j in range(n)]
+    events = np.tile([inf, 0.0, 0.0], (n, max(map(len, drawn)), 1))  # what is missing never begins
+    for j, table in enumerate(drawn):
+        events[j, : len(table)] = table
+    pairs = zip(settings.joints, hidden, strict=True)
+    rows = [_Joint(**{item.name: getattr(one, item.name) for item in fields(one)}, hidden=own) for one, own in pairs]
+    two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
+    free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
+    states = np.zeros(n, STATE)
+    states["start_rad"], states["driven"] = start, driven
+    return Mechanism(
+        joints=pack(rows),
+        states=states,
+        events=events,
+        body=make_body(np.array(two_sided), np.array(free), start),
+        loop=make_loop(settings, ticks, streams),
+        clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
+        out=np.zeros((ticks + 1, ROWS, n)),
+        traced=np.zeros((ticks + 1, n, FIELDS if settings.compensator is not None else 0), np.int64),
+    )
+
+
+def make_loop(settings: SomeSettings, ticks: int, streams: Streams) -> Loop:
+    """Draw the noise of the sensors and prepare the compensators."""
+    t = np.arange(ticks + 1) / CONTROL_RATE_HZ
+    torque, velocity, position = (np.empty((ticks + 1, len(settings.joints))) for _ in range(3))
+    for j, (sensors, inside) in enumerate(zip(settings.sensors, settings.hidden, strict=True)):
+        noise, velocity[:, j], position[:, j] = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
+        drift = torque_drift_nm(inside.torque_drift, t, streams.drifts[j])
+        torque[:, j] = noise + inside.torque_bias.torque_nm + drift
+    memory = fresh_memory(len(settings.joints))
+    return Loop(
+        settings=pack_compensators(of_each_joint(settings.compensator, len(memory)), CONTROL_RATE_HZ),
+        memory=memory,
+        words=memory.view(np.int64).reshape(len(memory), -1),
+        torque_noise=torque,
+        velocity_noise=velocity,
+        position_noise=position,
+        torque_step=np.array([sensors.torque_step_nm for sensors in settings.sensors]),
+        velocity_step=np.array([sensors.velocity_step_rad_s for sensors in settings.sensors]),
+    )
+
+
+# The Panda that is simulated: published ranges, and what had to be assumed.
+
+READY_RAD = (0.0, -0.785398, 0.0, -2.356194, 0.0, 1.570796, 0.785398)  # the vendor's ready pose
+
+# Symmetric Coulomb and viscous friction as identified by Knezevic et al. (2026, CC BY 4.0). Reflected inertias of the
+# motors are not published: these are assumptions.
+_COULOMB_NM = (0.311, 0.201, 0.427, 0.321, 0.356, 0.498, 0.332)
+_VISCOUS_NMS_PER_RAD = (0.075, 0.087, 0.041, 0.045, 0.041, 0.057, 0.031)
+_INERTIA_KG_M2 = (0.3, 0.3, 0.3, 0.3, 0.1, 0.1, 0.1)
+
+# Motors and friction of joints 1 to 7.
+PANDA_JOINTS = tuple(
+    JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
+    for inertia, coulomb, viscous in zip(_INERTIA_KG_M2, _COULOMB_NM, _VISCOUS_NMS_PER_RAD, strict=True)
+)
+
+JOINTS = 7
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class HandGuidedPanda(Checked):
+    """One joint of a Panda moved by hand; of the others only the sensors matter."""
+
+    robot = "panda"
+    driven = logs_temperature = False
+
+    joint: int = 1  # number of the joint that is moved, 1..7
+    joints: tuple[JointParameters, ...] = PANDA_JOINTS  # the seven joints
+    hidden: tuple[Hidden, ...] = (Hidden(),) * JOINTS  # what is hidden in them
+    sensors: tuple[Sensors, ...] = PANDA_SENSORS  # their sensors; the recorder is that of the first
+    operator: Operator = field(default_factory=Operator)  # who moves the joint
+    # an active friction compensator of the joint, whose torque is logged, or None
+    compensator: Compensator | None = None
+    pose_rad: tuple[float, ...] = READY_RAD  # pose at the start [rad]
+    duration_s: float = within(120.0, 0.0, LONGEST_S)  # length of the recording [s]
+    rate_hz: float = within(1000.0, 0.0, CONTROL_RATE_HZ)  # at which states are kept [Hz]
+
+    def __post_init__(self) -> None:
+        Checked.__post_init__(self)
+        counts = [len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)]
+        if not 1 <= self.joint <= JOINTS or set(counts) != {JOINTS}:
+            found = f"joint {self.joint}, {', '.join(map(str, counts))} joints, hidden, sensors and angles"
+            raise UsageError(f"Panda: {found}: expected a joint from 1 to {JOINTS} and {JOINTS} of each")
+        count_ticks(self.duration_s, self.rate_hz)
+        # Effects that do nothing in a joint at rest would stand in the truth.
+        for number, hidden in enumerate(self.hidden, start=1):
+            groups, rests = [group for group in hidden.each() if group.hidden], number != self.joint
+            if idle := [one.name for one in groups if not one.felt_at_rest and (rests or one.needs_neighbours)]:
+                found = f"{', '.join(idle)} in joint {number}: does nothing where only joint {self.joint} moves"
+                todo = f"name them after @{self.joint}, or let all joints move (scenario panda)"
+                raise UsageError(f"Panda: {found}; {todo}")
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Numbers of the joints that move."""
+        return (self.joint,)
+
+    def move(self, streams: Streams, path: str, progress: Progress | None) -> Moved:
+        """Move one joint of a Panda by hand while gravity is compensated.
+
+        The sensor reads tau_J = gravity(q) - F_m; beyond gravity, only a compensator's torque is desired (tau_J_d). The
+        other joints stand still; their sensors bear gravity alone. Motion and noise are those of a bench with the seed.
+        """
+        arm, moved = load_arm(), self.joint - 1
+        # All that the joint carries turns as one rigid body: its gravity torque is a sine of its angle.
+        poses = np.tile(self.pose_rad, (2, 1))
+        poses[:, moved] = (0.0, pi / 2)
+        sine, cosine = arm.gravity(poses)[:, moved]
+        bench = BenchSettings(
+            joints=(self.joints[moved],),
+            hidden=(self.hidden[moved],),
+            sensors=(self.sensors[moved],),
+            operator=self.operator,
+            compensator=self.compensator,
+            gravity_nm=hypot(sine, cosine),
+            gravity_phase_rad=atan2(sine, cosine),
+            logs_sensor=True,
+            duration_s=self.duration_s,
+            rate_hz=self.rate_hz,
+        )
+        own = replace(streams, events=(streams.events[moved],), drifts=(streams.drifts[moved],))
+        alone = moved_by(move(bench, own, progress, start_rad=self.pose_rad[moved]), path)
+
+        def widened(column: Float, others: Float | None = None) -> Float:
+            wide = np.zeros((len(column), JOINTS)) if others is None else np.tile(others, (len(column), 1))
+            wide[:, moved] = column[:, 0]
+            return wide
+
+        pose = np.array(self.pose_rad)
+        columns = {item.name: getattr(alone.motion, item.name) for item in fields(TrueMotion) if item.name != "t"}
+        wide = {name: widened(column, pose if name in ("q", "inner_q") else None) for name, column in columns.items()}
+        gravity = arm.gravity(wide["q"])
+        rest = np.arange(JOINTS) != moved
+        wide["support_nm"][:, rest] = gravity[:, rest]
+        wide["port_nm"][:, rest] = -gravity[:, rest]
+        # The noise of the moved joint has been drawn.
+        loop = make_loop(self, len(gravity) - 1, streams)
+        for name in ("torque_noise", "velocity_noise", "position_noise"):
+            getattr(loop, name)[:, moved] = getattr(alone.loop, name)[:, 0]
+        traces = {name: widened(trace) for name, trace in alone.compensators.items()}
+        return Moved(TrueMotion(t=alone.motion.t, **wide), loop, traces, gravity)

@@ -93,32 +93,22 @@ def _parameters(text: str, where: str) -> dict[str, str]:
 def with_model(settings: Settings, model: "ArmModel") -> Settings:
     """Return the settings with the joints of a model, where the simulator has an equal of each term."""
     if len(model.joints) != len(settings.joints):
-        raise UsageError(
-            f"the model has {len(model.joints)} joints, the scenario {len(settings.joints)}; expected as many; choose "
-            "another scenario"
-        )
+        found = f"the model has {len(model.joints)} joints, the scenario {len(settings.joints)}"
+        raise UsageError(f"{found}; expected as many; choose another scenario")
     starts = getattr(settings, "pose_rad", (0.0,) * len(model.joints))
     joints, hidden = list(settings.joints), list(settings.hidden)
-    for k, joint in enumerate(model.joints):
-        if joint is not None:
-            where = f"the model's joint {k + 1}"
-            if joint.inertia_kg_m2 <= 0.0:
-                raise UsageError(
-                    f"{where}: inertia_kg_m2 = {joint.inertia_kg_m2:g}: expected more than zero; it is of a torque "
-                    "from which a rigid-body model took the inertia out: give that of the joint"
-                )
-            (coulomb,), (viscous,) = (joint.values(name) or (0.0,) for name in NOMINAL)
-            joints[k] = JointParameters(
-                inertia_kg_m2=joint.inertia_kg_m2, coulomb_nm=coulomb, viscous_nms_per_rad=viscous
+    outer = inf if hasattr(settings, "pose_rad") else settings.operator.inertia_kg_m2
+    for k, joint in ((k, joint) for k, joint in enumerate(model.joints) if joint is not None):
+        where, inertia = f"the model's joint {k + 1}", joint.inertia_kg_m2
+        if inertia <= 0.0:
+            raise UsageError(
+                f"{where}: inertia_kg_m2 = {inertia:g}: expected more than zero; it is of a torque from which a "
+                "rigid-body model took the inertia out: give that of the joint"
             )
-            setting = Setting(
-                joint=joints[k],
-                start_rad=starts[k],
-                driven=settings.driven,
-                duration_s=settings.duration_s,
-                outer_kg_m2=inf if hasattr(settings, "pose_rad") else settings.operator.inertia_kg_m2,
-            )
-            hidden[k] = replace(hidden[k], **_groups(joint, setting, where))
+        (coulomb,), (viscous,) = (joint.values(name) or (0.0,) for name in NOMINAL)
+        joints[k] = JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
+        setting = Setting(joints[k], starts[k], settings.driven, settings.duration_s, outer)
+        hidden[k] = replace(hidden[k], **_groups(joint, setting, where))
     return replace(settings, joints=tuple(joints), hidden=tuple(hidden))
 
 
@@ -131,10 +121,9 @@ def _groups(joint: "JointModel", setting: Setting, where: str) -> dict[str, Hidd
         try:
             found = equal_of(term, setting)
         except NoEqualError as reason:
-            raise UsageError(
-                f"{about}: the simulator has no equal of it: {reason}; take the term out of the file, or hide a like "
-                "effect by --effect"
-            ) from None
+            why = f"the simulator has no equal of it: {reason}"
+            todo = "take the term out of the file, or hide a like effect by --effect"
+            raise UsageError(f"{about}: {why}; {todo}") from None
         except UsageError as error:
             wrong = str(error).removeprefix(f"--effect {EQUALS[term.name].name}: ")
             raise UsageError(f"{about}: {wrong}") from error

@@ -5,23 +5,23 @@ from dataclasses import dataclass, replace
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.compensation.compensators.energy import PUBLISHED
-from friction_audit.simulation.arm import ArmSettings, move_arm
-from friction_audit.simulation.bench import BenchSettings, Operator, Progress, move_bench
+from friction_audit.simulation.arm import ArmSettings
+from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator, Progress
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.effects.structure import JointElasticity
 from friction_audit.simulation.motion import Commanded, Sinusoid, SlowSweep, StopAndGo
-from friction_audit.simulation.panda_joint import HandGuidedPanda, move_hand_guided_panda
 from friction_audit.simulation.sensors import read_log
 from friction_audit.simulation.settings import (
     IDEAL_SENSORS,
     PANDA_SENSORS,
     JointParameters,
     Sensors,
+    Simulation,
     TorqueLoop,
+    Truth,
     make_streams,
 )
-from friction_audit.simulation.simulation import Simulation, Truth
 
 AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
 
@@ -244,23 +244,11 @@ SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
 def simulate(
     settings: AnySettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
 ) -> Simulation:
-    """Simulate a recording. The same settings and seed give the same log to the bit.
+    """Simulate a recording, with a path for its source. The same settings and seed give the same log to the bit.
 
-    Without a compensator in the loop, the motion does not depend on the sensors.
-
-    Args:
-        settings: The joints, who moves them, the sensors, what is hidden.
-        seed: Seed of everything that is drawn.
-        path: Path that the log names as its source.
-        progress: Is given the share that is done, 0 to 1.
+    Without a compensator in the loop, the motion does not depend on the sensors. Progress: the share that is done.
     """
     streams = make_streams(seed, len(settings.joints))
-    match settings:
-        case BenchSettings():
-            moved = move_bench(settings, streams, path, progress)
-        case HandGuidedPanda():
-            moved = move_hand_guided_panda(settings, streams, path, progress)
-        case ArmSettings():
-            moved = move_arm(settings, streams, path, progress)
+    moved = settings.move(streams, path, progress)
     truth = Truth(settings=settings, seed=seed, motion=moved.motion, compensators=moved.compensators)
     return Simulation(log=read_log(settings, moved, streams, path), truth=truth)

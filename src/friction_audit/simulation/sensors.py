@@ -2,7 +2,7 @@
 
 import hashlib
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,11 +13,7 @@ from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.simulation.effects.load_and_place import gravity_error_nm, ripple_reading_nm
 from friction_audit.simulation.effects.sensors import TORQUE_LATE, VELOCITY_LATE, crosstalk_mixed, delayed
 from friction_audit.simulation.effects.slow_and_events import temperature_c
-from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, of_each_joint
-from friction_audit.simulation.simulation import Moved
-
-if TYPE_CHECKING:
-    from friction_audit.simulation.mechanism import Settings
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Moved, Sensors, SomeSettings, Streams, of_each_joint
 
 Number = TypeVar("Number", float, Float)
 
@@ -71,7 +67,7 @@ def rounded(step: float, value: Number) -> Number:
 quantise: Callable[[float, Float], Float] = rounded.py_func  # type: ignore[attr-defined]  # the same of an array
 
 
-def read_log(settings: "Settings", moved: Moved, streams: Streams, path: str) -> JointLog:
+def read_log(settings: SomeSettings, moved: Moved, streams: Streams, path: str) -> JointLog:
     """Return the log of a motion: the states that were kept, with the stamps of the recorder."""
     channels = _channels(settings, moved)
     samples = int((len(channels["q"]) - 1) * settings.rate_hz / CONTROL_RATE_HZ + 1e-9)
@@ -87,7 +83,7 @@ def read_log(settings: "Settings", moved: Moved, streams: Streams, path: str) ->
     return JointLog(t=t, **columns, joint_names=names, source=source)
 
 
-def _channels(settings: "Settings", moved: Moved) -> dict[str, Float]:
+def _channels(settings: SomeSettings, moved: Moved) -> dict[str, Float]:
     """Return what is logged at every tick, shape (n + 1, j): of an arm the torque at its sensors, gravity in it.
 
     If the robot moves by itself, friction is on the link's side of the sensor.
@@ -117,7 +113,7 @@ def _channels(settings: "Settings", moved: Moved) -> dict[str, Float]:
     return channels
 
 
-def _sense(settings: "Settings", moved: Moved, error: Float) -> tuple[Float, Float, Float]:
+def _sense(settings: SomeSettings, moved: Moved, error: Float) -> tuple[Float, Float, Float]:
     """Return position, velocity and the interaction torque less its support, as read at every tick, shape (n + 1, j).
 
     The compensator in the loop saw the same numbers, where no effect of the reading itself is hidden. ``error`` is

@@ -1,18 +1,16 @@
-"""Checks that settings share, the joint, its sensors, and the clock of a recording."""
+"""Checks that settings share, the joint, its sensors, the clock of a recording; and what a simulation gives."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from math import inf, ulp
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.errors import UsageError
-
-if TYPE_CHECKING:
-    from friction_audit.simulation.effects import Hidden
+from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.joint_log import Float, JointLog
 
 CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets its torques
 FEWEST_TICKS = 2
@@ -23,13 +21,15 @@ LONGEST_DEAD_TIME_S = 0.005  # five ticks; a state of a joint remembers so much 
 LARGEST = 1e3  # no error of a sensor comes near it, in any unit
 FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.SCALE``)
 
+SomeSettings: TypeAlias = Any  # of a bench, of one joint of a Panda or of an arm, whose modules import this one
+
 
 def kind_name(kind: type) -> str:
     """Return the name of a class as the command line has it, e.g. ``slow_sweep``."""
     return re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
 
 
-def within(usual: Any, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
+def within(usual: Any = 0.0, low: float = 0.0, high: float = inf) -> Any:  # noqa: ANN401 - the field of a dataclass
     """Return a field that holds a number in [low, high], or several in rising order, none of them infinite."""
     return field(default=usual, metadata={"within": (low, high)})
 
@@ -60,7 +60,7 @@ class Checked:
                 raise UsageError(f"{where}: {item.name} {found}: expected {expected}")
 
 
-def require_no_hand(hidden: "Iterable[Hidden]", compensator: object) -> None:
+def require_no_hand(hidden: Iterable[Any], compensator: object) -> None:
     """Refuse what takes a person's hand where motors move the joints: sensors read all that these give."""
     unlogged = any(inside.unlogged_compensation.share != 0.0 for inside in hidden)
     if unlogged or compensator is not None:
@@ -71,9 +71,8 @@ def require_no_hand(hidden: "Iterable[Hidden]", compensator: object) -> None:
 def count_ticks(duration_s: float, rate_hz: float) -> int:
     """Return the number of the controller's ticks in a recording, after checking that it is long enough."""
     if duration_s * rate_hz < FEWEST_TICKS:
-        raise UsageError(
-            f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least {FEWEST_TICKS} sampling intervals"
-        )
+        found = f"{duration_s:g} s at {rate_hz:g} Hz"
+        raise UsageError(f"simulation: {found}: expected at least {FEWEST_TICKS} sampling intervals")
     return round(duration_s * CONTROL_RATE_HZ)
 
 
@@ -106,11 +105,11 @@ class TorqueLoop(Checked):
     of noise; tau_d gravity compensation and u.
     """
 
-    gain: float = within(0.0, 0.0, LARGEST)  # of the torque error; 0 for no torque control
+    gain: float = within(high=LARGEST)  # of the torque error; 0 for no torque control
     # of the derivative of the torque. Against a link held fast the loop rings without end, to first order in the dead
     # time, where it is below gain times dead time [s]
-    damping_s: float = within(0.0, 0.0, LARGEST)
-    dead_time_s: float = within(0.0, 0.0, LONGEST_DEAD_TIME_S)  # from the torque to the motor, in steps of 0.1 ms [s]
+    damping_s: float = within(high=LARGEST)
+    dead_time_s: float = within(high=LONGEST_DEAD_TIME_S)  # from the torque to the motor, in steps of 0.1 ms [s]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -127,36 +126,28 @@ class JointParameters(Checked):
     def at_link(self) -> "JointParameters":
         """What the link sees of it through its torque control."""
         left = 1.0 / (1.0 + self.torque_loop.gain)
-        return JointParameters(
-            inertia_kg_m2=left * self.inertia_kg_m2,
-            coulomb_nm=left * self.coulomb_nm,
-            viscous_nms_per_rad=left * self.viscous_nms_per_rad,
-        )
+        inertia, coulomb, viscous = (left * getattr(self, item.name) for item in fields(self)[:3])
+        return JointParameters(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Sensors(Checked):
     """What the sensors and the recorder do to the truth; every default is an ideal one."""
 
-    torque_noise_nm: float = within(0.0, 0.0, LARGEST)  # standard deviation of the torque noise [N m]
-    torque_correlation_s: float = within(
-        0.0, 0.0, LARGEST
-    )  # time after which its autocorrelation has fallen to 1/e [s]
-    slow_noise_share: float = within(0.0, 0.0, 1.0)  # share of its variance that wanders more slowly
+    torque_noise_nm: float = within(high=LARGEST)  # standard deviation of the torque noise [N m]
+    torque_correlation_s: float = within(high=LARGEST)  # time after which its autocorrelation has fallen to 1/e [s]
+    slow_noise_share: float = within(high=1.0)  # share of its variance that wanders more slowly
     # time after which the autocorrelation of the slower part has fallen to 1/e [s]
     slow_correlation_s: float = within(0.05, 0.0, LARGEST)
-    torque_step_nm: float = within(0.0, 0.0, LARGEST)  # resolution of the torque, 0 for none [N m]
-    velocity_noise_rad_s: float = within(0.0, 0.0, LARGEST)  # standard deviation of the velocity noise, white [rad/s]
-    velocity_step_rad_s: float = within(0.0, 0.0, LARGEST)  # resolution of the velocity [rad/s]
-    position_noise_rad: float = within(0.0, 0.0, LARGEST)  # standard deviation of the position noise, white [rad]
-    position_step_rad: float = within(0.0, 0.0, LARGEST)  # resolution of the position [rad]
-    clock_jitter_s: float = within(
-        0.0, 0.0, LARGEST
-    )  # standard deviation of the spacing of the stamps, losses aside [s]
-    stale: float = within(0.0, 0.0, 0.5)  # share of the samples that repeat the one before
-    lost: float = within(0.0, 0.0, 0.5)  # share of the samples that were never recorded
-    # once in a recording so many samples in a row are lost, else one at a time
-    longest_loss: int = within(8, 1, LARGEST)
+    torque_step_nm: float = within(high=LARGEST)  # resolution of the torque, 0 for none [N m]
+    velocity_noise_rad_s: float = within(high=LARGEST)  # standard deviation of the velocity noise, white [rad/s]
+    velocity_step_rad_s: float = within(high=LARGEST)  # resolution of the velocity [rad/s]
+    position_noise_rad: float = within(high=LARGEST)  # standard deviation of the position noise, white [rad]
+    position_step_rad: float = within(high=LARGEST)  # resolution of the position [rad]
+    clock_jitter_s: float = within(high=LARGEST)  # standard deviation of the spacing of the stamps, losses aside [s]
+    stale: float = within(high=0.5)  # share of the samples that repeat the one before
+    lost: float = within(high=0.5)  # share of the samples that were never recorded
+    longest_loss: int = within(8, 1, LARGEST)  # samples in a row that are lost once; all others are lost one by one
 
     def __post_init__(self) -> None:
         Checked.__post_init__(self)
@@ -209,3 +200,79 @@ def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Comp
     if len(compensator.compensators) != joints:
         raise UsageError(f"joint by joint: {len(compensator.compensators)} compensators: expected {joints}")
     return compensator.compensators
+
+
+# What a simulation gives: the log as it was recorded, and everything that the log does not say.
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class TrueMotion:
+    """What truly happened at every tick of the controller, free of noise; n + 1 ticks, j joints."""
+
+    t: Float  # time, shape (n + 1,) [s]
+    q: Float  # position of the link, shape (n + 1, j), as all that follow [rad]
+    dq: Float  # its velocity; exactly 0 where friction holds a rigid joint [rad/s]
+    inner_q: Float  # position of the side on which friction acts; q itself in a rigid joint [rad]
+    inner_dq: Float  # velocity of that side [rad/s]
+    inner_ddq: Float  # acceleration of that side [rad/s^2]
+    interaction_nm: Float  # interaction torque F_m at the sensor [N m]
+    support_nm: Float  # torque that holds the arm against gravity [N m]
+    port_nm: Float  # torque that passes through the sensor towards the side on which friction acts [N m]
+    friction_nm: Float  # friction torque tau_f; at rest the torque that holds the joint [N m]
+    compensation_nm: Float  # torque of the compensator in force at the tick [N m]
+    passivity_nm: Float  # torque of its passivity controller [N m]
+    unlogged_nm: Float  # torque of a compensator that the log does not name [N m]
+    dissipated_j: Float  # energy that friction has taken so far; bristles give a little of it back [J]
+    warmth: Float  # 0 cold, 1 warm
+
+
+class Moved(NamedTuple):
+    """What moved, as far as sensors and recorder read it."""
+
+    motion: TrueMotion
+    loop: Any  # ``records.Loop``: compensators and the noise that they saw
+    compensators: Mapping[str, Float]  # as in ``Truth``
+    gravity: Float | None  # what gravity compensation gave, shape (n + 1, j) [N m]; None where F_m itself is logged
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Truth:
+    """What the log does not say."""
+
+    settings: Any  # everything that was simulated
+    seed: int  # the seed
+    motion: TrueMotion  # the motion, free of noise
+    # memory of each joint's compensator at every tick, by the names in ``records.TRACE``; empty without one
+    compensators: Mapping[str, Float]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Simulation:
+    """A synthetic log and its truth."""
+
+    log: JointLog
+    truth: Truth
+
+
+FASTEST_RAD_S, STRONGEST_NM = 1e3, 1e6  # far beyond all joints of arms
+
+
+def require_sane(motion: TrueMotion, path: str) -> TrueMotion:
+    """Return a motion that did not diverge; refuse one with a speed or torque not finite or beyond all joints."""
+    speeds = (motion.dq, motion.inner_dq)
+    torques = (motion.port_nm, motion.support_nm, motion.friction_nm, motion.compensation_nm, motion.passivity_nm)
+    for signals, limit, what, unit in (
+        (speeds, FASTEST_RAD_S, "speed", "rad/s"),
+        (torques, STRONGEST_NM, "torque", "N m"),
+    ):
+        # Written so that NaN, which compares as false, is caught.
+        if all(-limit <= signal.min() and signal.max() <= limit for signal in signals):
+            continue
+        _, ticks, joints = np.nonzero(np.array([~(np.abs(signal) <= limit) for signal in signals]))
+        first = ticks.argmin()
+        raise AnalysisError(
+            f"{path}: the simulation diverged: joint {joints[first] + 1} has a {what} above {limit:g} {unit} at "
+            f"{motion.t[ticks[first]]:.3f} s, or none that is a number; nothing was written; set masses, stiffnesses "
+            "and torques closer to those of a joint, or leave the effect out"
+        )
+    return motion

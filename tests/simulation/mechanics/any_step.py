@@ -5,13 +5,11 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.bench import BenchSettings, Operator, moved_by
+from friction_audit.simulation.bench import BenchSettings, Operator, assemble, moved_by, rotor_mass
 from friction_audit.simulation.effects import Hidden
-from friction_audit.simulation.mechanics.records import Clock, Mechanism
+from friction_audit.simulation.mechanics.records import Clock
 from friction_audit.simulation.mechanics.tick import run
-from friction_audit.simulation.mechanism import assemble, rotor_mass
-from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, make_streams
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, TrueMotion, make_streams
 
 NEXT_TO_NOTHING = 1e-300
 """Stiffness, or damping, of a hand that has none; the operator's must be above zero."""
@@ -43,27 +41,16 @@ def release(
     tick_s = 2.0 * step_s if tick_s is None else tick_s
     ticks = round(duration_s / tick_s)
     mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1))
-    _hold(mechanism, settings)
-    _place(mechanism, q, dq)
+    body, hand, inner = mechanism.body, settings.operator, mechanism.body.inner[0]
+    rotor = rotor_mass(settings.joints, settings.hidden)[0, 0]
+    body.inner_mass[0, 0] = rotor
+    body.mass[0, 0] += hand.inertia_kg_m2
+    body.mass[inner, inner] += rotor
+    body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
+    body.y[inner], body.v[inner], body.y[0], body.v[0] = q[1], dq[1], q[0], dq[0]
+    if dq[1] != 0.0 and body.mode[inner] == 0.0:
+        body.mode[inner] = np.sign(dq[1])
     clock = Clock(dt=tick_s, substeps=round(0.5 * tick_s / step_s), duration=duration_s)
     push = np.zeros(ticks + 1) if push is None else push
     run(mechanism._replace(clock=clock), push, np.zeros(2), np.zeros((6, 1)), np.zeros(0), 0, ticks + 1)
     return replace(moved_by(mechanism, "any step").motion, t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
-
-
-def _hold(mechanism: Mechanism, settings: BenchSettings) -> None:
-    body, hand = mechanism.body, settings.operator
-    rotor = rotor_mass(settings.joints, settings.hidden)[0, 0]
-    body.inner_mass[0, 0] = rotor
-    body.mass[0, 0] += hand.inertia_kg_m2
-    body.mass[body.inner[0], body.inner[0]] += rotor
-    body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
-
-
-def _place(mechanism: Mechanism, q: tuple[float, float], dq: tuple[float, float]) -> None:
-    body = mechanism.body
-    inner = body.inner[0]
-    body.y[inner], body.v[inner] = q[1], dq[1]
-    body.y[0], body.v[0] = q[0], dq[0]
-    if dq[1] != 0.0 and body.mode[inner] == 0.0:
-        body.mode[inner] = np.sign(dq[1])

@@ -9,8 +9,7 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import Hidden, velocity
 from friction_audit.simulation.mechanics.records import Body, make_body
 from friction_audit.simulation.mechanics.step import accelerate
-from friction_audit.simulation.settings import JointParameters
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import JointParameters, TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release
 
 # Rest is rest: where it begins, what it bears, when it ends.
@@ -112,27 +111,6 @@ def orders(errors: list[float]) -> Float:
     return np.asarray(np.diff(np.log(errors)) / np.diff(np.log(STEPS)))
 
 
-def swing(step_s: float, duration_s: float, joint: JointParameters | None = None) -> TrueMotion:
-    """Let a mass go on a hand's spring, drawn out by REACH."""
-    settings = bench(joint, stiffness_nm_per_rad=SPRING) if joint else bench(stiffness_nm_per_rad=SPRING)
-    return release(settings, duration_s, step_s=step_s, tick_s=2e-3, q=(REACH, REACH))
-
-
-def stored(motion: TrueMotion) -> Float:
-    """Return kinetic and elastic energy."""
-    return np.asarray((0.5 * MASS * motion.dq**2 + 0.5 * SPRING * motion.q**2)[:, 0])
-
-
-def test_energy_of_a_frictionless_swing_is_of_order_two() -> None:
-    """The leapfrog's energy swings by (w h)^2 / 4 of itself."""
-    errors = []
-    for step in STEPS:
-        energy = stored(swing(step, 5.0))
-        errors.append(float(np.abs(energy / energy[0] - 1.0).max()))
-        assert_allclose(errors[-1], (PULSATION * step) ** 2 / 4.0, rtol=0.01)
-    assert_allclose(orders(errors), 2.0, atol=0.01)
-
-
 def coulomb_swing(t: Float) -> Float:
     """Return the position of a swing with Coulomb friction: half-turns about centres that change sides."""
     shift = DRY.coulomb_nm / SPRING
@@ -150,9 +128,10 @@ def coulomb_swing(t: Float) -> Float:
 def test_swing_with_coulomb_friction_turns_and_stops_as_by_hand() -> None:
     errors, balances = [], []
     for step in STEPS:
-        motion = swing(step, 20.0, DRY)
+        settings = bench(DRY, stiffness_nm_per_rad=SPRING)  # a mass is let go on a hand's spring, drawn out by REACH
+        motion = release(settings, 20.0, step_s=step, tick_s=2e-3, q=(REACH, REACH))
         errors.append(float(np.abs(motion.q[:, 0] - coulomb_swing(motion.t)).max()))
-        total = stored(motion) + motion.dissipated_j[:, 0]
+        total = (0.5 * MASS * motion.dq**2 + 0.5 * SPRING * motion.q**2 + motion.dissipated_j)[:, 0]
         balances.append(float(np.abs(total / total[0] - 1.0).max()))
         assert (np.diff(motion.dissipated_j[:, 0]) >= 0.0).all()
     assert_allclose(orders(errors), 2.0, atol=0.05)

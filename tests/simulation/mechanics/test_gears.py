@@ -14,8 +14,7 @@ from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Hidden, simu
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.effects.structure import HARDENING, KNEE_NM, Backlash, JointElasticity
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.settings import JointParameters, TorqueLoop
-from friction_audit.simulation.simulation import TrueMotion
+from friction_audit.simulation.settings import JointParameters, TorqueLoop, TrueMotion
 from tests.simulation.mechanics.any_step import bench, release
 
 # Two masses and a spring: what can be known of them by hand, or from SciPy.
@@ -101,24 +100,13 @@ def beyond(motion: TrueMotion) -> Float:
     return np.asarray(np.sign(stretch(motion)) * np.maximum(np.abs(stretch(motion)) - GAP / 2, 0.0))
 
 
-def collide(damping_ratio: float, compliance: float = 0.0) -> TrueMotion:
-    """Let the link, at 0.5 rad/s, run to and fro in the gap of a motor at rest."""
-    flanks = Backlash(gap_rad=GAP, contact_damping_ratio=damping_ratio)
-    elastic = JointElasticity(compliance_rad_per_nm=compliance)
-    hidden = Hidden(backlash=flanks, joint_elasticity=elastic)
-    return release(bench(SMOOTH, hidden, inertia_kg_m2=LINK), 0.6, dq=(0.5, 0.0))
-
-
-def energy(motion: TrueMotion, compliance: float) -> Float:
-    kinetic = 0.5 * MOTOR * motion.inner_dq**2 + 0.5 * LINK * motion.dq**2
-    return np.asarray(kinetic[:, 0] + 0.5 * beyond(motion) ** 2 / compliance)
-
-
 @pytest.mark.parametrize("damping_ratio", [0.0, 0.2, 1.0])
 def test_impacts_keep_momentum_and_never_add_energy(damping_ratio: float) -> None:
-    motion = collide(damping_ratio)
+    """The link, at 0.5 rad/s, runs to and fro in the gap of a motor at rest."""
+    hidden = Hidden(backlash=Backlash(gap_rad=GAP, contact_damping_ratio=damping_ratio))
+    motion = release(bench(SMOOTH, hidden, inertia_kg_m2=LINK), 0.6, dq=(0.5, 0.0))
     assert_allclose(MOTOR * motion.inner_dq + LINK * motion.dq, LINK * 0.5, atol=1e-12)
-    held = energy(motion, 1e-4)
+    held = 0.5 * (MOTOR * motion.inner_dq**2 + LINK * motion.dq**2)[:, 0] + 0.5 * beyond(motion) ** 2 / 1e-4
     lost = held[0] - held[-1]
     at_stake = held[0] - 0.5 * (LINK * 0.5) ** 2 / (MOTOR + LINK)
     assert np.diff(held).max() < 3e-4 * held[0]
@@ -154,13 +142,6 @@ def joint(coulomb_nm: float = 0.0, viscous: float = 0.0, **loop: float) -> Joint
     return JointParameters(inertia_kg_m2=DRIVE, coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous, torque_loop=control)
 
 
-def critical_dead_time_s() -> float:
-    """Of s^2 + K (1/B + 1/m) + K/B (k + d s) e^(-s T) = 0 with an imaginary root."""
-    rigid = STIFFNESS * (1.0 / DRIVE + 1.0 / ARM)
-    w = brentq(lambda w: w * w - rigid - STIFFNESS / DRIVE * np.hypot(GAIN, DAMPING_S * w), 1.0, 1e5)
-    return float(np.arctan2(DAMPING_S * w, GAIN) / w)
-
-
 @pytest.mark.parametrize("gain", [1.0, 4.0, 9.0])
 def test_friction_and_inertia_at_the_link_are_those_of_the_motor_over_one_plus_the_gain(gain: float) -> None:
     settings = BenchSettings(
@@ -182,8 +163,14 @@ def test_friction_and_inertia_at_the_link_are_those_of_the_motor_over_one_plus_t
 
 @pytest.mark.parametrize(("beyond_s", "grows"), [(-1.5e-4, False), (1e-4, True)])
 def test_the_loop_rings_from_the_dead_time_of_its_characteristic_equation(beyond_s: float, *, grows: bool) -> None:
-    """The torque is held for a step of 0.1 ms, half a step more of dead time."""
-    settings = bench(joint(dead_time_s=critical_dead_time_s() + beyond_s), GEAR, inertia_kg_m2=ARM)
+    """The torque is held for a step of 0.1 ms, half a step more of dead time.
+
+    s^2 + K (1/B + 1/m) + K/B (k + d s) e^(-s T) = 0 has an imaginary root at the critical dead time.
+    """
+    rigid = STIFFNESS * (1.0 / DRIVE + 1.0 / ARM)
+    w = brentq(lambda w: w * w - rigid - STIFFNESS / DRIVE * np.hypot(GAIN, DAMPING_S * w), 1.0, 1e5)
+    critical_s = float(np.arctan2(DAMPING_S * w, GAIN) / w)
+    settings = bench(joint(dead_time_s=critical_s + beyond_s), GEAR, inertia_kg_m2=ARM)
     motion = release(settings, 0.5, q=(0.0, 1e-4))
     twist = np.abs(motion.inner_q - motion.q)[:, 0]
     last, first = twist[-500:].max(), twist[250:750].max()

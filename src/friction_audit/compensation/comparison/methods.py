@@ -18,10 +18,9 @@ from friction_audit.compensation.compensators.law import payback_s
 from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
-from friction_audit.simulation.bench import BenchSettings
+from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.structure import JointElasticity
-from friction_audit.simulation.panda_joint import PANDA_JOINTS
 from friction_audit.simulation.settings import JointByJoint, JointParameters
 
 # Roles of a tuning: the setting in which the paper's order comes out, the same but for an observer that compensates all

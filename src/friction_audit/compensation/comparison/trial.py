@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.settings import CONTROL_RATE_HZ
-from friction_audit.simulation.simulation import Simulation, TrueMotion
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Simulation, TrueMotion
 
 VIBRATION_S = 0.1  # what is faster than a moving average over this time is no motion of a person. [s]
 RINGING_SHARE = 0.5  # share of a second

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, fields
 from math import inf, nan, pi, sqrt
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import effect_of, near_names
@@ -20,8 +20,7 @@ Given = dict[str, float | str]  # parameters of a hidden effect, the form as its
 ALIKE = 0.05  # numbers that differ by a smaller share are taken for equal, for a fit never gives them exactly
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Setting:
+class Setting(NamedTuple):
     """What the meaning of a term of a joint model depends on."""
 
     joint: JointParameters  # inertia and friction of the joint
@@ -72,8 +71,7 @@ class HiddenEffect:
     summary: ClassVar[str] = ""  # one line
     forms: ClassVar[tuple[str, ...]] = ()  # functional forms in the literature; ``form`` is an index into them
     needs_neighbours: ClassVar[bool] = False  # if True, it takes an arm of several joints
-    needs_moving_neighbour: ClassVar[bool] = False  # if True, one of them has to move
-    felt_at_rest: ClassVar[bool] = False  # if True, it shows in a joint that stands still
+    felt_at_rest: ClassVar[bool] = False  # if True, it shows in a joint that stands still, its neighbours too
     # the form whose formula equals that of the effect in a joint model; None where none does
     same_law: ClassVar[str | None] = None
     stands_for: ClassVar[tuple[str, ...]] = ()  # other terms of a joint model that it equals

@@ -36,10 +36,8 @@ class JointElasticity(HiddenEffect):
 
     def __post_init__(self) -> None:
         if 0.0 < self.compliance_rad_per_nm < LEAST_COMPLIANCE:
-            raise UsageError(
-                f"joint_elasticity: compliance_rad_per_nm {self.compliance_rad_per_nm:g}: expected 0, a rigid joint, "
-                f"or at least {LEAST_COMPLIANCE:g}"
-            )
+            found, least = f"compliance_rad_per_nm {self.compliance_rad_per_nm:g}", f"{LEAST_COMPLIANCE:g}"
+            raise UsageError(f"joint_elasticity: {found}: expected 0, a rigid joint, or at least {least}")
 
     @classmethod
     def from_parameters(cls, values: Values, setting: Setting) -> Given:
@@ -72,7 +70,7 @@ class Backlash(HiddenEffect):
 
     gap_rad: float = strength(0.002, "full width of the gap", "rad", upper=0.1)
     contact_compliance_rad_per_nm: float = number(
-        0.0001, "twist per torque in contact", "rad/(N m)", lower=1e-05, upper=0.01
+        1e-4, "twist per torque in contact", "rad/(N m)", lower=1e-5, upper=0.01
     )
     contact_damping_ratio: float = number(0.2, "damping ratio of the contact", like="flank_damping_ratio")
 
@@ -114,7 +112,6 @@ class InertiaError(HiddenEffect):
 class InertialCoupling(HiddenEffect):
     summary = "a joint's rotor also turns with the neighbouring joint nearer to the base"
     needs_neighbours = True
-    needs_moving_neighbour = True
 
     ratio: float = strength(0.2, "turns after the gear per turn of the neighbour", lower=-inf)
 

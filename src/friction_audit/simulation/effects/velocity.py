@@ -128,6 +128,8 @@ class AsymmetricViscous(HiddenEffect):
 
 LUGRE, DAHL, MAXWELL_SLIP = range(3)
 BRISTLES = 8
+# Elements of Maxwell-slip bear the same share of the level and yield at deflections that are spread evenly (Iwan 1966),
+# the first where their stiffness adds up to that at rest.
 FIRST_YIELD = sum(1.0 / k for k in range(1, BRISTLES + 1)) / BRISTLES
 LINEAR = 1e-9
 LEAST_LEVEL = 1e-6
@@ -175,16 +177,6 @@ def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: floa
 
 
 @compiled(inline=True)
-def yield_rad(group: Record, k: int) -> float:
-    """Return where element k of Maxwell-slip yields at the Coulomb level, uniformly spread (Iwan 1966). [rad]
-
-    All elements bear the same share of the level; their first yield is such that their stiffness adds up to that at
-    rest.
-    """
-    return float(group.displacement_rad * FIRST_YIELD * (k + 1))
-
-
-@compiled(inline=True)
 def presliding_advance(
     group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float, h: float
 ) -> None:
@@ -207,7 +199,7 @@ def presliding_advance(
         bristles[0] = dahl_advance(bristles[0], sigma0, level, velocity, h, group.exponent)
     else:
         for k in range(BRISTLES):
-            limit = yield_rad(group, k) * level / coulomb_nm
+            limit = group.displacement_rad * FIRST_YIELD * (k + 1) * level / coulomb_nm
             held = min(limit, max(-limit, bristles[k]))
             bristles[k] = min(limit, max(-limit, held + velocity * h))
 
@@ -234,7 +226,7 @@ def presliding_force_nm(group: Record, bristles: Float, coulomb_nm: float, level
         return float(sigma0 * bristles[0])
     force = 0.0
     for k in range(BRISTLES):
-        force += coulomb_nm / (BRISTLES * yield_rad(group, k)) * bristles[k]
+        force += coulomb_nm / (BRISTLES * (group.displacement_rad * FIRST_YIELD * (k + 1))) * bristles[k]
     return force
 
 

@@ -16,10 +16,9 @@ def viscous_now(joint: Record, state: Record, t: float, duration: float) -> floa
     hidden, coefficient = joint.hidden, joint.viscous_nms_per_rad
     if hidden.warm_up.reduction != 0.0:
         coefficient *= slow_and_events.warm_up_viscous_factor(hidden.warm_up, state.warmth)
-    if hidden.friction_step.change != 0.0:
-        coefficient *= slow_and_events.friction_step_factor(
-            hidden.friction_step, hidden.friction_step.viscous_ratio, t, duration
-        )
+    step = hidden.friction_step
+    if step.change != 0.0:
+        coefficient *= slow_and_events.friction_step_factor(step, step.viscous_ratio, t, duration)
     return float(coefficient)
 
 
@@ -72,27 +71,12 @@ def bristle_level(joint: Record, state: Record, q: float, dq: float, t: float, d
 
 
 @compiled(inline=True)
-def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
-    """Return all torques on the inner side but friction, positive towards positive velocity. [N m]"""
-    hidden = joint.hidden
-    torque = state.compensation_nm + state.unlogged_nm + state.loop_nm
-    if hidden.cable_spring.stiffness_nm_per_rad != 0.0:
-        torque += load_and_place.cable_spring_nm(hidden.cable_spring, q - state.start_rad)
-    if hidden.joint_limit_stop.stiffness_nm_per_rad != 0.0:
-        torque += load_and_place.limit_stop_nm(hidden.joint_limit_stop, q - state.start_rad, dq)
-    if hidden.contact_event.torque_nm != 0.0:
-        torque += slow_and_events.contact_event_nm(hidden.contact_event, events, t, dq)
-    return float(torque)
-
-
-@compiled(inline=True)
 def regulate_torque(joint: Record, state: Record, body: Record, j: int, h: float) -> None:
     """Let the joint torque control of a joint feed back, over a step of length h, the torque of its dead time ago."""
-    loop, c = joint.torque_loop, body.inner[j]
+    loop, c, gap, gear = joint.torque_loop, body.inner[j], joint.hidden.backlash, joint.hidden.joint_elasticity
     twist, closing = body.y[c] - body.y[j], body.v[c] - body.v[j]
-    torque = structure.elastic_torque_nm(joint.hidden.joint_elasticity, structure.engaged(joint.hidden.backlash, twist))
-    after = structure.engaged(joint.hidden.backlash, twist + h * closing)
-    rate = (structure.elastic_torque_nm(joint.hidden.joint_elasticity, after) - torque) / h
+    torque = structure.elastic_torque_nm(gear, structure.engaged(gap, twist))
+    rate = (structure.elastic_torque_nm(gear, structure.engaged(gap, twist + h * closing)) - torque) / h
     wanted = body.support[j] + state.compensation_nm + state.unlogged_nm
     state.loop_past[state.loop_steps % LOOP_MEMORY] = loop.gain * (wanted - torque) - loop.damping_s * rate
     state.loop_nm = state.loop_past[(state.loop_steps - round(loop.dead_time_s / h)) % LOOP_MEMORY]
@@ -120,18 +104,24 @@ def load_joint(
     joint: Record, state: Record, events: Float, body: Record, j: int, ahead: float, t: float, duration: float
 ) -> None:
     """Add what acts inside one joint: transmission, friction, the other torques on the inner side."""
-    c = body.inner[j]
+    c, hidden = body.inner[j], joint.hidden
     if c != j:
         _load_transmission(joint, body, j, ahead)
     q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]
-    body.inner_torque[j] = body.support[j] + other_torque(joint, state, events, q, dq, t)
+    torque = state.compensation_nm + state.unlogged_nm + state.loop_nm
+    if hidden.cable_spring.stiffness_nm_per_rad != 0.0:
+        torque += load_and_place.cable_spring_nm(hidden.cable_spring, q - state.start_rad)
+    if hidden.joint_limit_stop.stiffness_nm_per_rad != 0.0:
+        torque += load_and_place.limit_stop_nm(hidden.joint_limit_stop, q - state.start_rad, dq)
+    if hidden.contact_event.torque_nm != 0.0:
+        torque += slow_and_events.contact_event_nm(hidden.contact_event, events, t, dq)
+    body.inner_torque[j] = body.support[j] + torque
     if state.driven:
-        body.force[j] += load_and_place.cogging_nm(joint.hidden.torque_ripple, body.y[j] + ahead * body.v[j])
+        body.force[j] += load_and_place.cogging_nm(hidden.torque_ripple, body.y[j] + ahead * body.v[j])
     else:
-        body.inner_torque[j] += load_and_place.cogging_nm(joint.hidden.torque_ripple, q)
+        body.inner_torque[j] += load_and_place.cogging_nm(hidden.torque_ripple, q)
     body.force[c] += body.inner_torque[j]
-    lagging = joint.hidden.frictional_lag.lag_s != 0.0
-    body.viscous[j] = 0.0 if lagging else viscous_now(joint, state, t, duration)
+    body.viscous[j] = 0.0 if hidden.frictional_lag.lag_s != 0.0 else viscous_now(joint, state, t, duration)
     body.damping[c, c] += body.viscous[j]
     load_friction(joint, state, body, j, ahead, t, duration)
 
@@ -140,13 +130,10 @@ def load_joint(
 def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: float, t: float, duration: float) -> None:
     """Set what friction does to one joint, sliding, stuck or free."""
     c = body.inner[j]
-    q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]
-    mode = body.mode[c]
+    q, dq, mode, bent = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c], body.mode[c], state.bristles
     if mode == FREE:
         level = bristle_level(joint, state, q, dq, t, duration)
-        body.level[c] = velocity.presliding_force_nm(
-            joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq
-        )
+        body.level[c] = velocity.presliding_force_nm(joint.hidden.presliding, bent, joint.coulomb_nm, level, dq)
     elif mode == 0.0:
         extra = velocity.stiction_nm(joint.hidden.stiction, state.rest_s) * coulomb_factor(joint, state, q, t, duration)
         for way in range(2):

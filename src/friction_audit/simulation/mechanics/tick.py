@@ -162,24 +162,6 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
 
 
 @compiled(inline=True)
-def tick(mechanism: Record, jacobian: Float, cycle: Float, k: int) -> None:
-    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise."""
-    joints, states, events, body, loop, clock, out, traced = mechanism
-    t, half = k * clock.dt, 0.5 * clock.dt
-    if k > 0:
-        advance(joints, states, events, body, clock, t - half, -half)
-    evaluate(joints, states, events, body, clock, t)
-    keep(states, body, out[k])
-    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if len(cycle) > 0 else FIND
-    control(joints, states, body, loop, clock, k, cut)
-    for j in range(len(joints)):
-        for field in range(traced.shape[2]):
-            traced[k, j, field] = loop.words[j, field]
-    if k + 1 < len(out):
-        advance(joints, states, events, body, clock, t, 0.0)
-
-
-@compiled(inline=True)
 def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
     """Set what drives the one joint of a bench at tick k, and the weight of its load."""
     body, dt, driven = mechanism.body, mechanism.clock.dt, mechanism.states[0].driven
@@ -197,11 +179,25 @@ def push_bench(mechanism: Record, push: Float, gravity: Float, k: int) -> None:
 def run(mechanism: Record, push: Float, gravity: Float, jacobian: Float, cycle: Float, first: int, last: int) -> None:
     """Run joints from tick ``first`` to before ``last``; one entry for bench and arm, for it takes long to compile.
 
+    Each tick moves on from half a tick before it to half a tick after it, as far as that is within the recording.
     ``push`` is the torque of the drive of a bench with the joint at zero, ``gravity`` amplitude and phase of its load's
     gravity torque; without a push, the drive is in the body. Where the hand ends the cycles of all joints, ``cycle`` is
     its state and ``jacobian`` that of the hand; else the cycle is empty.
     """
+    joints, states, events, body, loop, clock, out, traced = mechanism
+    half = 0.5 * clock.dt
     for k in range(first, last):
+        t = k * clock.dt
         if len(push) > 0:
             push_bench(mechanism, push, gravity, k)
-        tick(mechanism, jacobian, cycle, k)
+        if k > 0:
+            advance(joints, states, events, body, clock, t - half, -half)
+        evaluate(joints, states, events, body, clock, t)
+        keep(states, body, out[k])
+        cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if len(cycle) > 0 else FIND
+        control(joints, states, body, loop, clock, k, cut)
+        for j in range(len(joints)):
+            for field in range(traced.shape[2]):
+                traced[k, j, field] = loop.words[j, field]
+        if k + 1 < len(out):
+            advance(joints, states, events, body, clock, t, 0.0)

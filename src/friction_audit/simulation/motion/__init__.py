@@ -4,9 +4,8 @@ The settings of a motion give it: ``settings.intend(ticks, dt, rng)`` is the int
 ticks + 1 instants of the controller, from rest at 0; all that is drawn comes from ``rng``.
 """
 
-from friction_audit.simulation.motion.hand_path import HandPath, plan_hand
 from friction_audit.simulation.motion.periodic import Commanded, Sinusoid, intend_joints
-from friction_audit.simulation.motion.strokes import Prescribed, SlowSweep, StopAndGo
+from friction_audit.simulation.motion.strokes import HandPath, Prescribed, SlowSweep, StopAndGo, plan_hand
 
 MotionSettings = StopAndGo | Sinusoid | SlowSweep | Commanded | Prescribed
 

@@ -1,4 +1,4 @@
-"""Strokes of a person or a planner: stop and go, slow sweeps, prescribed ones; the minimum-jerk course under them.
+"""Strokes of a person or a planner, of a joint or of a hand that guides an arm, and the minimum-jerk course under them.
 
 The course is that of Flash and Hogan (1985).
 """
@@ -91,32 +91,23 @@ class StopAndGo(Checked):
             raise UsageError(f"stop_and_go: range_rad {low:g}, {high:g}: expected a range around the start at 0")
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
-        """Return strokes at the ticks of the controller; at rest throughout if not one fits."""
-        strokes, t = plan_strokes(self, ticks * dt, rng), np.arange(ticks + 1, dtype=np.float64) * dt
+        """Return the strokes that fit between two rests at the ticks of the controller; at rest if not one fits."""
+        rows, speeds = [(0.0, REST_S, 0.0, 0.0)], list[float]()  # start, duration [s], origin, signed length [rad]
+        begin, place, direction = REST_S, 0.0, 1.0
+        while True:
+            speeds = speeds or _draw_speeds(self, rng)
+            speed = speeds.pop()
+            way = _draw_length(self, speed, place, direction, rng)
+            needed = PEAK * abs(way) / speed
+            if begin + needed > ticks * dt - REST_S:
+                break
+            rows.append((begin, needed, place, way))
+            begin += needed + rng.uniform(*self.pause_s)
+            place, direction = place + way, float(np.sign(way))
+        strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         x = np.clip((t - start) / lasts, 0.0, 1.0)
         return Intention(position=origin + length * course(x), velocity=length / lasts * slope(x))
-
-
-def plan_strokes(settings: StopAndGo, duration_s: float, rng: np.random.Generator) -> Float:
-    """Draw the strokes that fit between two rests, shape (m, 4), the first rest among them.
-
-    One row each: start [s], duration [s], origin [rad] and length, signed [rad].
-    """
-    rows = [(0.0, REST_S, 0.0, 0.0)]
-    speeds: list[float] = []
-    start, place, direction = REST_S, 0.0, 1.0
-    while True:
-        speeds = speeds or _draw_speeds(settings, rng)
-        speed = speeds.pop()
-        length = _draw_length(settings, speed, place, direction, rng)
-        lasts = PEAK * abs(length) / speed
-        if start + lasts > duration_s - REST_S:
-            break
-        rows.append((start, lasts, place, length))
-        start += lasts + rng.uniform(*settings.pause_s)
-        place, direction = place + length, float(np.sign(length))
-    return np.array(rows)
 
 
 def _draw_speeds(settings: StopAndGo, rng: np.random.Generator) -> list[float]:
@@ -166,16 +157,13 @@ class SlowSweep(Checked):
         Checked.__post_init__(self)
         shortest = min(self.longest_s, self.reversal_s) if self.reversals else self.longest_s
         if self.ease_s > shortest:
-            raise UsageError(
-                f"slow_sweep: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
-                "longest_s or, with reversals, reversal_s"
-            )
+            expected = f"at most {shortest:g}, longest_s or, with reversals, reversal_s"
+            raise UsageError(f"slow_sweep: ease_s {self.ease_s:g}: expected {expected}")
+        low, high = self.range_rad
         wide = max(self.speeds_rad_s[1] * self.ease_s, self.reversal_rad[1] / 2 if self.reversals else 0.0)
-        if -self.range_rad[0] < wide or self.range_rad[1] < wide:
-            raise UsageError(
-                f"slow_sweep: range_rad {self.range_rad[0]:g}, {self.range_rad[1]:g}: expected a range around the "
-                f"start at 0, from {-wide:g} or less to {wide:g} or more"
-            )
+        if -low < wide or high < wide:
+            expected = f"a range around the start at 0, from {-wide:g} or less to {wide:g} or more"
+            raise UsageError(f"slow_sweep: range_rad {low:g}, {high:g}: expected {expected}")
 
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
@@ -189,9 +177,8 @@ class SlowSweep(Checked):
             rows.append(np.stack([now + np.cumsum(lasts) - lasts, ways, speeds]))
             now += float(lasts.sum())
         start, way, speed = np.hstack(rows)
-        return at_constant_speed(
-            np.arange(ticks + 1, dtype=np.float64) * dt, start, way, speed, np.full(len(start), self.ease_s)
-        )
+        t = np.arange(ticks + 1, dtype=np.float64) * dt
+        return at_constant_speed(t, start, way, speed, np.full(len(start), self.ease_s))
 
 
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
@@ -244,10 +231,9 @@ class Prescribed(Checked):
         for one in self.strokes:
             least = one.speed_rad_s * one.ease_s * (1.0 - TOO_SHORT)
             if not (min(one[1:3]) > 0.0 <= one.rest_s and least <= abs(one.way_rad) and all(map(isfinite, one))):
-                raise UsageError(
-                    f"prescribed: {', '.join(f'{number:g}' for number in one)}: expected a way of at least speed times "
-                    "ease, speed and ease above zero, and a rest of zero or more"
-                )
+                found = ", ".join(f"{number:g}" for number in one)
+                expected = "a way of at least speed times ease, speed and ease above zero, and a rest of zero or more"
+                raise UsageError(f"prescribed: {found}: expected {expected}")
 
     def intend(self, ticks: int, dt: float, _: np.random.Generator) -> Intention:
         """Return the strokes; those that do not fit are cut off, after the last one there is rest."""
@@ -259,3 +245,88 @@ def starts_of(settings: Prescribed) -> Float:
     """Return when each stroke begins, and when the last rest ends, shape (m + 1,). [s]"""
     lasts = [one.moving_s + one.rest_s for one in settings.strokes]
     return settings.start_s + np.concatenate([[0.0], np.cumsum(lasts)])
+
+
+SHORTEST_M = 1e-3  # a hand that reaches less far stands still
+SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to rounding
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class HandPath(Checked):
+    """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
+
+    A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
+    of a Panda that starts in its ready pose, the first one the least, and keep its limits.
+    """
+
+    reach_m: float = within(0.12, SHORTEST_M)  # radius of the ball of positions around the start [m]
+    sideways: float = positive(2.5)  # the ball is so many times as wide along y, to the sides
+    # radius of the ball of rotation vectors around the start orientation, below half a turn [rad]
+    rotation_rad: float = within(0.6, 0.0, 3.14)
+    # shortest and longest duration of a stroke, where neither the speed nor the reach cuts it [s]
+    stroke_s: tuple[float, float] = within((0.9, 1.8), SHORTEST_S)
+    # slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it [m/s]
+    speed_m_s: tuple[float, float] = positive((0.15, 0.6))
+    turning_rad_s: float = positive(1.2)  # no stroke turns faster [rad/s]
+    pause_s: tuple[float, float] = within((0.2, 0.7))  # shortest and longest pause between two strokes [s]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class HandMotion:
+    """The intended motion of the hand at the controller's ticks, shape (n + 1, 3) each, in the world's axes."""
+
+    position: Float  # offset from the start [m]
+    rotation: Float  # rotation vector r; the orientation is exp(r) times the start orientation [rad]
+    velocity: Float  # derivative of the position [m/s]
+    angular: Float  # angular velocity [rad/s]
+
+
+def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
+    """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
+    # A rest and strokes: start [s], duration [s], origin and change of the pose [m, rad].
+    begin, pose, rows = REST_S, np.zeros(6), [np.array([0.0, REST_S, *np.zeros(12)])]
+    while True:
+        needed, change = _draw_stroke(settings, pose, rng)
+        if begin + needed > ticks * dt - REST_S:
+            break
+        rows.append(np.concatenate(([begin, needed], pose, change)))
+        begin += needed + rng.uniform(*settings.pause_s)
+        pose = pose + change
+    strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
+    start, lasts, origin, change = np.split(strokes[latest(strokes[:, 0], t)], [1, 2, 8], axis=1)
+    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
+    position, rotation = np.hsplit(origin + course(x) * change, 2)
+    velocity, turning = np.hsplit(slope(x) / lasts * change, 2)
+    # The angular velocity in the world's axes, by the left Jacobian of the rotation group.
+    angle = np.linalg.norm(rotation, axis=1)
+    safe = np.maximum(angle, SMALL_RAD)
+    first = np.where(angle > SMALL_RAD, 2 * (np.sin(safe / 2) / safe) ** 2, 0.5 - angle**2 / 24)
+    second = np.where(angle > SMALL_RAD, (safe - np.sin(safe)) / safe**3, 1 / 6 - angle**2 / 120)
+    across = np.cross(rotation, turning)
+    angular = turning + first[:, np.newaxis] * across + second[:, np.newaxis] * np.cross(rotation, across)
+    return HandMotion(position=position, rotation=rotation, velocity=velocity, angular=angular)
+
+
+def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
+    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke as far as it gets towards a via point.
+
+    The via point is at least half the reach away.
+    """
+    while True:
+        place = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
+        if np.linalg.norm(place - pose[:3]) >= settings.reach_m / 2:
+            break
+    change = np.concatenate((place, settings.rotation_rad * _draw_in_ball(rng))) - pose
+    distance = float(np.linalg.norm(change[:3]))
+    speed = float(np.exp(rng.uniform(*np.log(settings.speed_m_s))))
+    length = min(distance, speed * rng.uniform(*settings.stroke_s) / PEAK)
+    change *= length / distance
+    turn = float(np.linalg.norm(change[3:]))
+    return max(PEAK * length / speed, PEAK * turn / settings.turning_rad_s, settings.stroke_s[0]), change
+
+
+def _draw_in_ball(rng: np.random.Generator) -> Float:
+    """Draw a point of the unit ball, evenly distributed, shape (3,)."""
+    direction = rng.standard_normal(3)
+    point: Float = direction / np.linalg.norm(direction) * rng.random() ** (1 / 3)
+    return point

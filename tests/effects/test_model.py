@@ -1,14 +1,17 @@
-"""A model's file keeps every digit, and says what is wrong with a file that is none."""
+"""A model gives what a hand calculation gives; its file keeps every digit and says what is wrong with one."""
 
 import re
 from dataclasses import replace
 from itertools import groupby
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import (
     ArmModel,
@@ -21,16 +24,14 @@ from friction_audit.effects.joint_model import (
 )
 from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import AnalysisError, InputError
+from tests.effects.recordings import typical_term
 
 JOINT = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 HEAD = 'schema = "friction-audit/model/1"\n'
 
 
 def values_of(term: Effect) -> st.SearchStrategy[FittedTerm]:
-    finite = [
-        st.floats(max(parameter.lower, -1e300), min(parameter.upper, 1e300), allow_nan=False)
-        for parameter in term.parameters
-    ]
+    finite = (st.floats(max(one.lower, -1e300), min(one.upper, 1e300), allow_nan=False) for one in term.parameters)
     return st.tuples(*finite).map(lambda values: FittedTerm(term.name, values))
 
 
@@ -89,6 +90,7 @@ def test_what_cannot_be_held_is_named(tmp_path: Path, held: str, complaint: str)
 
 
 GRAVITY = term_of("gravity_error")
+SOFT = {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 900.0, "soft_nm": 0.1}
 JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
 
 
@@ -167,10 +169,7 @@ def as_listed(names: list[str]) -> str:
 @pytest.mark.parametrize(
     ("values", "whole"),
     [
-        (
-            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 900.0, "soft_nm": 0.1},
-            ("joint_elasticity", (1e-3, 900.0, 0.1, 0.05, 1.0)),
-        ),
+        (SOFT, ("joint_elasticity", (1e-3, 900.0, 0.1, 0.05, 1.0))),
         ({"backlash_share": 1.0, "gap_rad": 1e-3, "contact_hz": 40.0}, ("backlash", (1.0, 1e-3, 40.0, 0.2, 1.0))),
         (  # of version 0.1.0
             {p.name: float(k) for k, p in enumerate((*GRAVITY.coefficients[:8], *GRAVITY.nonlinear))},
@@ -190,3 +189,59 @@ def test_a_file_without_newer_numbers_means_what_it_meant(
     assert joint.values(name) == numbers
     save_model(load_model(path), path, overwrite=True)
     assert "far_share" not in path.read_text()
+
+
+# Terms and their sum.
+
+SHAPES = {term.name: typical_term(term).values[len(term.coefficients) :] for term in terms()}
+
+
+T, DQ = np.arange(401, dtype=np.float64) * 1e-3, np.sin(np.linspace(0.0, 20.0, 401))
+KNOWN: dict[str, Any] = {"load": 2.0 + 0.0 * T, "temperature": 25.0 + T, "rest": 0.3 * np.sign(DQ) + 0.1 * DQ}
+MOTION = Motion(t=T, q=np.cumsum(DQ) * 1e-3, dq=DQ, ddq=np.gradient(DQ, 1e-3), **KNOWN)
+
+
+@pytest.mark.parametrize("term", terms(), ids=lambda term: term.name)
+def test_friction_never_pushes(term: Effect) -> None:
+    if term.friction and all(parameter.lower >= 0.0 for parameter in term.coefficients):
+        values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
+        assert np.all(term.torque(MOTION, values) * DQ >= 0.0)
+
+
+@pytest.mark.parametrize("term", [term for term in terms() if term.speed_only], ids=lambda term: term.name)
+def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Effect) -> None:
+    values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
+    others = {name: 3.0 * getattr(MOTION, name) - 1.0 for name in ("t", "q", "ddq", *KNOWN)}
+    assert np.array_equal(term.torque(MOTION, values), term.torque(replace(MOTION, **others), values))
+
+
+def test_torque_and_friction_of_a_model_by_hand() -> None:
+    still = np.zeros(2)
+    motion = Motion(t=np.array([0.0, 1.0]), q=still, dq=np.array([2.0, -2.0]), ddq=np.array([1.0, 1.0]))
+    model = simple_model(inertia_kg_m2=0.5, coulomb_nm=0.3, viscous_nms_per_rad=0.1)
+    model = replace(model, terms=(*model.terms, FittedTerm("offset", (0.05,))))
+    assert model.friction(motion) == pytest.approx([0.5, -0.5])
+    assert model.torque(motion) == pytest.approx([1.05, 0.05])
+    # What is left of the inertia where a model of the links took too much of it.
+    assert JointModel(inertia_kg_m2=-0.1).torque(motion) == pytest.approx([-0.1, -0.1])
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("coulom", (1.0,), r"'coulom' is no term \(did you mean coulomb\?\); expected inertia, coulomb"),
+        ("coulomb", (-1.0,), "term coulomb: coulomb_nm = -1; expected a number from 0 to inf"),
+        ("offset", (np.nan,), "offset_nm = nan"),
+        ("stribeck", (1.0,), "1 values; expected 3: stribeck_excess_nm, stribeck_speed_rad_s, stribeck_exponent"),
+    ],
+)
+def test_a_term_that_cannot_be_is_refused(name: str, values: tuple[float, ...], message: str) -> None:
+    with pytest.raises(AnalysisError, match=message):
+        FittedTerm(name, values)
+
+
+def test_a_term_twice_and_inertia_among_the_terms_are_refused() -> None:
+    with pytest.raises(AnalysisError, match="term offset stands twice"):
+        JointModel(inertia_kg_m2=1.0, terms=(FittedTerm("offset", (1.0,)), FittedTerm("offset", (2.0,))))
+    with pytest.raises(AnalysisError, match="expected it as inertia_kg_m2"):
+        JointModel(inertia_kg_m2=1.0, terms=(FittedTerm("inertia", (1.0,)),))
