@@ -181,7 +181,7 @@ def test_conditions_that_differ_are_named(run: Run, tmp_path: Path) -> None:
         (("a.json", "regression.json"), 4, "regression"),
         (("a.json", "half.json"), 3, "no whole document"),
         (("a.json", "broken.json"), 3, "is no JSON"),
-        (("a.json", "empty"), 3, "no log in this folder"),
+        (("a.json", "empty"), 3, "no log there or below"),
         (("a.json", "nowhere.csv"), 3, "nowhere.csv"),
         (("a.json", "model.toml"), 2, "estimate.json"),
     ],
