@@ -168,21 +168,18 @@ def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[li
     else whose name holds a date; else that was changed first. Another name might give the session another date.
     """
     content = {log.place: hashes.get(log.place, log.place) for log in logs}
-    alike = Counter(pattern for pattern, _ in {(_pattern(log), content[log.place]) for log in logs})
+    # Names without their numbers.
+    patterns = {log.place: re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2]) for log in logs}
+    alike = Counter(pattern for pattern, _ in {(patterns[log.place], content[log.place]) for log in logs})
 
     def fitness(log: LogFile) -> tuple[bool, int, bool, int]:
         changed = log.changed.partition(" ")[0]
         dated = time_in_name([log.path.rpartition("/")[2]]) is not None
-        return log.row is None, -alike[_pattern(log)], not dated, int(changed) if changed.isdecimal() else 0
+        return log.row is None, -alike[patterns[log.place]], not dated, int(changed) if changed.isdecimal() else 0
 
     kept = {content[log.place]: log for log in sorted(logs, key=fitness, reverse=True)}
     copies = {log.path: kept[content[log.place]].path for log in logs if kept[content[log.place]] is not log}
     return [log for log in logs if log.path not in copies], copies
-
-
-def _pattern(log: LogFile) -> str:
-    """Return a log's name without its numbers."""
-    return re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2])
 
 
 def _work_through(

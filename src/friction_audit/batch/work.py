@@ -7,7 +7,7 @@ hands the work out imports no more than the names of it.
 import math
 import socket
 import traceback
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -230,8 +230,12 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
 
 def recording_of(estimate: Estimate) -> Recording:
     """Return what is compared of an estimate."""
-    session, payload, friction = session_of(estimate), estimate.settings.torque.payload, estimate.settings.friction
-    held = replace(session.conditions, payload=_payload(payload))
+    session, payload, friction = (
+        session_of(estimate),
+        estimate.settings.torque.payload or (),
+        estimate.settings.friction,
+    )
+    held = replace(session.conditions, payload=", ".join(f"{number:g}" for number in payload))
     return Recording(
         session=replace(session, conditions=held),
         joints=len(estimate.log.joint_names),
@@ -249,7 +253,7 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
         conditions = Conditions(
             **{name: str(chosen[name]) for name in ("drive", "gravity", "inertia")},
             torque=str(chosen["source"]),
-            payload=_payload(settings["torque"]["payload"]),
+            payload=", ".join(f"{number:g}" for number in settings["torque"]["payload"] or ()),
             rate_hz=float(source["rate_hz"]),
         )
         session = Session(
@@ -294,7 +298,3 @@ def _number(found: float | None) -> float:
     if math.isinf(number):
         raise ValueError(number)
     return number
-
-
-def _payload(found: Iterable[float] | None) -> str:
-    return "" if found is None else ", ".join(f"{number:g}" for number in found)

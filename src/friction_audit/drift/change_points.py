@@ -122,7 +122,7 @@ def _judge(directions: Directions, first: int, settings: DriftSettings, growth: 
     from scipy.stats import chi2, f
 
     length = len(directions.residual)
-    rng = change_test.past_keys(settings.permutations, length, settings.seed)
+    rng = np.random.Generator(np.random.PCG64(settings.seed).advance(settings.permutations * length))
     drawn, _ = change_test.permute([directions], [np.arange(length, dtype=float)], rng, length, settings)
     real = np.abs(change_test.studentise(directions.residual[None, :], directions))[0] / growth
     along = (directions.residual @ directions.direction) ** 2
