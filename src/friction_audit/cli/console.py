@@ -108,7 +108,7 @@ class Voice:
     def count(self, name: str) -> Iterator[Count | None]:
         """Show how many pieces of work are done and how long the others will take; yield what takes the counts."""
         with self._timed(name), self.stages(1) as voice:
-            yield voice.course and partial(voice.course.count, name)
+            yield partial(voice.course.count, name) if voice.course else None
 
     @contextmanager
     def _timed(self, name: str) -> Iterator[None]:
