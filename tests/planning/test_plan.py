@@ -144,13 +144,15 @@ def test_the_command_writes_a_document_and_the_trajectory_of_the_arm(run: Run, t
 
 
 def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: Run, tmp_path: Path) -> None:
-    text = run("plan", result(tmp_path / "a.json", "adequate"), "--no-check", "--duration", "60").out
-    assert "nothing to decide" in text
+    document = json.loads(result(tmp_path / "a.json", "adequate").read_text())
+    constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
+    (adequate,) = document["joints"]
+    other = {"joint": 3, "name": "panda_joint3", "verdict": "ambiguous", "effects": [constants]}
+    (tmp_path / "a.json").write_text(json.dumps(document | {"joints": [adequate, adequate | other]}))
+    text = run("plan", tmp_path / "a.json", "--no-check", "--duration", "60").out
+    assert "joint 2: nothing to decide" in text
     assert "to diagnose" in text
     assert "to estimate friction" in text
-    constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
-    unlike = result(tmp_path / "b.json", "ambiguous", effects=[constants])
-    text = run("plan", unlike, "--no-check", "--duration", "60").out
     assert "no motion of the joint separates torque_bias from asymmetric_coulomb" in text
 
 
@@ -171,14 +173,14 @@ def test_a_drift_is_sought_at_both_ends_of_the_time() -> None:
     numbers = {"drift_1_nm": 0.15, "drift_2_nm": 0.0, "drift_3_nm": 0.0, "drift_4_nm": 0.0, "drift_waves": 1.0}
     effects = [{"name": "torque_drift", "alternatives": ("asymmetric_coulomb", "torque_bias"), "parameters": numbers}]
     found = {"joint": 1, "name": "joint1", "verdict": "ambiguous", "effects": effects}
-    plan = plan_task(task_of(found, True, 0.0), limits(slowest_rad_s=0.05), 90.0)
-    assert plan.duration_s == pytest.approx(90.0)
-    assert sum(run.duration_s for run in plan.runs) < 0.2 * 90.0
+    plan = plan_task(task_of(found, True, 0.0), limits(slowest_rad_s=0.05), 120.0)
+    assert plan.duration_s == pytest.approx(120.0)
+    assert sum(run.duration_s for run in plan.runs) < 0.15 * 120.0
     t, _, dq, _ = plan.trajectory(100.0)
     moved = t[np.abs(dq) > 0.0]
     gap = int(np.argmax(np.diff(moved)))
     assert moved[gap] < 20.0
-    assert moved[gap + 1] > 70.0
+    assert moved[gap + 1] > 100.0
     assert moved[gap + 1] - moved[gap] == pytest.approx(plan.rest_s, abs=1.0)
     half = len(plan.motion.strokes) // 2
     assert [one.way_rad for one in plan.motion.strokes[:half]] == [one.way_rad for one in plan.motion.strokes[half:]]

@@ -16,6 +16,7 @@ from friction_audit.errors import InputError
 from friction_audit.joint_numbers import require_joints
 
 if TYPE_CHECKING:
+    from friction_audit.planning.plan import JointPlan
     from friction_audit.planning.task import Arm, Task
 
 EXAMPLES = """Examples:
@@ -69,16 +70,16 @@ def command(
     within = None if motion.range_ is None else parse_numbers("--range", motion.range_, ("LOW", "HIGH"))
     asked = {"speed_rad_s": motion.speed, "acceleration_rad_s2": motion.acceleration, "jerk_rad_s3": motion.jerk}
     robot = {"auto": arm.robot, "none": ""}.get(shared.reading.robot, shared.reading.robot)
-    limits_for = partial(limits_of, urdf=shared.torque.urdf, robot=robot, range_rad=within, **asked)
     recordings, purposes = [], {one.purpose for one in tasks} - {None}
+
+    def planned(task: "Task") -> "JointPlan":
+        start = arm.start_rad[task.joint.number - 1]
+        limits = limits_of(task.joint, start, urdf=shared.torque.urdf, robot=robot, range_rad=within, **asked)
+        return plan_task(task, limits, motion.duration, check=motion.check)
+
     for purpose in (one for one in PURPOSES if one in purposes):
         with voice.step(f"plan to {purpose}"):
-            own = [
-                (one, limits_for(one.joint, arm.start_rad[one.joint.number - 1]))
-                for one in tasks
-                if one.purpose == purpose
-            ]
-            plans = tuple(plan_task(one, limits, motion.duration, check=motion.check) for one, limits in own)
+            plans = tuple(planned(one) for one in tasks if one.purpose == purpose)
         files: tuple[str, ...] = ()
         if folder is not None:
             trajectory = trajectory_of(plans, arm, motion.trajectory_rate)
