@@ -13,7 +13,6 @@ import shutil
 import subprocess
 import sys
 import tempfile
-import time
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -38,21 +37,9 @@ STAND_INS = {
 }
 """Ending of a file that a page only imagines (run.bag) -> the file that stands in for it."""
 
-PROGRAM = """
-friction-audit() {
-    printf '%s\\0' "$@" > "$DOOR/words" && mv "$DOOR/words" "$DOOR/asked"
-    local code
-    until read -r code < "$DOOR/answered"; do :; done
-    cat "$DOOR/out"
-    cat "$DOOR/err" >&2
-    return "$code"
-}
+RECORDED = """friction-audit() { printf '%s\\0' "$@" '' >> "$WORDS"; }
 """
-"""The program as a shell's function: it asks the process of the tests.
-
-A pipe whose last answer is still being closed gives nothing; then it is opened again.
-"""
-PAUSE_S = 0.005
+"""The program as a shell's function that notes its words: a loop would start it anew every time."""
 
 _BLOCK = re.compile(r"^```(?P<language>console|sh|python|json)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 _DECIMAL = re.compile(r"\d+\.\d+(?:e-?\d+)?")
@@ -123,44 +110,25 @@ class Terminal:
         return code, out.getvalue(), err.getvalue() if apart else ""
 
     def _shell(self, command: str, text: str) -> str:
-        """Run anything else in a shell, in which the program is this process: a loop would start it anew every time."""
-        with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
-            door = Path(name)
-            given, out, err = (
-                stack.enter_context(tempfile.TemporaryFile("w+", encoding="utf-8")) for _ in ("in", "out", "err")
-            )
-            given.write(text)
-            given.seek(0)
-            os.mkfifo(door / "answered")
-            path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-            shell = subprocess.Popen(
-                ["bash", "-o", "pipefail", "-c", PROGRAM + command],
-                cwd=self.folder,
-                env={**os.environ, "PATH": path, "LC_ALL": "C.UTF-8", "DOOR": name},
-                stdin=given,
-                stdout=out,
-                stderr=err,
-            )
-            try:
-                while shell.poll() is None:
-                    self._answer(door)
-                    time.sleep(PAUSE_S)
-            finally:
-                shell.kill()
-            self.code = shell.wait()
-            return "".join(stream.read() for stream in (out, err) if stream.seek(0) == 0)
-
-    def _answer(self, door: Path) -> None:
-        """Run the program for the shell, if it asks for that."""
-        asked = door / "asked"
-        if not asked.exists():
-            return
-        words = asked.read_text(encoding="utf-8").split("\0")[:-1]
-        asked.unlink()
-        code, out, err = self._call(words, apart=True)
-        (door / "out").write_text(out, encoding="utf-8")
-        (door / "err").write_text(err, encoding="utf-8")
-        (door / "answered").write_text(f"{code}\n")
+        """Run anything else in a shell; a loop over commands whose output nobody reads is run by this process."""
+        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+        noted = self.folder / ".words"
+        script = command if "|" in command else RECORDED + command
+        done = subprocess.run(
+            ["bash", "-o", "pipefail", "-c", script],
+            cwd=self.folder,
+            env={**os.environ, "PATH": path, "LC_ALL": "C.UTF-8", "WORDS": str(noted), "COLUMNS": str(WIDTH)},
+            input=text,
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        self.code = done.returncode
+        for words in noted.read_text().split("\0\0")[:-1] if noted.exists() else ():
+            self.code, out, _ = self._call(words.split("\0"), apart=False)
+            assert "/dev/null" in command or not out, out
+        noted.unlink(missing_ok=True)
+        return done.stdout + done.stderr
 
 
 def _renamed(words: list[str]) -> str:

@@ -56,7 +56,7 @@ print(outer(20))
 
 def test_a_loop_is_compiled_again_where_a_loop_that_it_calls_has_changed(tmp_path: Path) -> None:
     (tmp_path / "outer.py").write_text(OUTER)
-    for factor, printed in ((2, "41\n"), (2, "41\n"), (30, "601\n")):
+    for factor, printed in ((2, "41\n"), (30, "601\n")):
         (tmp_path / "inner.py").write_text(INNER.format(factor=factor))
         command = [sys.executable, str(tmp_path / "outer.py")]
         assert subprocess.run(command, capture_output=True, text=True, check=True).stdout == printed

@@ -4,7 +4,7 @@ A message says: where, what was found, what was expected, what to do.
 """
 
 import re
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from difflib import get_close_matches
 from traceback import format_exception
 
@@ -69,6 +69,11 @@ def near_misses(word: str, names: Collection[str]) -> str:
     """Return ``"; did you mean ...?"`` for a misspelt name, or nothing."""
     near = get_close_matches(word, names, n=2)
     return f"; did you mean {' or '.join(near)}?" if near else ""
+
+
+def few(items: Sequence[str], most: int, kind: str = "") -> list[str]:
+    """Return the first of many items for a message, and how many more there are of their kind."""
+    return [*items[:most], *([f"and {len(items) - most} more{kind}"] if len(items) > most else [])]
 
 
 def csv_text(text: str) -> str:

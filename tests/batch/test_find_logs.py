@@ -72,7 +72,7 @@ def test_what_leads_nowhere_is_said_at_once() -> None:
         find_logs(["lab", "absent.csv", "empty", "lab/*.bag"], {})
     said = str(caught.value)
     assert "absent.csv: no such file or directory" in said
-    assert "empty: no log in this folder or below; expected files that end in" in said
+    assert "empty: no log there or below; expected files that end in" in said
     assert "lab/*.bag: no file matches" in said
 
 

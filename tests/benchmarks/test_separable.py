@@ -1,12 +1,8 @@
 """The table of the only names, where the log separates them, from rows by hand."""
 
-import csv
-import sys
-from pathlib import Path
-
 import pytest
 
-from benchmarks.hidden_effects.separable import BEGIN, END, FIELDS, by_effect, judged, main
+from benchmarks.hidden_effects.separable import by_effect, judged
 
 ROWS = (
     ("backlash", 0, "named", "backlash", "0.3"),
@@ -46,25 +42,3 @@ def test_the_only_name_counts_where_the_log_separates(
     assert [cell.split(" ")[0] for cell in cells[2:5]] == ["67", "50", "0"]
     assert cells[5] == "presliding 1"
     assert total.startswith("| all | 3 |")
-
-
-def test_the_table_goes_between_the_marks_of_a_page(
-    rows: list[dict[str, str]],
-    known: dict[tuple[str, str], dict[str, str]],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    page, answers, file = tmp_path / "page.md", tmp_path / "rows.csv", tmp_path / "separations.csv"
-    page.write_text(f"before\n{BEGIN}\nstale\n{END}\nafter\n", encoding="utf-8")
-    for path, fields, lines in ((answers, rows[0].keys(), rows), (file, FIELDS, known.values())):
-        with path.open("w", newline="") as opened:
-            writer = csv.DictWriter(opened, fields)
-            writer.writeheader()
-            writer.writerows(lines)
-    asked = ["separable", str(answers), "--separations", str(file), "--output", str(page)]
-    monkeypatch.setattr(sys, "argv", asked)
-    main()
-    text = page.read_text(encoding="utf-8")
-    assert text.startswith("before")
-    assert "stale" not in text
-    assert "| backlash | 3 |" in text

@@ -181,7 +181,7 @@ def test_conditions_that_differ_are_named(run: Run, tmp_path: Path) -> None:
         (("a.json", "regression.json"), 4, "regression"),
         (("a.json", "half.json"), 3, "no whole document"),
         (("a.json", "broken.json"), 3, "is no JSON"),
-        (("a.json", "empty"), 3, "no log in this folder"),
+        (("a.json", "empty"), 3, "no log there or below"),
         (("a.json", "nowhere.csv"), 3, "nowhere.csv"),
         (("a.json", "model.toml"), 2, "estimate.json"),
     ],
@@ -203,8 +203,7 @@ def test_what_cannot_be_compared(words: tuple[str, ...], code: int, message: str
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize(("first", "second"), [(1, 3), (1, 5), (3, 3)])
-@pytest.mark.parametrize("between", [0.0, 1.0, 3.0])
+@pytest.mark.parametrize(("first", "second", "between"), [(1, 3, 0.0), (1, 3, 3.0), (1, 5, 1.0), (3, 3, 1.0)])
 def test_the_interval_holds_the_scatter_between_recordings(first: int, second: int, between: float) -> None:
     rng, freedom, runs = np.random.default_rng(5), 20, 200
     known = float(stdtrit(freedom, 0.975))

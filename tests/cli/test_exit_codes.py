@@ -83,7 +83,7 @@ REFUSED = [
     ("estimate {logs}/still.csv", 4, "no joint has an estimate:\n  joint 1: "),
     ("batch-report", 2, "no logs named"),
     ("batch-report absent", 3, "absent: no such file or directory"),
-    ("batch-report empty", 3, "empty: no log in this folder or below"),
+    ("batch-report empty", 3, "empty: no log there or below"),
     ("batch-report bad.csv", 3, "none of 1 logs can be used:\n  bad.csv: no column for a torque"),
     ("batch-report {logs}/still.csv", 4, "no joint of any session has an estimate:\n  {logs}/still.csv: joint 1: "),
     ("batch-report bad.csv --manifest wrong.csv", 3, "wrong.csv: no column path"),

@@ -28,6 +28,7 @@ def test_options_reach_the_compensator(run: Run, logs: Path) -> None:
     assert joint["energy_with_j"] < joint["energy_without_j"]
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_long_log_is_read_in_blocks_unless_files_are_asked_for(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

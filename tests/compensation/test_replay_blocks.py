@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
@@ -46,6 +46,7 @@ def numbers(found: LogReplay) -> list[object]:
     return flat([document["joints"], document["warnings"]])
 
 
+@settings(max_examples=settings().max_examples // 2)  # one takes a quarter of a second
 @given(
     name=st.sampled_from([*SETTINGS]),
     seed=st.integers(0, 1000),

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float, JointLog, Source, median_step
@@ -106,6 +106,7 @@ def assert_same(found: Estimate, expected: Estimate) -> None:
 
 
 @pytest.mark.parametrize("gravity", ["logged", "in-torque"])
+@settings(max_examples=settings().max_examples // 2)  # one takes a quarter of a second
 @given(
     seed=st.integers(0, 1000),
     sizes=st.lists(st.integers(40, 4000), min_size=1, max_size=60),

@@ -151,12 +151,15 @@ def test_the_command_writes_a_document_and_the_trajectory_of_the_arm(run: Run, t
 
 
 def test_a_result_without_open_names_says_so_and_offers_the_best_recording(run: Run, tmp_path: Path) -> None:
-    text = run("plan", result(tmp_path / "a.json", "adequate"), "--no-check").out
-    assert "nothing to decide" in text
+    document = json.loads(result(tmp_path / "a.json", "adequate").read_text())
+    constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
+    (adequate,) = document["joints"]
+    other = {"joint": 3, "name": "panda_joint3", "verdict": "ambiguous", "effects": [constants]}
+    (tmp_path / "a.json").write_text(json.dumps(document | {"joints": [adequate, adequate | other]}))
+    text = run("plan", tmp_path / "a.json", "--no-check", "--duration", "60").out
+    assert "joint 2: nothing to decide" in text
     assert "to diagnose" in text
     assert "to estimate friction" in text
-    constants = {"name": "torque_bias", "alternatives": ["asymmetric_coulomb"], "parameters": {"torque_bias_nm": 0.1}}
-    text = run("plan", result(tmp_path / "b.json", "ambiguous", effects=[constants]), "--no-check").out
     assert "no motion of the joint separates torque_bias from asymmetric_coulomb" in text
 
 

@@ -7,14 +7,14 @@ from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures import Executor as Pool
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from importlib import import_module
 from importlib.metadata import version
 from itertools import islice
 from sysconfig import get_python_version
-from typing import Any, Protocol, Self, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from friction_audit import __version__
 from friction_audit.errors import UsageError
@@ -26,8 +26,6 @@ Done = TypeVar("Done")
 # Processes share the cores; threads inside a product would only wait for each other.
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 PRELOAD = ("friction_audit.batch.work",)  # what every process needs, imported once
-
-DISTRIBUTION = "friction-audit"
 PATIENCE_S = 15.0  # for the scheduler's first answer
 PER_THREAD = 2  # tasks under way for every thread of the cluster: one is worked on, one is at hand
 
@@ -69,7 +67,7 @@ def feed(
 
 
 @dataclass(eq=False, kw_only=True, slots=True)
-class LocalExecutor:
+class LocalExecutor(AbstractContextManager["LocalExecutor"]):
     """Processes of this machine, kept from one run to the next until the ``with`` block ends.
 
     A process that dies breaks the pool. What was under way is tried again, one task at a time and at most twice, with
@@ -79,9 +77,6 @@ class LocalExecutor:
     workers: int = field(default_factory=lambda: len(os.sched_getaffinity(0)))  # how many of them
     _pool: ProcessPoolExecutor | None = field(default=None, init=False)
     _open: ExitStack = field(default_factory=ExitStack, init=False)
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._close()
@@ -153,11 +148,10 @@ class DaskExecutor:
         pool: Pool = client.get_executor(pure=False)
         try:
             _check_workers(client, self.address)
-
-            def room() -> int:
-                return PER_THREAD * max(int(sum(client.nthreads().values())), 1)
-
-            for task, future in feed(lambda task: pool.submit(work, task), room, tasks):
+            threads = client.nthreads
+            for task, future in feed(
+                lambda task: pool.submit(work, task), lambda: PER_THREAD * max(sum(threads().values()), 1), tasks
+            ):
                 error = future.exception()
                 said = f"{type(error).__name__}: {' '.join(str(error).split())}"
                 yield task, future.result() if error is None else Lost(f"lost on the cluster: {said}")
@@ -191,12 +185,12 @@ def _check_workers(client: Any, address: str) -> None:  # noqa: ANN401
 
     It is asked with functions that any worker has: one that it lacks would never be answered.
     """
-    ours = {DISTRIBUTION: __version__, **{name: version(name) for name in ("numpy", "scipy")}}
+    ours = {"friction-audit": __version__, **{name: version(name) for name in ("numpy", "scipy")}}
     theirs = {name: client.run(version, name, on_error="return") for name in ours}
     ours, theirs = ours | {"Python": get_python_version()}, theirs | {"Python": client.run(get_python_version)}
-    if not theirs[DISTRIBUTION]:
+    if not theirs["Python"]:
         raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
-    for worker in theirs[DISTRIBUTION]:
+    for worker in theirs["Python"]:
         found = {name: every[worker] for name, every in theirs.items()}
         lacking = [name for name, there in found.items() if isinstance(there, Exception)]
         unlike = [f"{name} {found[name]} there, {own} here" for name, own in ours.items() if found[name] != own]

@@ -5,7 +5,7 @@ import hashlib
 import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
 from typing import Any
@@ -74,7 +74,7 @@ def find_logs(
     for name in (*names, *rows):
         logs = [log for log in _logs_of(name, closed) if os.path.realpath(log.place) not in closed]
         if not logs:
-            lost.append(encodable(_nothing(name)))
+            lost.append(encodable(f"{name}: {_lack(name)}"))
         for log in logs:
             key = log.place if log.is_remote else os.path.realpath(log.place)
             found.setdefault(key, replace(log, row=rows.get(log.place)))
@@ -83,6 +83,14 @@ def find_logs(
     if not found:
         raise InputError("no log was named; give files, folders, globs or URLs, or a manifest that names some")
     return sorted(found.values(), key=lambda log: natural(log.path))
+
+
+def _lack(name: str) -> str:
+    if "://" in name or Path(name).is_dir():
+        return f"no log there or below; expected files that end in {' '.join(SUFFIXES)}, or folders of ROS 2 bags"
+    if glob.has_magic(name):
+        return "no file matches; check the path and the pattern"
+    return "no such file or directory; check the path"
 
 
 def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
@@ -147,11 +155,9 @@ def is_bag(folder: str, files: Sequence[str]) -> bool:
 
 
 def _local(name: str, folders: tuple[str, ...]) -> LogFile:
-    place = Path(name).absolute()
-    try:
+    place, stamp = Path(name).absolute(), Stamp(size=-1, changed_ns=0)
+    with suppress(OSError):  # the worker says why
         stamp = stamp_of(place)
-    except OSError:  # the worker says why
-        stamp = Stamp(size=-1, changed_ns=0)
     # Devices are numbered anew at every start.
     which = repr([(inode, *times) for _, _, inode, *times in stamp.identity])
     return LogFile(
@@ -163,21 +169,9 @@ def _local(name: str, folders: tuple[str, ...]) -> LogFile:
     )
 
 
-def _nothing(name: str) -> str:
-    kinds = " ".join(SUFFIXES)
-    if "://" in name:
-        return f"{name}: no log there; expected files that end in {kinds}, or the folder of a ROS 2 bag"
-    if Path(name).is_dir():
-        return f"{name}: no log in this folder or below; expected files that end in {kinds}, or folders of ROS 2 bags"
-    if glob.has_magic(name):
-        return f"{name}: no file matches; check the path and the pattern"
-    return f"{name}: no such file or directory; check the path"
-
-
 def _logs_at(url: str) -> list[LogFile]:
     """Return the logs at a URL: the file itself, or those in a folder or that match a glob."""
-    system, path = _open(url)
-    try:
+    with _reached(url) as (system, path):
         if any(mark in path for mark in "*["):
             return [log for match in sorted(system.glob(path), key=natural) for log in _at(system, match, ())]
         if path.lower().endswith(SUFFIXES) and not system.isdir(path):
@@ -185,30 +179,25 @@ def _logs_at(url: str) -> list[LogFile]:
         listed = system.walk(path, detail=True)
         name = path.rstrip("/").rpartition("/")[2]
         return list(_below(path, name, listed, lambda found, around: _at(system, found, around)[0]))
-    except UNREACHABLE as error:
-        raise _unreachable(url, error) from error
 
 
 @contextmanager
 def fetched(place: str) -> Iterator[Path]:
     """Yield a local copy of a log, under its own name; it is gone after the block."""
-    system, path = _open(place)
     with tempfile.TemporaryDirectory(prefix="friction-audit-") as folder:
-        copy = Path(folder) / path.rstrip("/").rpartition("/")[2]
-        try:
-            if system.isdir(path):
+        with _reached(place) as (system, path):
+            copy = Path(folder) / path.rstrip("/").rpartition("/")[2]
+            whole = system.isdir(path)
+            if whole:
                 copy.mkdir()
-                for file in system.find(path):
-                    system.get_file(file, str(copy / file.rpartition("/")[2]))
-            else:
-                system.get_file(path, str(copy))
-        except UNREACHABLE as error:
-            raise _unreachable(place, error) from error
+            for file in system.find(path) if whole else [path]:
+                system.get_file(file, str(copy / file.rpartition("/")[2] if whole else copy))
         yield copy
 
 
-def _open(url: str) -> tuple[Any, str]:
-    """Return the file system of a URL and the path on it."""
+@contextmanager
+def _reached(url: str) -> Iterator[tuple[Any, str]]:
+    """Yield the file system of a URL and the path on it."""
     try:
         from fsspec.core import url_to_fs
     except ImportError as error:
@@ -221,7 +210,11 @@ def _open(url: str) -> tuple[Any, str]:
         raise UsageError(f"{url}: {error}") from error
     except ValueError as error:
         raise UsageError(f"{url}: {error}; check the part before ://") from error
-    return system, str(path)
+    try:
+        yield system, str(path)
+    except UNREACHABLE as error:
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{url}: cannot be read: {said}; check the address and your access to it") from error
 
 
 def _at(system: Any, path: str, folders: tuple[str, ...]) -> list[LogFile]:  # noqa: ANN401
@@ -233,8 +226,3 @@ def _at(system: Any, path: str, folders: tuple[str, ...]) -> list[LogFile]:  # n
     changed = " ".join(versions) if all(versions) else ""
     size = -1 if None in sizes else sum(sizes)
     return [LogFile(path=url, place=url, folders=around, size=size, changed=changed)]
-
-
-def _unreachable(url: str, error: Exception) -> InputError:
-    said = " ".join(str(error).split()) or type(error).__name__
-    return InputError(f"{url}: cannot be read: {said}; check the address and your access to it")

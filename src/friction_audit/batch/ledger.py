@@ -8,11 +8,11 @@ import hashlib
 import json
 import sqlite3
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.batch.find_logs import LogFile
 from friction_audit.batch.identity import Fault, Worked
@@ -67,18 +67,19 @@ class BatchSettings:
 
     def text(self) -> str:
         """Return all that the numbers depend on, apart from the log, as JSON in a fixed order."""
-
-        def as_text(value: object) -> str:  # an arm's URDF may be written anew under its name: its content counts
-            return f"sha256 {sha256_of(value)}" if isinstance(value, Path) else str(value)
-
-        return json.dumps({"results": RESULTS_VERSION, **asdict(self)}, sort_keys=True, default=as_text)
+        # An arm's URDF may be written again under its name: its content counts.
+        return json.dumps(
+            {"results": RESULTS_VERSION, **asdict(self)},
+            sort_keys=True,
+            default=lambda one: f"sha256 {sha256_of(one)}" if isinstance(one, Path) else str(one),
+        )
 
     def key(self) -> str:
         """Return the fingerprint of the settings."""
         return hashlib.sha256(self.text().encode()).hexdigest()[:16]
 
 
-class Ledger:
+class Ledger(AbstractContextManager["Ledger"]):
     """The sessions that are known; the file is made if it is not there."""
 
     def __init__(self, path: Path) -> None:
@@ -109,17 +110,13 @@ class Ledger:
         # A broken row must not hide the others.
         self._database.text_factory = lambda content: content.decode("utf-8", "surrogateescape")
 
-    def __enter__(self) -> Self:
-        return self
-
     def __exit__(self, *_: object) -> None:
         self._database.close()  # nothing is written here that was not safe before
 
     def known_hash(self, log: LogFile) -> str | None:
         """Return the hash of a log's content if the log has not changed since it was last looked at."""
         query = "SELECT sha256 FROM files WHERE place = ? AND size = ? AND changed = ?"
-        found = self._ask(query, (encodable(log.place), log.size, log.changed))
-        return str(found[0]["sha256"]) if found else None
+        return next((str(row[0]) for row in self._ask(query, (encodable(log.place), log.size, log.changed))), None)
 
     def known_sizes(self) -> set[int]:
         """Return the sizes of all logs that were looked at; content of another size is new."""
@@ -189,8 +186,7 @@ class Ledger:
 
     def note(self, key: str) -> str | None:
         """Return a note about the ledger as a whole."""
-        found = self._ask("SELECT value FROM meta WHERE key = ?", (key,))
-        return str(found[0]["value"]) if found else None
+        return next((str(row[0]) for row in self._ask("SELECT value FROM meta WHERE key = ?", (key,))), None)
 
     def write_note(self, key: str, value: str) -> None:
         """Keep a note about the ledger as a whole."""

@@ -20,7 +20,7 @@ from friction_audit.batch.work import work_on
 from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
 from friction_audit.drift.report import ArmDrift, DriftReport, DriftSettings
 from friction_audit.drift.session import Session
-from friction_audit.errors import AnalysisError
+from friction_audit.errors import AnalysisError, few
 from friction_audit.io.files import sha256_of
 
 
@@ -29,18 +29,16 @@ def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor
     arms = arms_of(sessions)
     if len(arms) == 1:
         return analyse_drift(sessions, settings)
-    found: dict[str, ArmDrift] = {}
+    found: list[ArmDrift] = []
     for arm, drift in executor.run(partial(analyse_arm, settings=settings), arms):
         if isinstance(drift, Lost):
             raise AnalysisError(f"{arm[0].robot}: its drift cannot be analysed: {drift.message}")
-        found[drift.robot] = drift
-    return DriftReport(arms=tuple(found[robot] for robot in sorted(found)))
+        found.append(drift)
+    return DriftReport(arms=tuple(sorted(found, key=lambda one: one.robot)))
 
 
 ENDS_BYTES = 65536  # at each end of a file: the start of a recording, and the index or notes of most formats
 MOST_NAMED = 3  # copies that a warning names; more are counted
-
-
 # Takes how many logs are finished, of those that were new, and how many of them failed.
 Watch = Callable[[int, int, int], None]
 
@@ -103,9 +101,7 @@ def catch_up(
     first, late_copies = _one_of_each(first, hashes)
     named = [f"{path}: the same recording as {kept}" for path, kept in (copies | late_copies).items()]
     if named:
-        more = [f"and {len(named) - MOST_NAMED} more copies"] if len(named) > MOST_NAMED else []
-        counts = "it counts" if len(named) == 1 else "each counts"
-        warnings.append(f"{'; '.join(named[:MOST_NAMED] + more)}, byte for byte; {counts} once")
+        warnings.append(f"{'; '.join(few(named, MOST_NAMED, ' copies'))}, byte for byte; each recording counts once")
     return Standing(
         logs=tuple(first),
         hashes=hashes,
@@ -147,32 +143,22 @@ def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
     alike = Counter(ends.values())
     familiar = [log for log in strange if log.size in seen or alike[ends.get(log.place, "")] > 1]
     with ThreadPoolExecutor(thread_name_prefix="sha256") as pool:
-        for log, sha256 in zip(familiar, pool.map(_hash, familiar), strict=True):
-            if sha256 is not None:
-                known[log.place] = sha256
-                ledger.remember(log, sha256)
+        for log, hashed in [(log, pool.submit(sha256_of, Path(log.place))) for log in familiar]:
+            with suppress(OSError):  # the worker will say why
+                known[log.place] = hashed.result()
+                ledger.remember(log, known[log.place])
     return known
 
 
 def _ends(log: LogFile) -> str:
     """Return the size of a file and the hash of its ends; of the folder of a bag the size alone."""
-    path = Path(log.place)
-    if not path.is_file():
-        return f"{log.size}"
-    try:
-        with path.open("rb") as file:
-            digest = hashlib.sha256(file.read(ENDS_BYTES))
+    path, ends = Path(log.place), b""
+    if path.is_file():  # to open a pipe waits for its writer
+        with suppress(OSError), path.open("rb") as file:  # the worker will say why
+            ends = file.read(ENDS_BYTES)
             file.seek(max(0, log.size - ENDS_BYTES))
-            digest.update(file.read(ENDS_BYTES))
-    except OSError:
-        return f"{log.size}"  # the worker will say why
-    return f"{log.size} {digest.hexdigest()}"
-
-
-def _hash(log: LogFile) -> str | None:
-    with suppress(OSError):  # the worker will say why
-        return sha256_of(Path(log.place))
-    return None
+            ends += file.read(ENDS_BYTES)
+    return f"{log.size} {hashlib.sha256(ends).hexdigest()}"
 
 
 def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[list[LogFile], dict[str, str]]:
@@ -182,21 +168,18 @@ def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[li
     else whose name holds a date; else that was changed first. Another name might give the session another date.
     """
     content = {log.place: hashes.get(log.place, log.place) for log in logs}
-    alike = Counter(pattern for pattern, _ in {(_pattern(log), content[log.place]) for log in logs})
+    # Names without their numbers.
+    patterns = {log.place: re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2]) for log in logs}
+    alike = Counter(pattern for pattern, _ in {(patterns[log.place], content[log.place]) for log in logs})
 
     def fitness(log: LogFile) -> tuple[bool, int, bool, int]:
         changed = log.changed.partition(" ")[0]
         dated = time_in_name([log.path.rpartition("/")[2]]) is not None
-        return log.row is None, -alike[_pattern(log)], not dated, int(changed) if changed.isdecimal() else 0
+        return log.row is None, -alike[patterns[log.place]], not dated, int(changed) if changed.isdecimal() else 0
 
     kept = {content[log.place]: log for log in sorted(logs, key=fitness, reverse=True)}
     copies = {log.path: kept[content[log.place]].path for log in logs if kept[content[log.place]] is not log}
     return [log for log in logs if log.path not in copies], copies
-
-
-def _pattern(log: LogFile) -> str:
-    """Return a log's name without its numbers."""
-    return re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2])
 
 
 def _work_through(

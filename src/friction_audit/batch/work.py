@@ -7,7 +7,7 @@ hands the work out imports no more than the names of it.
 import math
 import socket
 import traceback
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
@@ -83,8 +83,7 @@ def _work_on(settings: BatchSettings, path: Path) -> Worked:
         worked = _arms(settings, path)
         if stamp() == before:
             return worked
-    message = "the file changed while it was read; run the same command again when it is finished"
-    return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
+    raise InputError("the file changed while it was read; run the same command again when it is finished")
 
 
 def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
@@ -97,11 +96,8 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
         return Worked(sha256=session.sha256, sessions=(replace(session, topic=topic),))
     except SeveralLogsError as several:
         arms = [_arms(settings, path, one) for one in several.topics]
-        return Worked(
-            sha256=arms[0].sha256,
-            sessions=tuple(one for arm in arms for one in arm.sessions),
-            faults=tuple(one for arm in arms for one in arm.faults),
-        )
+        sessions, faults = [one for arm in arms for one in arm.sessions], [one for arm in arms for one in arm.faults]
+        return Worked(sha256=arms[0].sha256, sessions=tuple(sessions), faults=tuple(faults))
     except FrictionAuditError as error:
         fault = Fault(message=str(error), topic=topic)
     except MemoryError:
@@ -109,10 +105,9 @@ def _arms(settings: BatchSettings, path: Path, topic: str = "") -> Worked:
     except Exception as error:  # noqa: BLE001 - a bug that one log shows must not cost the others
         message = f"a bug of friction-audit, please report it: {type(error).__name__}: {error}"
         fault = Fault(message=message, topic=topic, lasting=False, detail=traceback.format_exc())
-    sha256 = ""
-    with suppress(OSError):  # a log that cannot even be read
-        sha256 = sha256_of(path)
-    return Worked(sha256=sha256, faults=(replace(fault, lasting=fault.lasting and bool(sha256)),))
+    with suppress(OSError):
+        return Worked(sha256=sha256_of(path), faults=(fault,))
+    return Worked(sha256="", faults=(replace(fault, lasting=False),))  # a log that cannot even be read
 
 
 def session_of(estimate: Estimate, discrepancy: "Discrepancy | None" = None) -> Session:
@@ -229,15 +224,18 @@ def _renamed(worked: Worked, here: str, name: str) -> Worked:
         warnings = tuple(said(one) if isinstance(one, str) else one.renamed(here, name) for one in session.warnings)
         return replace(session, path=name, warnings=warnings)
 
-    sessions = tuple(map(named, worked.sessions))
     faults = tuple(replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults)
-    return replace(worked, sessions=sessions, faults=faults)
+    return replace(worked, sessions=tuple(map(named, worked.sessions)), faults=faults)
 
 
 def recording_of(estimate: Estimate) -> Recording:
     """Return what is compared of an estimate."""
-    session, payload, friction = session_of(estimate), estimate.settings.torque.payload, estimate.settings.friction
-    held = replace(session.conditions, payload=_payload(payload))
+    session, payload, friction = (
+        session_of(estimate),
+        estimate.settings.torque.payload or (),
+        estimate.settings.friction,
+    )
+    held = replace(session.conditions, payload=", ".join(f"{number:g}" for number in payload))
     return Recording(
         session=replace(session, conditions=held),
         joints=len(estimate.log.joint_names),
@@ -253,20 +251,15 @@ def recording_of_document(document: Mapping[str, Any], path: Path) -> Recording:
         source, settings = document["source"], document["settings"]
         chosen, friction = settings["torque_chosen"], settings["friction"]
         conditions = Conditions(
-            drive=str(chosen["drive"]),
+            **{name: str(chosen[name]) for name in ("drive", "gravity", "inertia")},
             torque=str(chosen["source"]),
-            gravity=str(chosen["gravity"]),
-            inertia=str(chosen["inertia"]),
-            payload=_payload(settings["torque"]["payload"]),
+            payload=", ".join(f"{number:g}" for number in settings["torque"]["payload"] or ()),
             rate_hz=float(source["rate_hz"]),
         )
         session = Session(
             path=str(path),
-            sha256=str(source["sha256"]),
-            robot=str(source["robot"]),
-            start_s=None if source["start_s"] is None else float(source["start_s"]),
+            **{name: source[name] for name in ("sha256", "robot", "start_s", "duration_s")},
             start_from="nothing" if source["start_s"] is None else "log",
-            duration_s=float(source["duration_s"]),
             conditions=conditions,
             joints=tuple(_joint(one) for one in document["joints"]),
             codes=tuple(str(one["code"]) for one in document.get("warnings", ())),
@@ -305,7 +298,3 @@ def _number(found: float | None) -> float:
     if math.isinf(number):
         raise ValueError(number)
     return number
-
-
-def _payload(found: Iterable[float] | None) -> str:
-    return "" if found is None else ", ".join(f"{number:g}" for number in found)

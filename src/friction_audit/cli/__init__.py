@@ -50,9 +50,6 @@ class _Group(TyperGroup):
         super().__init__(**settings)
         self.commands: Any = dict.fromkeys(NAMES)  # a misspelt one is compared with these names
 
-    def list_commands(self, ctx: Any) -> list[str]:  # noqa: ANN401, ARG002 - as above
-        return list(NAMES)
-
     def get_command(self, ctx: Any, cmd_name: str) -> Any:  # noqa: ANN401, ARG002 - as above
         return command_of(cmd_name) if cmd_name in NAMES else None
 
@@ -96,26 +93,22 @@ def main(argv: list[str] | None = None) -> None:
     try:
         with own_process() if argv is None else nullcontext():
             app(args=argv, prog_name="friction-audit")
-    except FrictionAuditError as error:
-        _fail(error)
-    except (MemoryError, RecursionError, OverflowError, OSError) as error:
+    except (FrictionAuditError, MemoryError, RecursionError, OverflowError, OSError) as error:
         reason = _in_words(error, " ".join(sys.argv[1:] if argv is None else argv))
         if reason is None:
             raise
-        _fail(reason)
+        remark(f"error: {reason}")
+        sys.exit(reason.exit_code)
     finally:
         gc.freeze()  # the process ends: a search of the libraries' objects for garbage is of no use
 
 
-def _fail(error: FrictionAuditError) -> None:
-    remark(f"error: {error}")
-    sys.exit(error.exit_code)
-
-
 def _in_words(error: Exception, command: str) -> FrictionAuditError | None:
-    """Return what an error of the machine means for the command, None if it is a bug."""
+    """Return what an error means for the command, also one of the machine; None if it is a bug."""
     where = shortened(command, LONGEST_COMMAND)
     match error:
+        case FrictionAuditError():
+            return error
         case MemoryError():
             advice = "look at a part of the log with --t-start and --t-end, or --joints, or use a machine with more"
             return InputError(f"{where}: not enough memory{f' ({error})' if str(error) else ''}; {advice}")

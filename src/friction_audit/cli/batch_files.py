@@ -12,7 +12,7 @@ from friction_audit.cli import chain
 from friction_audit.cli.batch_report import RESULTS, Batch, BatchAnswer
 from friction_audit.cli.console import DAMAGED, EXCEEDED, UNTESTABLE
 from friction_audit.drift.report import ArmDrift
-from friction_audit.errors import AnalysisError, InputError
+from friction_audit.errors import AnalysisError, InputError, few
 from friction_audit.io.files import whole_file
 from friction_audit.io.writers.tables import write_rows
 from friction_audit.reporting.drift import BatchSummary, write_batch_document
@@ -75,17 +75,12 @@ def _summarise(batch: Batch, standing: Standing, command: str) -> BatchSummary:
 
 def _require_an_answer(result: BatchResult) -> None:
     """Refuse a batch without a session, or without any coefficient in all of them, with the reasons."""
-
-    def named(lines: list[str]) -> str:
-        more = [f"and {len(lines) - MOST_NAMED} more"] if len(lines) > MOST_NAMED else []
-        return "".join(f"\n  {line}" for line in lines[:MOST_NAMED] + more)
-
     if not result.sessions:
         lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
-        raise InputError(f"none of {len(lines)} logs can be used:{named(lines)}")
+        raise InputError("\n  ".join([f"none of {len(lines)} logs can be used:", *few(lines, MOST_NAMED)]))
     if all(joint.reason for session in result.sessions for joint in session.joints):
         lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
-        raise AnalysisError(f"no joint of any session has an estimate:{named(lines)}")
+        raise AnalysisError("\n  ".join(["no joint of any session has an estimate:", *few(lines, MOST_NAMED)]))
 
 
 def _write_tables(summary: BatchSummary, folder: Path) -> None:
@@ -121,6 +116,6 @@ def _prefixes(arms: Sequence[ArmDrift]) -> dict[str, str]:
         return {robots[0]: ""}
     names = [re.sub(r"[^\w.-]+", "-", robot[:LONGEST_PREFIX]).strip("-.") or "robot" for robot in robots]
     # Different arms may be alike as files are named.
-    earlier = [names[:place].count(name) for place, name in enumerate(names)]
-    numbers = [f"-{count + 1}" if count else "" for count in earlier]
-    return {robot: f"{name}{number}-" for robot, name, number in zip(robots, names, numbers, strict=True)}
+    alike = [names[: place + 1].count(name) for place, name in enumerate(names)]
+    numbered = (f"{name}-{count}-" if count > 1 else f"{name}-" for name, count in zip(names, alike, strict=True))
+    return dict(zip(robots, numbered, strict=True))

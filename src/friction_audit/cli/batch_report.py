@@ -18,7 +18,7 @@ from friction_audit.cli.choices import flag, group, option
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.grouped_help import DRIFT, RUNNING, SESSIONS, command_line
 from friction_audit.cli.outputs import check_junit, write_junit
-from friction_audit.errors import UsageError, encodable
+from friction_audit.errors import UsageError, encodable, few
 
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor, LocalExecutor
@@ -180,9 +180,8 @@ class Batch:
         drawn = sorted(path for figure in figures for path in self.folder.glob(figure))
         existing = [str(path) for path in (*(self.folder / name for name in RESULTS), *drawn) if path.exists()]
         if existing:
-            more = f" and {len(existing) - MOST_NAMED} more" if len(existing) > MOST_NAMED else ""
             raise UsageError(
-                f"{', '.join(existing[:MOST_NAMED])}{more}: made with other settings; nothing was computed; use "
+                f"{', '.join(few(existing, MOST_NAMED))}: made with other settings; nothing was computed; use "
                 "--overwrite to replace them (the ledger keeps the numbers of both), or another folder with -o"
             )
 

@@ -14,7 +14,7 @@ import typer
 from friction_audit.cli import options as opt
 from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, EXCEEDED, Voice, remark
-from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.errors import AnalysisError, UsageError, few
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.files import check_place, keep_input
 from friction_audit.joint_numbers import parse_joint_numbers
@@ -106,12 +106,7 @@ def warn_about(log: "JointLog", notices: "Iterable[Notice]", voice: Voice, *, ma
     voice.warn(lines, f"{', '.join(kinds)}{legend}" if len(data + physics) > 1 or (marked and physics) else "")
 
 
-def require_an_estimate(result: "Estimate") -> None:
-    """Refuse a result without any coefficient, with the reason of each joint."""
-    require_one(result.log, result.friction.joints, "no joint has an estimate")
-
-
-def require_one(log: "JointLog", joints: "Sequence[Reasoned]", lack: str) -> None:
+def require_one(log: "JointLog", joints: "Sequence[Reasoned]", lack: str = "no joint has an estimate") -> None:
     """Refuse a result in which every joint has a reason why it has none."""
     from friction_audit.reporting.notices import reason_lines
 
@@ -130,28 +125,19 @@ def exit_if_strict(codes: Mapping[str, Iterable[str]], *, strict: bool) -> None:
     """If asked to, exit with the code of a limit where warnings of a log, by its path, are about the physics."""
     from friction_audit.reporting.notices import AS_ASKED, is_physics
 
-    doubts = [
-        (path, dict.fromkeys(code for code in some if is_physics(code) and code not in AS_ASKED))
-        for path, some in codes.items()
-    ]
-    lines = [f"{path}: {', '.join(some)}" for path, some in doubts if some]
+    doubts = {path: [one for one in some if is_physics(one) and one not in AS_ASKED] for path, some in codes.items()}
+    lines = [f"{path}: {', '.join(dict.fromkeys(some))}" for path, some in doubts.items() if some]
     if strict and lines:
-        more = f"; and {len(lines) - MOST_NAMED} more" if len(lines) > MOST_NAMED else ""
         remark(
-            f"error: --strict: warnings about the physics: {'; '.join(lines[:MOST_NAMED])}{more}; expected none; the "
+            f"error: --strict: warnings about the physics: {'; '.join(few(lines, MOST_NAMED))}; expected none; the "
             "results are complete; do what the warnings say, or leave out --strict"
         )
         raise typer.Exit(EXCEEDED)
 
 
-def is_damaged(log: "JointLog") -> bool:
-    """Return True if part of the input is missing from a log."""
-    return any(found.damaged for found in log.source.findings)
-
-
 def exit_if_damaged(log: "JointLog") -> None:
     """Exit with the code for a result that part of the input is missing from."""
-    if is_damaged(log):
+    if any(found.damaged for found in log.source.findings):
         raise typer.Exit(DAMAGED)
 
 

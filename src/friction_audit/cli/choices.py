@@ -6,6 +6,8 @@ shell completes them.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, fields
+from functools import partial
+from importlib import import_module
 from typing import Any, TypeVar, dataclass_transform
 
 import typer
@@ -32,18 +34,13 @@ EFFECTS, IMAGE_FORMATS = registry.NAMES, figure_style.FORMATS
 EXPORTS = ("mcap", "csv", "parquet")
 
 
-def scenarios() -> list[str]:
-    """Return the names of the scenarios."""
-    from friction_audit.simulation.scenarios import SCENARIOS
-
-    return [scenario.name for scenario in SCENARIOS]
+def names_in(module: str, registry: str) -> list[str]:
+    """Return the names in a registry whose module loads numerics."""
+    return [one.name for one in getattr(import_module(f"friction_audit.{module}"), registry)]
 
 
-def dialects() -> list[str]:
-    """Return the names of the dialects that logs are written in."""
-    from friction_audit.io.writers.write_log import WRITERS
-
-    return [writer.name for writer in WRITERS]
+scenarios = partial(names_in, "simulation.scenarios", "SCENARIOS")
+dialects = partial(names_in, "io.writers.write_log", "WRITERS")
 
 
 def completed_by(names: Callable[[], Sequence[str]], *, several: bool = False) -> Callable[[str], list[str]]:

@@ -84,11 +84,11 @@ class Voice:
 
         Yield what takes the share of it that is done, None where it is not shown.
         """
-        if self.course is None and self._watched:
-            with _course([1.0]) as course, replace(self, course=course).step(name) as report:
-                yield report
-            return
-        with self._timed(name), self.course.stage(name) if self.course else nullcontext() as report:
+        with (
+            nullcontext(self) if self.course else self.stages(1) as voice,
+            self._timed(name),
+            voice.course.stage(name) if voice.course else nullcontext() as report,
+        ):
             yield report
 
     @contextmanager
@@ -98,7 +98,7 @@ class Voice:
         Args:
             lengths: How many steps, or how long each takes compared with the others, from which the time left follows.
         """
-        if not self._watched:
+        if self.quiet or not sys.stderr.isatty():
             yield self
             return
         with _course([1.0] * lengths if isinstance(lengths, int) else lengths) as course:
@@ -107,12 +107,8 @@ class Voice:
     @contextmanager
     def count(self, name: str) -> Iterator[Count | None]:
         """Show how many pieces of work are done and how long the others will take; yield what takes the counts."""
-        with self._timed(name), _course([1.0]) if self._watched else nullcontext() as course:
-            yield None if course is None else partial(course.count, name)
-
-    @property
-    def _watched(self) -> bool:
-        return sys.stderr.isatty() and not self.quiet
+        with self._timed(name), self.stages(1) as voice:
+            yield partial(voice.course.count, name) if voice.course else None
 
     @contextmanager
     def _timed(self, name: str) -> Iterator[None]:

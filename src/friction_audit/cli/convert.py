@@ -7,7 +7,7 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli import options as opt
-from friction_audit.cli.choices import flag, parse_joints
+from friction_audit.cli.choices import completed_by, dialects, flag, option, parse_joints
 from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import OUTPUT
 from friction_audit.cli.outputs import show_written
@@ -19,16 +19,13 @@ EXAMPLES = """Examples:
   friction-audit convert --list-dialects"""
 
 
-DIRECTORY = "(folder)"
-
-
 def _list_dialects(wanted: bool) -> None:
     if wanted:
         from friction_audit.io.writers.write_log import WRITERS
 
         width = max(len(writer.name) for writer in WRITERS)
         for writer in WRITERS:
-            say(f"{writer.name:<{width}}  {writer.suffix or DIRECTORY:<9}  {writer.summary}")
+            say(f"{writer.name:<{width}}  {writer.suffix or '(folder)':<9}  {writer.summary}")
         raise typer.Exit
 
 
@@ -38,8 +35,11 @@ def command(
     selection: opt.SelectionOptions,
     reading: opt.ReadingOptions,
     general: opt.GeneralOptions,
-    dialect: str | None = opt.dialect_option(
-        OUTPUT, "One of --list-dialects. Default: the first one with OUT's suffix."
+    dialect: str | None = option(
+        "One of --list-dialects. Default: the first one with OUT's suffix.",
+        metavar="NAME",
+        autocompletion=completed_by(dialects),
+        panel=OUTPUT,
     ),
     list_dialects: bool = flag(  # noqa: ARG001 - its callback acts on it
         "List the dialects and stop.", callback=_list_dialects, is_eager=True, panel=OUTPUT

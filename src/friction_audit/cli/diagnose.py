@@ -49,10 +49,12 @@ class DiagnosisOptions:
     at_most: float = option(
         "Of a longer log, so much is diagnosed, in parts spread over it [min].", default=5.0, metavar="MINUTES"
     )
-    joint_model: Path | None = opt.joint_model_option(
-        DIAGNOSIS,
+    joint_model: Path | None = option(
         "Nominal model of the joints, e.g. model.toml of an earlier diagnosis. Default: inertia, Coulomb and "
         "viscous friction.",
+        metavar="FILE.toml",
+        exists=True,
+        dir_okay=False,
     )
 
 

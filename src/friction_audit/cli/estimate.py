@@ -50,7 +50,7 @@ def command(
         joints, json = result.friction.joints, shared.general.json
         if not json:
             chain.warn_about(recorded, estimate_notices(result), stages, marked=not all(one.reason for one in joints))
-        chain.require_an_estimate(result)
+        chain.require_one(recorded, joints)
         document = partial(estimate_document, result, chain.reading_settings(options))
         text = out.write_document(DOCUMENT, document, json=json)
         out.write_csv(HISTORY, history_table(result))

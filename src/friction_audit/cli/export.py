@@ -79,7 +79,7 @@ def command(
         with chain.loading("friction_audit.friction.estimate"):
             log = chain.read_torque(source, shared, voice)
         estimate = chain.estimate(log, audit, voice)
-        chain.require_an_estimate(estimate)
+        chain.require_one(estimate.log, estimate.friction.joints)
     joints = of_estimate(estimate) if estimate else read_result(result or source, options.arm)
     with voice.step(f"write {out}"):
         export = export_friction(joints, target, out, settings, into=into, estimate=estimate)

@@ -61,8 +61,11 @@ def command(
     _print(entries, voice, json=general.json)
     if len(codes) == len(entries):
         raise typer.Exit(max(codes))
-    if codes or any(entry.summary is not None and chain.is_damaged(entry.summary.log) for entry in entries):
+    if codes:
         raise typer.Exit(DAMAGED)
+    for entry in entries:
+        if entry.summary is not None:
+            chain.exit_if_damaged(entry.summary.log)
 
 
 def _read(path: Path, options: "ReadOptions", topics: "tuple[Topic, ...]", voice: Voice) -> "JointLog":

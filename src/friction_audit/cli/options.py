@@ -55,16 +55,6 @@ JUNIT = (
 JUnit = Annotated[Path | None, described(JUNIT, metavar="FILE.xml", panel=panel.DRIFT)]
 
 
-def joint_model_option(panel: str, text: str) -> Any:  # noqa: ANN401
-    """Return the option that names the file of a joint model."""
-    return option(text, "--joint-model", metavar="FILE.toml", exists=True, dir_okay=False, panel=panel)
-
-
-def dialect_option(heading: str, text: str) -> Any:  # noqa: ANN401
-    """Return the option that names the dialect of a log to be written."""
-    return option(text, metavar="NAME", autocompletion=choices.completed_by(choices.dialects), panel=heading)
-
-
 def fail_on_option(example: str, changed: str, tested: str) -> Any:  # noqa: ANN401
     """Return the option that sets limits to coefficients."""
     more = f"with 7 if the {tested} cannot test this limit. Repeatable."

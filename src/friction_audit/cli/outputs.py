@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.cli.chain import check_outputs
 from friction_audit.cli.console import Voice, say
@@ -19,14 +19,7 @@ if TYPE_CHECKING:
     from friction_audit.joint_log import JointLog
 
 MCAP = "mcap"
-
-
-class FigureFile(NamedTuple):
-    """A figure written: its kind, its joint (None: all of them) and its path."""
-
-    kind: str
-    joint: int | None
-    path: Path
+Figures = Sequence[tuple[str, int | None, str]]  # kind, joint (None: all of them) and name of each
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -102,8 +95,8 @@ class ResultFolder:
 
     def write_figures(
         self, results: Mapping[str, object], joints: Sequence[int], unit: str, voice: Voice, *, each_joint: bool = False
-    ) -> list[FigureFile]:
-        """Draw figures of results, all joints on a sheet and, if asked for, each joint alone, several at a time."""
+    ) -> Figures:
+        """Draw figures of results, all joints on a sheet and, if asked for, each joint alone; return their files."""
         if self.folder is None:
             return []
         from friction_audit.parallel import in_processes, workers_for
@@ -114,7 +107,7 @@ class ResultFolder:
         alone = joints if each_joint and sheet is None else ()
         drawn = [kind.name for kind in FIGURES if kind.result in results and kind.name in self.figures]
         tasks = [
-            FigureFile(kind, joint, self.folder / name)
+            (kind, joint, name)
             for kind in drawn
             for joint, name in ((sheet, kind), *((number, f"{kind}-joint{number}") for number in alone))
         ]
@@ -122,12 +115,11 @@ class ResultFolder:
         work = partial(_content, results, tasks, self.formats, unit)
         contents = in_processes(work, len(tasks), workers_for(len(tasks)))
         files = []
-        for task in tasks:
-            with voice.step(f"draw {task.path.name}"):
+        for kind, joint, name in tasks:
+            with voice.step(f"draw {name}"):
                 for suffix, content in zip(self.formats, next(contents), strict=True):
-                    name = f"{task.path.name}.{suffix}"
-                    self.write(name, content)
-                    files.append(task._replace(path=self.folder / name))
+                    self.write(f"{name}.{suffix}", content)
+                    files.append((kind, joint, f"{self.folder / name}.{suffix}"))
         return files
 
     def write_exports(self, tables: "Sequence[TidyTable]", log: "JointLog", voice: Voice) -> list[Path]:
@@ -185,12 +177,12 @@ def show(document: str | Callable[[], Mapping[str, Any]], lines: Callable[[], It
 
 
 def _content(
-    results: Mapping[str, object], tasks: Sequence[FigureFile], formats: Sequence[str], unit: str, number: int
+    results: Mapping[str, object], tasks: Figures, formats: Sequence[str], unit: str, number: int
 ) -> list[bytes]:
     from friction_audit.reporting.figures.panels import label_in_unit
     from friction_audit.reporting.figures.style import figure_bytes
 
-    task = tasks[number]
-    kind = next(kind for kind in FIGURES if kind.name == task.kind and kind.result in results)
-    figure = label_in_unit(kind.draw(results[kind.result], task.joint), unit)
+    name, joint, _ = tasks[number]
+    kind = next(kind for kind in FIGURES if kind.name == name and kind.result in results)
+    figure = label_in_unit(kind.draw(results[kind.result], joint), unit)
     return [figure_bytes(figure, suffix) for suffix in formats]

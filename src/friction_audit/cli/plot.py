@@ -51,8 +51,7 @@ def command(
         with voice.step("diagnose"):
             results["diagnosis"] = diagnose_estimate(result, DiagnosisSettings(min_effect_nm=min_effect))
     joints, unit = result.interaction.joint_numbers, result.log.source.torque_unit
-    files = out.write_figures(results, joints, unit, voice, each_joint=True)
-    written = [(file.kind, file.joint, str(file.path)) for file in files]
+    written = out.write_figures(results, joints, unit, voice, each_joint=True)
     document = partial(plot_document, result, written, chain.reading_settings(options))
     show(document, lambda: [path for *_, path in written], json=shared.general.json)
     chain.conclude(result.log, warnings, strict=strict)

@@ -48,10 +48,13 @@ class ReplayOptions:
         one_of=choices.COMPENSATORS,
         panel=REPLAY,
     )
-    joint_model: Path | None = opt.joint_model_option(
-        REPLAY,
+    joint_model: Path | None = option(
         "Joint model, e.g. model.toml of a diagnosis; it replaces the joint fitted to the log in same-torque and "
         "same-operator, and is what --compensator model compensates.",
+        metavar="FILE.toml",
+        exists=True,
+        dir_okay=False,
+        panel=REPLAY,
     )
     factor: float = option("Scale factor on the estimated friction.", default=1.0, metavar="FACTOR", panel=REPLAY)
     model: str | None = option(

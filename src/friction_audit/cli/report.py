@@ -100,5 +100,5 @@ def command(
     show(lambda: made.REPORT.json(report, report.unit), lambda: lines, json=json)
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
-    chain.require_an_estimate(estimate)
+    chain.require_one(estimate.log, estimate.friction.joints)
     chain.conclude(recorded, made.report_notices(report), strict=wanted.strict)

@@ -75,8 +75,11 @@ def command(
     out: Path | None = option(
         "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE", panel=OUTPUT
     ),
-    dialect: str | None = opt.dialect_option(
-        GENERAL, "One of convert --list-dialects. Default: the first one with FILE's suffix."
+    dialect: str | None = option(
+        "One of convert --list-dialects. Default: the first one with FILE's suffix.",
+        metavar="NAME",
+        autocompletion=choices.completed_by(choices.dialects),
+        panel=GENERAL,
     ),
     truth: Path | None = option("Also write the true settings and effects.", metavar="FILE.json", panel=OUTPUT),
     overwrite: opt.Overwrite = False,

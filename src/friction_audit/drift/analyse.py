@@ -7,44 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from friction_audit.drift import regression
+from friction_audit.drift import report as made
 from friction_audit.drift.change_points import Step, find_isolated, find_steps, leave_outliers_out
 from friction_audit.drift.change_test import Verdict, judge_family, orthogonal
-from friction_audit.drift.covariates import (
-    CONFOUNDED,
-    choose_comparable,
-    shared,
-    use_temperature,
-)
-from friction_audit.drift.regression import (
-    PLACE_AND_SIZE,
-    STRONG_EVIDENCE,
-    Fit,
-    Model,
-    baseline_columns,
-    change_within,
-    criterion,
-    ends_model,
-    fit_model,
-    is_near_zero,
-    levels_model,
-    ramp_columns,
-    ramp_model,
-    slope_over,
-    temperature_slope,
-    to_change,
-    to_level,
-    to_relative,
-)
-from friction_audit.drift.report import (
-    FEWEST_SESSIONS,
-    ArmDrift,
-    ChangePoint,
-    CoefficientDrift,
-    ControlPoint,
-    DriftReport,
-    DriftSettings,
-    JointDrift,
-)
+from friction_audit.drift.covariates import CONFOUNDED, choose_comparable, shared, use_temperature
+from friction_audit.drift.regression import Fit, Model, to_change, to_level, to_relative
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, ControlPoint, DriftReport, DriftSettings
 from friction_audit.drift.session import COEFFICIENTS, NORMAL_95, Order, Series, Session, make_series, put_in_order
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
@@ -83,7 +52,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         compared=compared,
         reference=reference,
         left_out=tuple(left_out.items()),
-        joints=tuple(JointDrift(joint=n, name=names[n], coefficients=tuple(own)) for n, own in found.items()),
+        joints=tuple(made.JointDrift(joint=n, name=names[n], coefficients=tuple(own)) for n, own in found.items()),
         ordered_by=order.by,
         autocorrelation=max((one.autocorrelation.first for one in verdicts if one is not None), default=0.0),
         warnings=(*limits, *odd, *warnings),
@@ -134,7 +103,7 @@ def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | 
     testable = {
         i: series
         for i, series in enumerate(family)
-        if len(series.y) >= FEWEST_SESSIONS and len(series.y) > baseline_columns(series).shape[1] + 1
+        if len(series.y) >= made.FEWEST_SESSIONS and len(series.y) > regression.baseline_columns(series).shape[1] + 1
     }
     if not testable:
         return [None] * len(family)
@@ -154,7 +123,7 @@ def _shown(series: Series, y: Float, sessions: Sequence[Session]) -> dict[str, A
         "sessions": tuple(series.session.tolist()),
         "values": tuple(to_level(one, series) for one in _coefficients(np.column_stack([y, y - half, y + half]))),
         "isolated": tuple(series.session[~series.kept].tolist()),
-        "within": change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
+        "within": regression.change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
     }
 
 
@@ -174,29 +143,29 @@ def describe_series(
     shape, model, steps = _find_shape(warm, verdict, reference, settings)
     if shape == "temperature":
         series = replace(series, temperature=None)
-        model = ends_model(series.counted(), reference)
+        model = regression.ends_model(series.counted(), reference)
     counted = series.counted()
-    fit = fit_model(counted, model.columns, inflation)
+    fit = regression.fit_model(counted, model.columns, inflation)
     level = to_level(fit.interval(model.level), series)
     y = series.y
     if series.temperature is not None and counted.temperature is not None:
         y = y - fit.value[-1] * (series.temperature - np.mean(counted.temperature))
     # Where the model has the reference and the last sessions on one level, the sessions themselves give the change.
-    ends = model if np.any(model.change) else ends_model(counted, reference)
-    last = fit if ends is model else fit_model(counted, ends.columns, inflation)
+    ends = model if np.any(model.change) else regression.ends_model(counted, reference)
+    last = fit if ends is model else regression.fit_model(counted, ends.columns, inflation)
     change = last.interval(ends.change) if np.any(ends.change) else UNDETERMINED
     smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
     least = Coefficient(value=smallest, low=smallest, high=smallest)
-    relative_scatter = not series.logarithmic and not is_near_zero(level)
+    relative_scatter = not series.logarithmic and not regression.is_near_zero(level)
     return CoefficientDrift(
         **_shown(series, y, sessions),
         level=level,
         shape=shape,
         p_value=verdict.p_value,
-        temperature_slope=temperature_slope(fit, counted, abs(level.value)),
+        temperature_slope=regression.temperature_slope(fit, counted, abs(level.value)),
         temperature_c=float("nan") if counted.temperature is None else float(np.mean(counted.temperature)),
-        trend_per_session=slope_over(counted, counted.place, inflation),
-        trend_per_day=slope_over(counted, counted.day, inflation),
+        trend_per_session=regression.slope_over(counted, counted.place, inflation),
+        trend_per_day=regression.slope_over(counted, counted.day, inflation),
         trend_p_value=verdict.ramp_p_value,
         change_points=_change_points(counted, steps, fit, verdict.p_value),
         control=make_chart(series, y, fit, level, reference, settings.alpha),
@@ -217,29 +186,29 @@ def _find_shape(
 ) -> tuple[str, Model, tuple[Step, ...]]:
     """Return the shape of a series, the model that it is measured by, and its steps."""
     if verdict.p_value > settings.alpha:
-        ends, warmth = ends_model(series, reference), series.temperature
+        ends, warmth = regression.ends_model(series, reference), series.temperature
         if warmth is None or verdict.p_without_temperature > settings.alpha:
             return "none", ends, ()
         confounded = max(shared(column, warmth) for column in (series.place, *ends.columns.T[:-1])) > CONFOUNDED
         return "temperature" if confounded else "none", ends, ()
     steps = find_steps(series, settings, verdict.autocorrelation.growth)
     segment = np.searchsorted([step.place for step in steps], np.arange(len(series.y)), side="right")
-    stepped = levels_model(series, segment, reference, free=PLACE_AND_SIZE * len(steps))
-    ramp = ramp_model(series, reference)
-    better = criterion(series, stepped) - criterion(series, ramp)  # of the ramp than of the steps
+    stepped = regression.levels_model(series, segment, reference, free=regression.PLACE_AND_SIZE * len(steps))
+    ramp = regression.ramp_model(series, reference)
+    better = regression.criterion(series, stepped) - regression.criterion(series, ramp)  # of the ramp than of the steps
     shape = "ramp" if better > 0.0 else "step" if len(steps) == 1 else "steps"
-    if not abs(better) >= STRONG_EVIDENCE:
+    if not abs(better) >= regression.STRONG_EVIDENCE:
         shape = "step_or_ramp"
     return (shape, ramp, ()) if better > 0.0 else (shape, stepped, steps)
 
 
-def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> tuple[ChangePoint, ...]:
+def _change_points(series: Series, steps: Sequence[Step], fit: Fit, p_value: float) -> tuple[made.ChangePoint, ...]:
     points = []
     for k, step in enumerate(steps):
         before, after = np.eye(len(fit.value))[[k, k + 1]]
         level = to_level(fit.interval(before), series)
         points.append(
-            ChangePoint(
+            made.ChangePoint(
                 session=int(series.session[step.place]),
                 low=int(series.session[step.low]),
                 high=int(series.session[step.high]),
@@ -310,10 +279,10 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
 
     start = np.zeros(1, dtype=np.int64)
     ramp = orthogonal(
-        ramp_columns(series)[:, :1],
+        regression.ramp_columns(series)[:, :1],
         split=start,
         back=start + len(series.y),
-        base=baseline_columns(series),
+        base=regression.baseline_columns(series),
         y=series.y,
         weight=1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0)),
     )

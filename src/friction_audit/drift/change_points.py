@@ -7,17 +7,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.drift.change_test import (
-    SHORTEST_SEGMENT,
-    Directions,
-    make_directions,
-    orthogonal,
-    past_keys,
-    permute,
-    step_places,
-    studentise,
-)
-from friction_audit.drift.regression import baseline_columns, ramp_columns, robust_weight, steps_scatter
+from friction_audit.drift import change_test
+from friction_audit.drift.change_test import Directions, make_directions
+from friction_audit.drift.regression import baseline_columns, holm, ramp_columns, robust_weight, steps_scatter
 from friction_audit.drift.report import FEWEST_SESSIONS, DriftSettings
 from friction_audit.drift.session import Series
 from friction_audit.joint_log import Float
@@ -63,11 +55,11 @@ def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> 
     for count in range(2, most + 1):
         ends = [0, *places, len(y)]
         alone = [judged(a, b).p_value for a, b in pairwise(ends) if b - a >= FEWEST_SESSIONS]
-        if not alone or min(_holm(alone)) > settings.alpha:
+        if not alone or min(holm(alone)) > settings.alpha:
             break
         places = _settle(y, weight, _segmentation(y, count))
     steps = [judged(*_span(places, k, len(y))) for k in range(len(places))]
-    adjusted = _holm([step.p_value for step in steps])
+    adjusted = holm([step.p_value for step in steps])
     return tuple(replace(step, p_value=p) for step, p in zip(steps, adjusted, strict=True))
 
 
@@ -76,7 +68,8 @@ def _segmentation(y: Float, count: int) -> list[int]:
     from ruptures import KernelCPD
 
     scaled = (y - np.mean(y)) / (np.std(y) or 1.0)
-    return [int(end) for end in KernelCPD(kernel="linear", min_size=SHORTEST_SEGMENT).fit(scaled).predict(count)[:-1]]
+    search = KernelCPD(kernel="linear", min_size=change_test.SHORTEST_SEGMENT).fit(scaled)
+    return [int(end) for end in search.predict(count)[:-1]]
 
 
 def _at_like_temperature(series: Series) -> Float:
@@ -110,8 +103,8 @@ def _span(places: Sequence[int], k: int, length: int) -> tuple[int, int]:
 
 def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
     n = last - first
-    splits = step_places(n)
-    return orthogonal(
+    splits = change_test.step_places(n)
+    return change_test.orthogonal(
         (np.arange(n)[:, None] >= splits[None, :]).astype(float),
         split=splits,
         back=np.full(len(splits), n),
@@ -129,9 +122,9 @@ def _judge(directions: Directions, first: int, settings: DriftSettings, growth: 
     from scipy.stats import chi2, f
 
     length = len(directions.residual)
-    rng = past_keys(settings.permutations, length, settings.seed)
-    drawn, _ = permute([directions], [np.arange(length, dtype=float)], rng, length, settings)
-    real = np.abs(studentise(directions.residual[None, :], directions))[0] / growth
+    rng = np.random.Generator(np.random.PCG64(settings.seed).advance(settings.permutations * length))
+    drawn, _ = change_test.permute([directions], [np.arange(length, dtype=float)], rng, length, settings)
+    real = np.abs(change_test.studentise(directions.residual[None, :], directions))[0] / growth
     along = (directions.residual @ directions.direction) ** 2
     best = float(np.max(along))
     freedom = max(directions.freedom, 1)
@@ -146,12 +139,6 @@ def _judge(directions: Directions, first: int, settings: DriftSettings, growth: 
     )
 
 
-def _holm(p_values: Sequence[float]) -> list[float]:
-    from statsmodels.stats.multitest import multipletests
-
-    return [float(p) for p in multipletests(p_values, method="holm")[1]]
-
-
 def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
     """Find the sessions that differ from both neighbours on each side by far more than neighbours usually do.
 
@@ -161,8 +148,7 @@ def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
     n = len(y)
     if n < FEWEST:
         return np.zeros(n, dtype=np.bool_)
-    variance = error**2 + steps_scatter(y, error) ** 2
-    near = np.zeros(n, dtype=np.bool_)
+    variance, near = error**2 + steps_scatter(y, error) ** 2, np.zeros(n, dtype=np.bool_)
     for lag in range(1, REACH + 1):
         close = np.abs(y[lag:] - y[:-lag]) <= FAR * np.sqrt(variance[lag:] + variance[:-lag])
         near[lag:] |= close

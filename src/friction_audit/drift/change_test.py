@@ -247,7 +247,7 @@ def judge_family(family: Sequence[Series], settings: DriftSettings) -> list[Verd
     """Test all series of an arm for drift; all of their sessions count."""
     every = [make_directions(series) for series in family]
     orders, width = settings.permutations, 1 + max(int(np.max(series.place)) for series in family)
-    rng = past_keys(orders, width, settings.seed)
+    rng = np.random.Generator(np.random.PCG64(settings.seed).advance(orders * width))  # it comes after all keys
     kinds = [series.coefficient for series in family]  # series of one kind scatter alike
     of_kind = {
         kind: estimate_autocorrelation([own for own, its in zip(every, kinds, strict=True) if its == kind], rng)
@@ -297,11 +297,6 @@ def permute(
                 place, order = places[k], np.argsort(keys[:, places[k].astype(np.int64)], axis=1)
             keep(rows, k, np.abs(_studentise_orders(family[k], order)))
     return largest, largest_ramp
-
-
-def past_keys(orders: int, width: int, seed: int) -> np.random.Generator:
-    """Return the generator that comes after all keys."""
-    return np.random.Generator(np.random.PCG64(seed).advance(orders * width))
 
 
 def score(statistic: Float | float, freedom: int) -> Float:

@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 
 import numpy as np
 
@@ -20,14 +21,11 @@ CONFOUNDED = 0.8  # share of a change that the temperature follows too: beyond i
 INVALID = ("drive", "torque", "gravity", "friction model")  # where these differ, so does what is estimated
 
 # What must be the same, by its name for people.
-LIKE: tuple[tuple[str, Callable[[Session], object]], ...] = (
-    ("drive", lambda session: session.conditions.drive),
-    ("torque", lambda session: session.conditions.torque),
-    ("gravity", lambda session: session.conditions.gravity),
-    ("inertia", lambda session: session.conditions.inertia),
-    ("payload", lambda session: session.conditions.payload or "none given"),
-    ("joints", lambda session: write_joint_numbers(joint.joint for joint in session.joints)),
-)
+LIKE: Mapping[str, Callable[[Session], object]] = {
+    **{name: attrgetter(f"conditions.{name}") for name in ("drive", "torque", "gravity", "inertia")},
+    "payload": lambda session: session.conditions.payload or "none given",
+    "joints": lambda session: write_joint_numbers(joint.joint for joint in session.joints),
+}
 
 
 def choose_comparable(order: Order) -> tuple[tuple[int, ...], dict[int, str], list[str]]:
@@ -65,14 +63,14 @@ def _repeated(sessions: dict[int, Session]) -> dict[int, str]:
 
 def _unlike(sessions: dict[int, Session]) -> dict[int, str]:
     """Find the sessions outside of the largest group that is alike."""
-    keys = {i: tuple(of(session) for _, of in LIKE) for i, session in sessions.items()}
+    keys = {i: tuple(of(session) for of in LIKE.values()) for i, session in sessions.items()}
     latest, count = {key: i for i, key in keys.items()}, Counter(keys.values())
     group = max(count, key=lambda key: (count[key], latest[key]), default=())
-    unlike: dict[int, list[str]] = {i: [] for i, key in keys.items() if key != group}
-    for i, said in unlike.items():
-        each = zip(LIKE, keys[i], group, strict=True)
-        said += [f"{name} {mine}, of the others {theirs}" for (name, _), mine, theirs in each if mine != theirs]
-    return {i: "; ".join(said) for i, said in unlike.items()}
+    unlike = {i: zip(LIKE, key, group, strict=True) for i, key in keys.items() if key != group}
+    return {
+        i: "; ".join(f"{name} {mine}, of the others {theirs}" for name, mine, theirs in each if mine != theirs)
+        for i, each in unlike.items()
+    }
 
 
 def _other_rate(sessions: dict[int, Session]) -> dict[int, str]:
@@ -160,7 +158,7 @@ class Condition:
 
 def differences(before: Sequence[Recording], after: Sequence[Recording]) -> Iterator[Condition]:
     """Yield the conditions that differ, those that forbid a comparison first."""
-    values = {name: [{str(of(one.session)) for one in side} for side in (before, after)] for name, of in LIKE}
+    values = {name: [{str(of(one.session)) for one in side} for side in (before, after)] for name, of in LIKE.items()}
     values["friction model"] = [{one.method for one in side} for side in (before, after)]
     del values["joints"]
     for name, sides in sorted(values.items(), key=lambda one: one[0] not in INVALID):

@@ -37,18 +37,6 @@ class DriftSettings:
     permutations: int = 1999  # orders of the sessions that the tests are judged by
     seed: int = 0  # of the permutations: the same sessions give the same answer
 
-    def __post_init__(self) -> None:
-        """Check the ranges."""
-        if (isinstance(self.baseline, int) and self.baseline < 1) or self.baseline == ():
-            raise UsageError(f"baseline {self.baseline}: expected at least one session")
-        if not 0.0 < self.alpha < 1.0 or not 0.0 < self.power < 1.0:
-            raise UsageError(f"alpha {self.alpha:g}, power {self.power:g}: expected numbers between 0 and 1")
-        if (self.permutations + 1) * self.alpha < 1.0:
-            raise UsageError(
-                f"permutations {self.permutations}: too few for alpha {self.alpha:g}; expected at least "
-                f"{int(1.0 / self.alpha)}"
-            )
-
 
 def parse_baseline(text: str) -> int | tuple[int, ...]:
     """Return the reference of ``"5"`` (the first five sessions) or ``"3-8,10"`` (those, counted from 1)."""

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import stdtr, stdtrit
 
 from friction_audit.drift.covariates import Condition, Recording, differences
-from friction_audit.drift.regression import relative_change
+from friction_audit.drift.regression import holm, random_effects, relative_change
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, DriftSettings, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, JointSummary, SpeedCurve
 from friction_audit.errors import AnalysisError, UsageError
@@ -186,35 +186,16 @@ def _combined(recording: Recording, joint: JointSummary, parts: tuple[float, flo
 
 
 def _random_effects(found: Sequence[_Mean]) -> _Mean:
-    """Return the DerSimonian-Laird mean of recordings, with the Hartung-Knapp variance where that is larger.
-
-    Few recordings estimate the variance between them poorly; Student's t with k - 1 degrees of freedom allows for that
-    (C. Roever, G. Knapp, T. Friede, BMC Medical Research Methodology 15:99, 2015).
-    """
+    """Return the random-effects mean of recordings."""
     known = [one for one in found if np.isfinite(one.value)]
     if len(known) <= 1:
         return known[0] if known else _Mean(value=NAN, variance=NAN, freedom=NAN, recordings=0)
     values, variances = (np.array([getattr(one, name) for one in known]) for name in ("value", "variance"))
     count, scatter = len(known), float(values.var(ddof=1))
-    if not np.all(np.isfinite(variances) & (variances > 0.0)):  # estimates without intervals: their scatter alone
-        return _Mean(
-            value=float(values.mean()), variance=scatter / count, freedom=count - 1, between=scatter, scatter=scatter,
-            recordings=count,
-        )  # fmt: skip
-    from statsmodels.stats.meta_analysis import combine_effects
-
-    with np.errstate(all="ignore"):  # statsmodels does not cut the variance between recordings at zero
-        result = combine_effects(values, variances, method_re="dl")
-    kind = "re" if result.tau2 > 0.0 else "fe"
-    errors = getattr(result, f"sd_eff_w_{kind}"), getattr(result, f"sd_eff_w_{kind}_hksj")
-    return _Mean(
-        value=float(getattr(result, f"mean_effect_{kind}")),
-        variance=float(max(errors) ** 2),
-        freedom=count - 1,
-        between=max(float(result.tau2), 0.0),
-        scatter=scatter,
-        recordings=count,
-    )
+    value, variance, between = float(values.mean()), scatter / count, scatter
+    if np.all(np.isfinite(variances) & (variances > 0.0)):  # else estimates without intervals: their scatter alone
+        value, variance, between = random_effects(values, variances)
+    return _Mean(value=value, variance=variance, freedom=count - 1, between=between, scatter=scatter, recordings=count)
 
 
 def _with_between(one: _Mean, other: _Mean) -> _Mean:
@@ -254,13 +235,11 @@ def _tested(every: Mapping[tuple[int, str], tuple[_Mean, _Mean]]) -> dict[tuple[
 
     The smallest detectable change is at the level of the adjusted test.
     """
-    from statsmodels.stats.multitest import multipletests
-
     p_values = {key: _p_value(_difference(*sides)) for key, sides in every.items()}
     known = {key: p for key, p in p_values.items() if np.isfinite(p)}
-    adjusted = multipletests([*known.values()], method="holm")[1].tolist() if known else []
-    holm, level = dict(zip(known, adjusted, strict=True)), 1.0 - SETTINGS.alpha / max(len(known), 1)
-    return {key: _change(key[1], sides, p_values[key], holm.get(key, NAN), level) for key, sides in every.items()}
+    adjusted = dict(zip(known, holm([*known.values()]) if known else (), strict=True))
+    level = 1.0 - SETTINGS.alpha / max(len(known), 1)
+    return {key: _change(key[1], sides, p_values[key], adjusted.get(key, NAN), level) for key, sides in every.items()}
 
 
 def _p_value(change: _Mean) -> float:
