@@ -27,19 +27,12 @@ RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Equations:
-    """Weighted equations of one joint, summed by group (a cycle, or a stroke).
+    """Weighted equations of one joint, summed by group (a cycle, or a stroke)."""
 
-    Attributes:
-        names: Names of the p columns; those of the friction model come first.
-        normal: A_g^T W A_g per group, shape (m, p, p).
-        right: A_g^T W y_g per group, shape (m, p).
-        scale: Lengths by which the columns were divided, shape (p,).
-    """
-
-    names: tuple[str, ...]
-    normal: Float
-    right: Float
-    scale: Float
+    names: tuple[str, ...]  # names of the p columns; those of the friction model come first
+    normal: Float  # A_g^T W A_g per group, shape (m, p, p)
+    right: Float  # A_g^T W y_g per group, shape (m, p)
+    scale: Float  # lengths by which the columns were divided, shape (p,)
 
     def conditioning(self) -> tuple[float, float]:
         """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""

@@ -36,25 +36,15 @@ REASONS = {
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Plan:
-    """How the torque will be made.
+    """How the torque will be made."""
 
-    Attributes:
-        source: Key of CHANNELS.
-        gravity: ``"logged"``, ``"model"``, ``"in-torque"`` or ``"removed"``.
-        drives: Rows of the balance to try, in order; one if the user chose.
-        inertia: True if the robot row removes inertial and Coriolis torque.
-        arm: The rigid-body model, or None.
-        reason: Why this source.
-        warnings: What the user must know.
-    """
-
-    source: str
-    gravity: str
-    drives: tuple[str, ...]
-    inertia: bool
-    arm: Arm | None
-    reason: str
-    warnings: tuple[Caution, ...]
+    source: str  # key of CHANNELS
+    gravity: str  # ``"logged"``, ``"model"``, ``"in-torque"`` or ``"removed"``
+    drives: tuple[str, ...]  # rows of the balance to try, in order; one if the user chose
+    inertia: bool  # True if the robot row removes inertial and Coriolis torque
+    arm: Arm | None  # the rigid-body model, or None
+    reason: str  # why this source
+    warnings: tuple[Caution, ...]  # what the user must know
 
 
 def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Plan:
