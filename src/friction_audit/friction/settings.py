@@ -14,11 +14,7 @@ FEWEST_CYCLES = 4  # with fewer a jackknife has too few degrees of freedom
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FrictionSettings:
-    """Settings of the estimate.
-
-    Raises:
-        UsageError: If a name is unknown or the window too short for the model.
-    """
+    """Settings of the estimate."""
 
     # ``"weighted"`` (the default: rows weighted by their noise, extra columns) or ``"paper"``
     estimator: str = "weighted"
@@ -28,7 +24,6 @@ class FrictionSettings:
     compare: bool = True  # also regress the torque itself
 
     def __post_init__(self) -> None:
-        """Check names and the window."""
         if self.estimator not in ESTIMATORS:
             raise UsageError(f"--estimator {self.estimator}: expected one of {', '.join(ESTIMATORS)}")
         if self.model not in MODELS:

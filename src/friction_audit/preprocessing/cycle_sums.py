@@ -75,7 +75,9 @@ def _events(velocity: Float, initiation: float, termination: float, *, moving: b
         piece = velocity[first : first + BLOCK]
         speed = np.abs(piece)
         # Between both thresholds the joint keeps the state of the sample before: it changes at one of these edges.
-        slow, fast = (_rises(one) for one in (speed < termination, speed > initiation))
+        slow, fast = (
+            np.flatnonzero(np.append(one[:1], one[1:] > one[:-1])) for one in (speed < termination, speed > initiation)
+        )
         known = np.append(slow, fast)
         order = np.argsort(known)
         states = order >= len(slow)
@@ -88,11 +90,6 @@ def _events(velocity: Float, initiation: float, termination: float, *, moving: b
         found[2].append(begin + 1 + np.flatnonzero(near[1:] * near[:-1] <= 0.0))
     stops, starts, turns = (np.concatenate(one) for one in found)
     return stops, starts, turns
-
-
-def _rises(is_so: NDArray[np.bool_]) -> Int:
-    """Return the places at which something begins to be so."""
-    return np.flatnonzero(np.append(is_so[:1], is_so[1:] > is_so[:-1]))
 
 
 def groups(borders: Int) -> Iterator[slice]:

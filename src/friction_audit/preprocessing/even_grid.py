@@ -40,9 +40,7 @@ MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, 
 def kaiser_low_pass(corner_hz: float, rate_hz: float) -> Float:
     """Return the weights of a symmetric low-pass with 60 dB in the stop band, an odd number of them, sum 1.
 
-    Args:
-        corner_hz: Half of the amplitude passes here, none from twice of it on. [Hz]
-        rate_hz: Of the samples. [Hz]
+    Half of the amplitude passes at the corner, none from twice of it on.
     """
     share = 2.0 * corner_hz / rate_hz
     taps = int(np.ceil((STOPBAND_DB - 7.95) / (2.285 * np.pi * share) + 1.0)) | 1

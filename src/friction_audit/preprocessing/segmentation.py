@@ -49,15 +49,7 @@ Thresholds = tuple[float, float]
 
 
 def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyCycles:
-    """Find the energy cycles of every joint of a log in memory and add up their energies.
-
-    Args:
-        interaction: Motion and torque at the friction port.
-        settings: Thresholds and rules.
-
-    Returns:
-        All cycles, the rejected ones included, with the reason.
-    """
+    """Find all energy cycles of every joint of a log in memory, also those that are rejected."""
     rate_hz, hand, signal = 1.0 / median_step(interaction.t), None, None
     if settings.cycles_from == "hand":
         assert interaction.hand_speed is not None, "the interaction was extracted without the hand's speed"

@@ -17,11 +17,7 @@ CYCLES_FROM = ("joint", "hand")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CycleSettings:
-    """Settings of the segmentation; the defaults are the paper's (section V).
-
-    Raises:
-        UsageError: If a number is out of range or a name unknown.
-    """
+    """Settings of the segmentation; the defaults are the paper's (section V)."""
 
     thresholds: str = "fixed"  # ``"fixed"`` (the two below) or ``"auto"`` (from the log's own noise and speeds)
     initiation_rad_s: float = 0.2  # filtered speed above which a cycle begins [rad/s]
@@ -37,7 +33,6 @@ class CycleSettings:
     closure_rad: float = 0.05  # a cycle whose ends are further apart is open in position [rad]
 
     def __post_init__(self) -> None:
-        """Check names and ranges."""
         if self.thresholds not in THRESHOLDS:
             raise UsageError(f"--thresholds {self.thresholds}: expected one of {', '.join(THRESHOLDS)} or two numbers")
         if self.cycles_from not in CYCLES_FROM:
@@ -64,11 +59,7 @@ CHOICES = {"torque": TORQUES, "gravity": GRAVITIES, "inertia": INERTIAS, "drive"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueSettings:
-    """Choices of the interaction torque; ``"auto"`` leaves them to the log.
-
-    Raises:
-        UsageError: If a choice is not one of the names, or a number out of range.
-    """
+    """Choices of the interaction torque; ``"auto"`` leaves them to the log."""
 
     torque: str = "auto"  # source channel, one of TORQUES
     gravity: str = "auto"  # where gravity comes from, one of GRAVITIES
@@ -82,7 +73,6 @@ class TorqueSettings:
     model_rate_hz: float = 50.0  # rate at which the rigid-body model is evaluated [Hz]
 
     def __post_init__(self) -> None:
-        """Check every choice against its names."""
         for name, allowed in CHOICES.items():
             if getattr(self, name) not in allowed:
                 raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
@@ -100,13 +90,7 @@ class TorqueSettings:
             )
 
     def command(self, log: str, *more: str, **changed: str | None) -> str:
-        """Return the command to paste that does the same with other choices: the user's own, else ``estimate``.
-
-        Args:
-            log: Path of the log.
-            more: Further options of ``estimate``.
-            changed: Choices to be made otherwise, by name.
-        """
+        """Return the command to paste that makes some choices otherwise: the user's own, else ``estimate`` of a log."""
         words = shlex.split(GIVEN.get()) or ["friction-audit", "estimate", log, *more]
         for one in fields(self):
             value = changed.get(one.name, getattr(self, one.name))

@@ -65,13 +65,7 @@ def coarse_log(log: JointLog) -> CoarseLog:
 
 
 def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:
-    """Judge for every joint whether the net energy rises.
-
-    Args:
-        log: Motion.
-        torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
-        dead_torque: Numbers (1..j) of joints whose torque channel records nothing.
-    """
+    """Judge for every joint whether the net energy of F_m + u, shape (m, j), rises; some (1..j) have a dead torque."""
     found = per_joint(lambda joint: _judge(log, joint, torque[:, joint]), log.q.shape[1])
     return tuple(replace(one, verdict="no_torque") if one.joint in dead_torque else one for one in found)
 

@@ -48,11 +48,7 @@ class Plan:
 
 
 def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Plan:
-    """Decide how the torque is made.
-
-    Raises:
-        UsageError: If the settings contradict each other or the log.
-    """
+    """Decide how the torque is made; settings that contradict each other or the log are a UsageError."""
     settings = _in_newton_metres(log, settings)
     _check_settings(log, settings)
     robot = known_robot(log, settings)
@@ -218,11 +214,7 @@ def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
 
 
 def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
-    """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths.
-
-    Raises:
-        UsageError: If no model of this arm is known.
-    """
+    """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths."""
     if known_robot(log, settings) not in (*MODELS, "fr3"):
         raise UsageError(
             f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name one "
@@ -232,11 +224,7 @@ def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
 
 
 def known_arm(log: JointLog, settings: TorqueSettings, choice: TorqueChoice) -> Arm | None:
-    """Return the model that the torque was made with, or that the log or the user names; None where none is known.
-
-    Raises:
-        UsageError: If a URDF was given that cannot be read.
-    """
+    """Return the model that the torque was made with, or that the log or the user names; None where none is known."""
     robot = known_robot(log, settings)
     panda = robot == "panda" and len(log.joint_names) == PANDA_JOINTS
     return _load(log, settings) if robot == "urdf" or panda or choice.robot != "none" else None
