@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.friction.history import (
+    COLUMNS,
     NAN,
     UNDETERMINED,
     UNITS,
@@ -174,17 +175,12 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettin
 def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHistory:
     """Return one row per cycle that counts, from the first one with an estimate on."""
     kept = np.flatnonzero(own.reason == KEPT)[first - 1 :]
-    (coulomb, coulomb_low, coulomb_high), (viscous, viscous_low, viscous_high) = columns["coulomb"], columns["viscous"]
+    coefficients = {name: column for one in UNITS for name, column in zip(COLUMNS[one], columns[one], strict=True)}
     return CoefficientHistory(
         cycle=kept + 1,
         start_s=own.start_s[kept],
         stop_s=own.stop_s[kept],
-        coulomb_nm=coulomb,
-        coulomb_low_nm=coulomb_low,
-        coulomb_high_nm=coulomb_high,
-        viscous_nms_per_rad=viscous,
-        viscous_low_nms_per_rad=viscous_low,
-        viscous_high_nms_per_rad=viscous_high,
+        **coefficients,
         net_energy_j=np.cumsum(own.work_j)[kept],
         dissipated_j=own.dissipated_j[kept],
         path_rad=own.sums.rectified_path_rad[kept],

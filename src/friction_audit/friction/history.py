@@ -26,6 +26,8 @@ class Coefficient:
 NAN = float("nan")
 UNDETERMINED = Coefficient(value=NAN, low=NAN, high=NAN)
 UNITS = {"coulomb": "nm", "viscous": "nms_per_rad"}
+# Names of value, low and high of each coefficient over time.
+COLUMNS = {name: tuple(f"{name}{part}_{unit}" for part in ("", "_low", "_high")) for name, unit in UNITS.items()}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -48,13 +50,12 @@ class CoefficientHistory:
 
     def of(self, name: str) -> tuple[Float, Float, Float]:
         """Return value, low and high of ``"coulomb"`` or ``"viscous"``, shape (m,) each."""
-        value, low, high = (getattr(self, f"{name}{part}_{UNITS[name]}") for part in ("", "_low", "_high"))
+        value, low, high = (getattr(self, column) for column in COLUMNS[name])
         return value, low, high
 
     def with_coefficient(self, name: str, value: Float, low: Float, high: Float) -> "CoefficientHistory":
         """Return the history with another value, low and high of ``"coulomb"`` or ``"viscous"``."""
-        unit = UNITS[name]
-        changed: Any = {f"{name}_{unit}": value, f"{name}_low_{unit}": low, f"{name}_high_{unit}": high}
+        changed: Any = dict(zip(COLUMNS[name], (value, low, high), strict=True))
         return replace(self, **changed)
 
 

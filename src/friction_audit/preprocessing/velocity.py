@@ -112,24 +112,13 @@ def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float,
     return both, carried, forced @ back, output, np.append(free[:, -1], forced[:, -1]), powers[-1]
 
 
-def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
-    """Estimate the lag of velocities after the derivatives of their positions.
+def find_lag(coarse: CoarseLog, step_s: float) -> Float:
+    """Return by how much each joint's velocity comes late, shape (j,); 0 where that is not significant. [s]
 
     The noise of the position is in its second derivative, and least squares would find too small a lag; the change of
-    the logged velocity has independent noise, and is the instrumental variable. Slope and bend are the derivatives of
-    the position, change that of the logged velocity, shape (n, j) each. A joint that never accelerates has lag 0, whose
-    standard error is infinite.
+    the logged velocity has independent noise, and is the instrumental variable. A joint that never accelerates has no
+    lag.
     """
-    power = np.sum(change * bend, axis=0)
-    still = power <= 0.0
-    power = np.where(still, 1.0, power)
-    lag = np.where(still, 0.0, np.sum(change * (slope - logged), axis=0) / power)
-    left = np.mean((slope - logged - lag * bend) ** 2, axis=0) * np.sum(change**2, axis=0)
-    return lag, np.where(still, np.inf, np.sqrt(left) / power)
-
-
-def find_lag(coarse: CoarseLog, step_s: float) -> Float:
-    """Return by how much each joint's velocity comes late, shape (j,); 0 where that is not significant. [s]"""
     step = np.diff(coarse.t)[:, None]
     slope = np.diff(coarse.q, axis=0) / step
     whole = coarse.whole[:-2] & coarse.whole[1:-1] & coarse.whole[2:]
@@ -137,8 +126,13 @@ def find_lag(coarse: CoarseLog, step_s: float) -> Float:
     bend, change = np.diff(slope, axis=0) / reach, (coarse.dq[2:] - coarse.dq[:-2]) / (2.0 * reach)
     if not whole.any():
         return np.zeros(coarse.q.shape[1])
-    lag, error = lag_of(coarse.dq[1:-1][whole], middle[whole], bend[whole], change[whole])
-    return np.where((lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
+    late, bend, change = (middle - coarse.dq[1:-1])[whole], bend[whole], change[whole]
+    power = np.sum(change * bend, axis=0)
+    moves = power > 0.0
+    power = np.where(moves, power, 1.0)
+    lag = np.sum(change * late, axis=0) / power
+    error = np.sqrt(np.mean((late - lag * bend) ** 2, axis=0) * np.sum(change**2, axis=0)) / power
+    return np.where(moves & (lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
 
 
 def read_on_time(log: JointLog, lag: Float) -> JointLog:
