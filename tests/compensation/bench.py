@@ -10,9 +10,10 @@ from scipy.linalg import expm
 from friction_audit.compensation.compensators import Compensator, DisturbanceObserver, TorqueRegulation
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.records import fresh_memory, pack
-from friction_audit.compensation.settings import OperatorImpedance
+from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings
 from friction_audit.compiled import Record
 from friction_audit.joint_log import Float, JointLog
+from friction_audit.pipeline import AuditSettings, Estimate, estimate_log, replay_estimate
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.motion import Sinusoid
@@ -31,6 +32,16 @@ BENCH = BenchSettings(joints=(JOINT,), sensors=(IDEAL_SENSORS,), operator=BY_HAN
 @cache
 def log_of(settings: BenchSettings, seed: int = 1) -> JointLog:
     return simulate(settings, seed).log
+
+
+@cache
+def estimated(log: JointLog) -> Estimate:
+    return estimate_log(log, AuditSettings())
+
+
+def replay(log: JointLog, settings: ReplaySettings) -> Any:
+    """Return the replay of a log, which is estimated once."""
+    return replay_estimate(estimated(log), settings).replay
 
 
 def guided(

@@ -10,19 +10,13 @@ import pytest
 from friction_audit.compensation.compensators import TorqueRegulation
 from friction_audit.compensation.settings import Competitor, ReplaySettings, energy_compensator
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, replay_log
 from friction_audit.simulation.bench import Operator
 from friction_audit.simulation.motion import StopAndGo
 from friction_audit.simulation.settings import PANDA_SENSORS
-from tests.compensation.bench import BENCH, BY_HAND, TRUE_HAND, log_of
+from tests.compensation.bench import BENCH, BY_HAND, TRUE_HAND, log_of, replay
 
 MINUTE = replace(BENCH, duration_s=60.0)
 COMPENSATOR = energy_compensator()
-
-
-def replay(log: JointLog, settings: ReplaySettings) -> Any:
-    return replay_log(log, AuditSettings(), settings)
 
 
 @pytest.mark.parametrize("operator", [BY_HAND, Operator(motion=StopAndGo())], ids=["sinusoid", "stop and go"])
@@ -31,7 +25,7 @@ def test_the_same_operator_is_foretold(operator: Operator) -> None:
     bench = replace(MINUTE, operator=operator)
     joint = replay(
         log_of(bench), ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=COMPENSATOR)
-    ).replay.joints[0]
+    ).joints[0]
     happened: Any = log_of(replace(bench, compensator=COMPENSATOR))
     assert joint.model_error < 1e-3
     np.testing.assert_allclose(joint.replayed.dq, happened.dq[:, 0], atol=5e-3)
@@ -42,7 +36,7 @@ def test_the_same_operator_is_foretold(operator: Operator) -> None:
 def test_the_operator_is_fitted_from_quick_reversals() -> None:
     noisy = replace(MINUTE, sensors=(PANDA_SENSORS[0],), duration_s=120.0)
     for log, bound in ((log_of(replace(MINUTE, duration_s=120.0)), 0.08), (log_of(noisy), 0.2)):
-        joint = replay(log, ReplaySettings(assume="same-operator", compensator=COMPENSATOR)).replay.joints[0]
+        joint = replay(log, ReplaySettings(assume="same-operator", compensator=COMPENSATOR)).joints[0]
         hand = joint.operator
         assert hand.reversals >= 20
         assert hand.inertia.value == pytest.approx(0.3, rel=bound)
@@ -54,14 +48,14 @@ def test_the_operator_is_fitted_from_quick_reversals() -> None:
 
 def test_a_person_who_pauses_cannot_be_fitted() -> None:
     log = log_of(replace(MINUTE, operator=Operator(motion=StopAndGo())))
-    found = replay(log, ReplaySettings(assume="same-operator")).replay
+    found = replay(log, ReplaySettings(assume="same-operator"))
     assert "quick reversals" in found.joints[0].reason
     assert "--operator" in found.joints[0].reason
     assert [caution.code for caution in found.warnings] == ["not_replayed"]
 
 
 def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
-    joint = replay(log_of(MINUTE), ReplaySettings(assume="same-torque", compensator=COMPENSATOR)).replay.joints[0]
+    joint = replay(log_of(MINUTE), ReplaySettings(assume="same-torque", compensator=COMPENSATOR)).joints[0]
     history, replayed = joint.history, joint.replayed
     assert joint.fitted.inertia.value == pytest.approx(0.3, rel=0.01)
     assert joint.model_error < 1e-3
@@ -74,9 +68,7 @@ def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
 
 def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
     competitor = Competitor(name="torque_regulation", desired_inertia_kg_m2=0.02)
-    found = replay(
-        log_of(MINUTE), ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=competitor)
-    ).replay
+    found = replay(log_of(MINUTE), ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=competitor))
     joint = found.joints[0]
     assert 0.0 < joint.numbers.diverged_s < 60.0
     assert joint.replayed.t[-1] < joint.numbers.diverged_s
@@ -87,7 +79,7 @@ def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
 @pytest.mark.parametrize("name", ["fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation"])
 def test_competitors_are_tuned_from_the_log(name: str) -> None:
     settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=Competitor(name=name))
-    joint = replay(log_of(MINUTE), settings).replay.joints[0]
+    joint = replay(log_of(MINUTE), settings).joints[0]
     assert np.isnan(joint.numbers.diverged_s)
     assert joint.numbers.dissipation_removed > (0.4 if name == "torque_regulation" else 0.8)
 
@@ -96,7 +88,7 @@ def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
     log: Any = log_of(MINUTE)
     ddq = np.gradient(log.dq[:, 0], log.t)
     massless = replace(log, tau_interaction=log.tau_interaction - 0.3 * ddq[:, None])
-    joint = replay(massless, ReplaySettings(assume="same-torque")).replay.joints[0]
+    joint = replay(massless, ReplaySettings(assume="same-torque")).joints[0]
     assert "inertia is not determined" in joint.reason
 
 

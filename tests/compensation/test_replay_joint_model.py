@@ -18,11 +18,10 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.simulation.hide import with_model
 from friction_audit.simulation.scenarios import simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
-from tests.compensation.bench import BENCH, TRUE_HAND
+from tests.compensation.bench import BENCH, TRUE_HAND, replay
 
 SIMPLE = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 VALUES: dict[str, tuple[float, ...]] = {
@@ -72,7 +71,7 @@ def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool =
         joint_model=file_of(model),
         competitor=Competitor(name="model") if applied else None,
     )
-    return replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0]
+    return replay(log, settings).joints[0]
 
 
 def motion_of(log: JointLog) -> Motion:
@@ -90,7 +89,7 @@ def assert_same(one: Any, other: Any, tolerance: float) -> None:
 def test_a_file_with_the_fitted_numbers_gives_the_very_same_replay(assume: str) -> None:
     log = log_of(SIMPLE, noisy=True)
     settings = ReplaySettings(assume=assume, operator=TRUE_HAND if assume == "same-operator" else None)
-    fitted: Any = replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0]
+    fitted = replay(log, settings).joints[0]
     found = fitted.fitted
     model = simple_model(
         inertia_kg_m2=found.inertia.value, coulomb_nm=found.coulomb.value, viscous_nms_per_rad=found.viscous.value

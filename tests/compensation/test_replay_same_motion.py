@@ -1,6 +1,7 @@
 """Replay along the recorded motion, on logs of the simulator whose friction is known."""
 
 from dataclasses import replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -11,31 +12,26 @@ from friction_audit.compensation.result import ReplayHistory
 from friction_audit.compensation.settings import ReplaySettings, energy_compensator
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, replay_log
+from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.reporting.sentences import sentence_of
+from friction_audit.simulation import ArmSettings, simulate
 from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.slow_and_events import FrictionStep
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
-from tests.compensation.bench import BENCH, BY_HAND, JOINT, log_of
+from tests.compensation.bench import BENCH, BY_HAND, JOINT, log_of, replay
 
 VISCOUS_JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.0, viscous_nms_per_rad=0.2)
 VISCOUS_BENCH = replace(BENCH, joints=(VISCOUS_JOINT,))
 HOW = pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
 
 
-def replay(
-    log: JointLog, compensator: EnergyCompensator | FixedCompensation, max_torque_nm: float | None = None
-) -> Any:
-    settings = ReplaySettings(compensator=compensator, max_torque_nm=max_torque_nm)
-    return replay_log(log, AuditSettings(), settings)
+def compensated(log: JointLog, compensator: EnergyCompensator, **limits: float) -> Any:
+    return replay(log, ReplaySettings(compensator=compensator, **limits))
 
 
-def column(channel: Any) -> Any:
-    return channel[:, 0]
-
-
-def joint_of(log: JointLog, compensator: EnergyCompensator | FixedCompensation) -> Any:
-    return replay(log, compensator).replay.joints[0]
+def joint_of(log: JointLog, compensator: EnergyCompensator) -> Any:
+    return compensated(log, compensator).joints[0]
 
 
 ONE_BY_ONE = {"viscous": VISCOUS_JOINT, "coulomb": replace(JOINT, viscous_nms_per_rad=0.0), "combined": JOINT}
@@ -80,10 +76,10 @@ def test_without_noise_no_dissipation_is_left_after_the_second_update(
 def test_a_log_of_the_closed_loop_gives_the_same_torque_again(compensator: EnergyCompensator) -> None:
     log = log_of(replace(BENCH, compensator=compensator))
     joint = joint_of(log, compensator)
-    assert np.abs(column(log.tau_compensation)).max() > 0.2
-    np.testing.assert_allclose(joint.replayed.compensation_nm, column(log.tau_compensation), atol=1e-6)
-    np.testing.assert_allclose(joint.replayed.passivity_nm, column(log.tau_passivity), atol=1e-6)
-    np.testing.assert_allclose(joint.replayed.interaction_nm, column(log.tau_interaction), atol=1e-6)
+    assert np.abs(log.tau_compensation[:, 0]).max() > 0.2
+    np.testing.assert_allclose(joint.replayed.compensation_nm, log.tau_compensation[:, 0], atol=1e-6)
+    np.testing.assert_allclose(joint.replayed.passivity_nm, log.tau_passivity[:, 0], atol=1e-6)
+    np.testing.assert_allclose(joint.replayed.interaction_nm, log.tau_interaction[:, 0], atol=1e-6)
     assert joint.numbers.energy_with_j == pytest.approx(joint.numbers.energy_recorded_j, abs=1e-6)
     assert joint.numbers.energy_without_j > 2.0 * joint.numbers.energy_recorded_j
 
@@ -133,14 +129,14 @@ def test_over_compensation_by_half_is_taken_back(model: str, how: str, closed: b
 
 
 def test_the_reserve_of_the_first_cycle_is_said_to_hide_over_compensation() -> None:
-    found = replay(log_of(VISCOUS_BENCH), OVER)
-    passivity = found.replay.joints[0].passivity
+    found = compensated(log_of(VISCOUS_BENCH), OVER)
+    passivity = found.joints[0].passivity
     assert passivity.hidden
     assert passivity.active_cycles >= 1
     assert passivity.lowest_since_activation_j < -0.9 * passivity.reserve_j
-    assert "over_compensation_hidden" in {caution.code for caution in found.replay.warnings}
-    quiet = replay(log_of(VISCOUS_BENCH), EnergyCompensator(model="viscous"))
-    assert quiet.replay.warnings == ()
+    assert "over_compensation_hidden" in {caution.code for caution in found.warnings}
+    quiet = compensated(log_of(VISCOUS_BENCH), EnergyCompensator(model="viscous"))
+    assert quiet.warnings == ()
 
 
 OVERCOME = (("viscous", 1), ("viscous", 2), ("coulomb", 1), ("coulomb", 2), ("combined", 2), ("combined", 4))
@@ -178,11 +174,11 @@ def test_limits_of_an_arm_hold_and_are_reported() -> None:
     named = replace(panda, source=replace(panda.source, robot="panda"))
     joint = joint_of(named, energy_compensator())
     assert (joint.limits.torque_nm, joint.limits.rate_nm_s) == (87.0, 1000.0)
-    found = replay(named, energy_compensator(), max_torque_nm=0.1)
-    joint = found.replay.joints[0]
+    found = compensated(named, energy_compensator(), max_torque_nm=0.1)
+    joint = found.joints[0]
     assert joint.numbers.peak_compensation_nm == pytest.approx(0.1)
     assert joint.numbers.limited_fraction > 0.3
-    assert [caution.code for caution in found.replay.warnings] == ["torque_limited"]
+    assert [caution.code for caution in found.warnings] == ["torque_limited"]
 
 
 def test_too_few_cycles_say_so() -> None:
@@ -207,7 +203,7 @@ def test_a_compensator_that_does_its_work_is_suspected(
     bench = replace(BENCH, sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)
     log = log_of(replace(bench, compensator=compensator))
     silent = replace(log, tau_compensation=None, tau_passivity=None)
-    found = [sentence_of(one) for one in replay(silent, energy_compensator()).replay.warnings]
+    found = [sentence_of(one) for one in compensated(silent, energy_compensator()).warnings]
     assert any(message in one and "--map tau_compensation" in one for one in found), found
 
 
@@ -215,7 +211,7 @@ def test_a_compensator_that_does_its_work_is_suspected(
 def test_friction_that_changes_is_not_suspected(operator: Operator) -> None:
     step = Hidden(friction_step=FrictionStep(change=-0.5))
     bench = replace(BENCH, sensors=(PANDA_SENSORS[0],), operator=operator, hidden=(step,), duration_s=60.0)
-    codes = {caution.code for caution in replay(log_of(bench), energy_compensator()).replay.warnings}
+    codes = {caution.code for caution in compensated(log_of(bench), energy_compensator()).warnings}
     assert "seems_compensated" not in codes
 
 
@@ -223,5 +219,29 @@ def test_friction_far_below_a_panda_s_is_suspected() -> None:
     most = FixedCompensation(coulomb_nm=0.27, viscous_nms_per_rad=0.06)
     log = log_of(replace(BENCH, compensator=most))
     silent = replace(log, tau_compensation=None, tau_passivity=None, source=replace(log.source, robot="panda"))
-    codes = {caution.code for caution in replay(silent, energy_compensator()).replay.warnings}
+    codes = {caution.code for caution in compensated(silent, energy_compensator()).warnings}
     assert "seems_compensated" in codes
+
+
+def test_the_hand_ends_the_cycles_as_it_did_and_the_torque_of_the_closed_loop_comes_out_again() -> None:
+    compensator = EnergyCompensator(window=4)
+    simulation: Any = simulate(
+        ArmSettings(
+            joints=(JOINT,) * 7,
+            sensors=(IDEAL_SENSORS,) * 7,
+            compensator=compensator,
+            hand_cycles=True,
+            duration_s=20.0,
+        ),
+        2,
+    )
+    # The simulated controller knows no limits of a Panda.
+    what = ReplaySettings(compensator=compensator, max_torque_nm=inf, max_torque_rate_nm_s=inf)
+    found: Any = replay_log(simulation.log, AuditSettings(cycles=CycleSettings(cycles_from="hand")), what)
+    ticks = np.flatnonzero(np.diff(simulation.truth.compensators["cycle"][:, 0])) + 1
+    assert len(ticks) > 5
+    for joint in found.replay.joints:
+        np.testing.assert_array_equal(joint.history.stop, ticks)
+        column = simulation.log.tau_compensation[:, joint.joint - 1]
+        assert np.abs(column).max() > 0.1
+        np.testing.assert_allclose(joint.replayed.compensation_nm, column, atol=1e-6)

@@ -35,10 +35,10 @@ def test_gravity_and_inertia_of_a_driven_arm() -> None:
 
 def test_a_guided_arm_bears_gravity_alone_and_logged_gravity_is_preferred() -> None:
     logged = np.ones_like(Q)
-    load, removed, rigid = know_load(HAND, ARM, T, MOTION, logged)
+    found: Any = know_load(HAND, ARM, T, MOTION, logged)
+    load, removed, rigid = found
     assert load == pytest.approx(-logged)
     assert removed is None
-    assert rigid is not None
     assert rigid[3].inertial is None
     assert rigid[3].tip is None
     assert know_load(HAND, ARM, T, MOTION, None).load == pytest.approx(-ARM.gravity(Q), abs=1e-3)
@@ -53,11 +53,9 @@ def test_a_heavier_tip_is_in_the_columns_of_the_last_link() -> None:
     heavier = load_arm(payload=(0.5, 0.02, -0.01, 0.03))
     extra = heavier.inverse_dynamics(Q, DQ, DDQ) - ARM.inverse_dynamics(Q, DQ, DDQ)
     weight = heavier.gravity(Q) - ARM.gravity(Q)
-    known = know_load(ROBOT, ARM, T, MOTION, None)
-    assert known.rigid is not None
+    known: Any = know_load(ROBOT, ARM, T, MOTION, None)
     for joint in (1, 3, 6):
         body = known.rigid[joint].on(T)
-        assert body.tip is not None
         assert _unexplained(body.tip, (extra - weight)[:, joint]) < 1e-3
 
 
@@ -66,9 +64,8 @@ def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inert
     heavier = load_arm(payload=(0.5, 0.0, 0.0, -0.107))
     weight = heavier.gravity(Q) - ARM.gravity(Q)
     extra = heavier.inverse_dynamics(Q, DQ, DDQ) - ARM.inverse_dynamics(Q, DQ, DDQ)
-    guided, driven = (know_load(choice, ARM, T, MOTION, None).rigid for choice in (HAND, ROBOT))
-    assert guided is not None
-    assert driven is not None
+    rigid: Any = [know_load(choice, ARM, T, MOTION, None).rigid for choice in (HAND, ROBOT)]
+    guided, driven = rigid
     for joint in (1, 3):
         assert guided[joint].weight[:, -1, 3] == pytest.approx(-weight[::2, joint] / 0.5, abs=1e-6)
         assert driven[joint].weight[:, -1, 3] == pytest.approx(extra[::2, joint] / 0.5, abs=1e-6)
@@ -76,8 +73,7 @@ def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inert
 
 
 def test_no_weight_pulls_at_an_upright_axis() -> None:
-    rigid = know_load(ROBOT, ARM, T, MOTION, None).rigid
-    assert rigid is not None
+    rigid: Any = know_load(ROBOT, ARM, T, MOTION, None).rigid
     assert not rigid[0].weight.any()
 
 

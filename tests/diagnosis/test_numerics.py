@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -142,8 +143,7 @@ def test_variable_projection_ends_where_nonlinear_least_squares_does() -> None:
 
     low, high = np.log([dictionary.bounds(start)[name] for name in names]).T
     best = least_squares(residual, np.log([start.shape[name] for name in names]), bounds=(low, high))
-    moved = refine(dictionary, training, start, (), dictionary.baseline)
-    assert moved is not None
+    moved: Any = refine(dictionary, training, start, (), dictionary.baseline)
     left = float(np.sum(residual(np.log([moved.shape[name] for name in names])) ** 2))
     assert len(gram.y) * np.log(left / (2 * best.cost)) < 0.3  # 2 ln of the likelihood; the search stops at 0.2
     assert moved.shape["stribeck_speed_rad_s"] == pytest.approx(0.1, rel=0.1)
@@ -200,8 +200,7 @@ def test_the_screening_test_sees_what_is_missing_and_its_place() -> None:
 def test_a_line_stands_out_at_its_frequency() -> None:
     t = np.arange(0.0, 60.0, 0.02)
     noise = np.random.default_rng(0).standard_normal(len(t))
-    line = spectral_line(noise + 2.0 * np.sin(2 * np.pi * 7.3 * t), t, 0.6, 20.0, np.ones(len(t)))
-    assert line is not None
+    line: Any = spectral_line(noise + 2.0 * np.sin(2 * np.pi * 7.3 * t), t, 0.6, 20.0, np.ones(len(t)))
     assert line[0] == pytest.approx(7.3, abs=0.05)
     assert line[1] == pytest.approx(2.0 / 3.0, rel=0.3)
     assert spectral_line(noise, t, 0.6, 20.0, np.ones(len(t))) is None

@@ -1,6 +1,7 @@
 """Of a long recording, parts that are spread over it."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,11 +49,9 @@ def test_the_model_of_the_arm_stays_at_its_times() -> None:
         t=t, links=(1,), weight=np.sin(t)[:, None, None] * np.ones((1, 4)), tilt=np.zeros((len(t), 2)),
         inertial=np.cos(t), tip=None,
     )  # fmt: skip
-    parts = spread_parts(replace(WHOLE, rigid=body), 120.0, {})
-    assert parts.rigid is not None
+    parts: Any = spread_parts(replace(WHOLE, rigid=body), 120.0, {})
     np.testing.assert_array_equal(parts.rigid.t[: 60 * 100], parts.t[::2][: 60 * 100])
     fine = parts.rigid.on(parts.t)
-    assert fine.inertial is not None
     # As far from other samples as a filter reaches.
     far = np.convolve(parts.valid, np.ones(41), mode="same") == 41.0
     np.testing.assert_allclose(fine.inertial[far], np.cos(parts.t[far]), atol=1e-6)

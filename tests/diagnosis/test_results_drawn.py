@@ -1,6 +1,7 @@
 """The axis along which an effect is drawn."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -25,8 +26,7 @@ def test_a_curve_over_the_joint_s_own_motion_needs_no_axis_of_its_own() -> None:
 
 
 def test_waves_are_laid_over_each_other() -> None:
-    own = own_axis(effect("torque_ripple", ripple_order=100.0), replace(TRACES, q=TRACES.q * 0.0 + 0.0125 * np.pi))
-    assert own is not None
+    own: Any = own_axis(effect("torque_ripple", ripple_order=100.0), replace(TRACES, q=TRACES.q * 0.0 + 0.0125 * np.pi))
     assert own.label == "Position within a wave [waves]"
     assert own.values == pytest.approx(0.625)
 
@@ -41,8 +41,7 @@ def test_waves_are_laid_over_each_other() -> None:
     ids=lambda one: one.name,
 )
 def test_an_effect_of_other_joints_is_drawn_along_its_torque(one: NamedEffect) -> None:
-    own = own_axis(one, TRACES)
-    assert own is not None
+    own: Any = own_axis(one, TRACES)
     assert own.label == f"Fitted torque of {one.name} [N m]"
     assert own.values is TORQUE
 
@@ -53,8 +52,7 @@ def test_ringing_is_drawn_along_its_torque_and_its_means_are_those_of_the_sample
     along = motion.along | {"speed": rows % 400 / 400.0}
     ringing = np.sin(0.77 * rows)
     motion = replace(motion, dq=np.where(rows % 2, 1.0, -1.0), along=along, after=motion.measured - 0.5)
-    own = own_axis(replace(STRIBECK, torque=ringing), motion)
-    assert own is not None
+    own: Any = own_axis(replace(STRIBECK, torque=ringing), motion)
     assert own.values is ringing
     assert own.after.edges == pytest.approx(np.linspace(ringing.min(), ringing.max(), 13))
     assert own.after.forwards == pytest.approx(0.5)

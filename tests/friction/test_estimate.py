@@ -101,8 +101,7 @@ def test_a_step_of_friction_is_seen_once_the_window_has_passed_it() -> None:
 def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
     t, v, a = strokes(LENGTHS, DURATIONS)
     noise = 0.05 * np.random.default_rng(0).normal(size=len(t))
-    regression = estimate(t, v, friction(v, a) + noise, FrictionSettings()).regression
-    assert regression is not None
+    regression: Any = estimate(t, v, friction(v, a) + noise, FrictionSettings()).regression
     assert regression.coulomb.low < COULOMB < regression.coulomb.high
     assert regression.viscous.low < VISCOUS < regression.viscous.high
     assert regression.inertia_kg_m2 == pytest.approx(INERTIA, rel=0.02)
@@ -172,8 +171,7 @@ def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:
     messages = {w.code: sentence_of(w) for w in history.warnings}
     assert set(messages) == {"coulomb_disagrees", "viscous_disagrees"}
     assert "friction that is not linear in speed" in messages["viscous_disagrees"]
-    regression = history.joints[0].regression
-    assert regression is not None
+    regression: Any = history.joints[0].regression
     assert history.joints[0].viscous.value > regression.viscous.value  # energy weighs fast motion more
     assert all(covers(history.joints[0], name) for name in ("coulomb", "viscous"))
 
@@ -182,8 +180,7 @@ def test_a_delay_looks_like_viscous_friction_to_both_methods() -> None:
     """A torque that comes d late holds -B d times the jerk; its work over a stroke, B d int ddq^2 dt, is positive."""
     t, v, a = strokes(LENGTHS, DURATIONS)
     history = estimated(interaction(t, v, np.interp(t - 0.03, t, friction(v, a))))
-    regression = history.joints[0].regression
-    assert regression is not None
+    regression: Any = history.joints[0].regression
     assert min(history.joints[0].viscous.value, regression.viscous.value) > 2 * VISCOUS
     assert history.warnings == ()
 
@@ -203,8 +200,7 @@ def test_the_regression_ignores_slow_samples_by_the_joints_own_threshold_whoever
         estimate_friction(log, segment_cycles(log, CycleSettings(cycles_from=which)), FrictionSettings()).joints[0]
         for which in ("joint", "hand")
     ]
-    assert found[0].regression is not None
-    assert found[0].regression == found[1].regression
+    assert found[0].regression == found[1].regression is not None
 
 
 def excitation(phase: float) -> tuple[Float, Float, Float, Float]:

@@ -1,18 +1,16 @@
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
 from statsmodels.robust.robust_linear_model import RLM
 
-from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.torque_regression import (
     CUTOFF_HZ,
     RegressionRows,
-    block_length,
     differences,
     huber_weights,
     regress_torque,
-    three_blocks,
 )
 from friction_audit.joint_log import Float, median_step
 from friction_audit.pipeline import AuditSettings, estimate_log
@@ -28,7 +26,7 @@ COULOMB, VISCOUS, INERTIA = 0.3, 0.1, 0.3
 DEAD_BAND = 0.02
 
 
-def regressed(seen: Interaction) -> TorqueRegression | None:
+def regressed(seen: Interaction) -> Any:
     """Regress the torque of a single joint."""
     rate_hz = 1.0 / median_step(seen.t)
     rows = RegressionRows(0, len(seen.t), rate_hz)
@@ -82,7 +80,7 @@ def regress(
     every: int = 1,
     gravity_nm: float = 0.0,
     seed: int = 0,
-) -> TorqueRegression:
+) -> Any:
     """Regress forty gentle strokes of a known joint, each sensor with a noise of its own."""
     rng = np.random.default_rng(seed)
     durations = rng.uniform(1.0, 2.5, 40)
@@ -94,9 +92,7 @@ def regress(
     q = np.rint(q / resolution) * resolution if resolution else q
     dq = dq + velocity_noise * rng.normal(size=len(t))
     torque = torque + torque_noise * rng.normal(size=len(t))
-    found = regressed(interaction(*(x[::every] for x in (t, dq, torque)), q=q[::every]))
-    assert found is not None
-    return found
+    return regressed(interaction(*(x[::every] for x in (t, dq, torque)), q=q[::every]))
 
 
 @pytest.mark.parametrize("every", [1, 4, 10])
@@ -125,7 +121,6 @@ def test_a_jittering_clock_takes_nothing_from_the_inertia() -> None:
     q = np.cumsum(dq) / RATE_HZ
     stamps = t + np.clip(3e-4 * np.random.default_rng(2).normal(size=len(t)), -4.5e-4, 4.5e-4)
     found = regressed(interaction(stamps, dq, 0.2 * np.sign(dq) + 0.3 * ddq, q=q))
-    assert found is not None
     assert found.inertia.value == pytest.approx(0.3, rel=2e-3)
 
 
@@ -134,7 +129,6 @@ def test_lost_samples_take_nothing_from_the_inertia() -> None:
     q = np.cumsum(dq) / RATE_HZ
     kept = np.random.default_rng(4).random(len(t)) > 0.1
     found = regressed(interaction(t[kept], dq[kept], (0.2 * np.sign(dq) + 0.3 * ddq)[kept], q=q[kept]))
-    assert found is not None
     assert found.inertia.value == pytest.approx(0.3, rel=1e-3)
     # With the steps between neighbours 0.27 kg m^2 and 0.1 N m.
     assert found.residual_rms_nm < 0.02
@@ -154,7 +148,6 @@ def test_rows_beside_a_hole_are_left_out() -> None:
         kept[start : start + 500] = False
     q = np.cumsum(dq) / RATE_HZ
     found = regressed(interaction(t[kept], dq[kept], torque[kept], q=q[kept]))
-    assert found is not None
     assert found.inertia.value == pytest.approx(0.3, rel=0.02)
 
 
@@ -163,15 +156,10 @@ def test_a_log_shorter_than_a_row_is_not_regressed() -> None:
     assert regressed(interaction(t, np.ones(20), np.ones(20))) is None
 
 
-@pytest.mark.parametrize("rate_hz", [1000.0, 100.0, 30.0])
-def test_instruments_of_a_parabola_are_exact(rate_hz: float) -> None:
-    t = np.arange(200) / rate_hz
-    block = block_length(1.0 / rate_hz)
-    index = np.array([2 * block, 100, 199 - 2 * block])
-    reach = block + block // 2 + 1
-    window, weights = index[:, None] + np.arange(-reach, reach + 1), three_blocks(block)
-    velocity, acceleration = differences(*((x[window] @ weights).T for x in (t, 0.1 + 0.5 * t + 1.5 * t**2)))
-    np.testing.assert_allclose(velocity, 0.5 + 3.0 * t[index], rtol=1e-9)
+def test_instruments_of_a_parabola_are_exact() -> None:
+    t = 0.1 * np.array([[0.0, 7.0], [1.0, 8.0], [2.0, 9.0]])
+    velocity, acceleration = differences(t, 0.1 + 0.5 * t + 1.5 * t**2)
+    np.testing.assert_allclose(velocity, 0.5 + 3.0 * t[1], rtol=1e-9)
     np.testing.assert_allclose(acceleration, 3.0, rtol=1e-6)
 
 
@@ -180,8 +168,7 @@ def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> N
     settings = BenchSettings(duration_s=40.0)
     held = []
     for seed in range(logs):
-        found = estimate_log(simulate(settings, seed).log, AuditSettings()).friction.joints[0].regression
-        assert found is not None
+        found: Any = estimate_log(simulate(settings, seed).log, AuditSettings()).friction.joints[0].regression
         for value, truth in ((found.coulomb, 0.30), (found.viscous, 0.07), (found.inertia, 0.30)):
             held.append(value.low <= truth <= value.high)
     # Of 120, 95 % are 114 with a standard deviation of 2.4: five of these are left to chance; of 24, two or three.

@@ -73,6 +73,9 @@ def codes(interaction: Interaction) -> list[str]:
     return [caution.code for caution in interaction.warnings]
 
 
+VENDOR = log_of(tau_ext_hat_filtered=friction())
+
+
 def rms(torque: Float) -> float:
     return float(np.sqrt((torque[500:-500] ** 2).mean(axis=0)).max())
 
@@ -354,28 +357,6 @@ def test_hand_speed_comes_from_the_kinematics() -> None:
 
 
 @pytest.mark.parametrize(
-    ("choices", "message"),
-    [
-        ({"torque": "tau_ext"}, "no tau_ext_hat_filtered; has: tau_J"),
-        ({"torque": "interaction"}, "no tau_interaction"),
-        ({"gravity": "logged"}, "no gravity"),
-        ({"drive": "hand", "inertia": "model"}, "link side"),
-        ({"gravity": "model", "robot": "none"}, "--robot none"),
-    ],
-)
-def test_contradicting_choices_are_refused(choices: dict[str, Any], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        extract(hand_log(), **choices)
-
-
-def test_gravity_of_a_torque_without_gravity_is_refused() -> None:
-    with pytest.raises(UsageError, match="neither gravity nor inertia"):
-        extract(log_of(tau_ext_hat_filtered=friction()), torque="tau_ext", gravity="model")
-    with pytest.raises(UsageError, match="about tau_J"):
-        extract(log_of(tau_ext_hat_filtered=friction()), gravity="model")
-
-
-@pytest.mark.parametrize(
     ("robot", "asked", "used", "joints", "known"),
     [
         ("panda", "auto", "none", 7, True),
@@ -393,16 +374,23 @@ def test_whose_model_is_known(robot: str, asked: str, used: str, joints: int, kn
 
 
 @pytest.mark.parametrize(
-    ("wrong", "message"),
+    ("log", "choices", "message"),
     [
-        ({"torque": "tau"}, "--torque tau: expected one of auto, interaction, tau_ext, tau_J"),
-        ({"drive": "foot"}, "--drive foot"),
-        ({"model_rate_hz": 0.0}, "--model-rate 0"),
-        ({"payload": (0.0, 0.0, 0.0, 0.1)}, "--payload 0,0,0,0.1: expected mass,x,y,z"),
-        ({"payload": (1.0, float("nan"), 0.0, 0.1)}, "--payload 1,nan,0,0.1"),
-        ({"gravity_vector": (0.0, 0.0, float("nan"))}, "--gravity-vector"),
+        (hand_log(), {"torque": "tau_ext"}, "no tau_ext_hat_filtered; has: tau_J"),
+        (hand_log(), {"torque": "interaction"}, "no tau_interaction"),
+        (hand_log(), {"gravity": "logged"}, "no gravity"),
+        (hand_log(), {"drive": "hand", "inertia": "model"}, "link side"),
+        (hand_log(), {"gravity": "model", "robot": "none"}, "--robot none"),
+        (VENDOR, {"torque": "tau_ext", "gravity": "model"}, "neither gravity nor inertia"),
+        (VENDOR, {"gravity": "model"}, "about tau_J"),
+        (VENDOR, {"torque": "tau"}, "--torque tau: expected one of auto, interaction, tau_ext, tau_J"),
+        (VENDOR, {"drive": "foot"}, "--drive foot"),
+        (VENDOR, {"model_rate_hz": 0.0}, "--model-rate 0"),
+        (VENDOR, {"payload": (0.0, 0.0, 0.0, 0.1)}, "--payload 0,0,0,0.1: expected mass,x,y,z"),
+        (VENDOR, {"payload": (1.0, float("nan"), 0.0, 0.1)}, "--payload 1,nan,0,0.1"),
+        (VENDOR, {"gravity_vector": (0.0, 0.0, float("nan"))}, "--gravity-vector"),
     ],
 )
-def test_a_wrong_choice_is_refused_with_the_right_ones(wrong: dict[str, Any], message: str) -> None:
+def test_wrong_and_contradicting_choices_are_refused(log: JointLog, choices: dict[str, Any], message: str) -> None:
     with pytest.raises(UsageError, match=message):
-        TorqueSettings(**wrong)
+        extract(log, **choices)

@@ -1,6 +1,6 @@
 """The model's torque on a coarse grid against the same at every sample."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -32,8 +32,12 @@ def moving_arm(t: Float) -> tuple[JointLog, Float]:
     return log, -AMPLITUDE * omega**2 * np.sin(phase)
 
 
-def torque_on_grids(grids: tuple[Grid, ...], torque: Callable[[Grid], Float]) -> GridTorque:
-    return GridTorque(grids=grids, values=tuple(torque(grid) for grid in grids))
+def at_samples(log: JointLog, torque: Callable[[Grid], Float], columns: Sequence[int] = range(7)) -> Float:
+    """Return at every sample the torque of some joints that is given on grids."""
+    grids, found = grids_of(log, RATE_HZ), np.zeros((len(log.t), len(columns)))
+    made = GridTorque(grids=grids, values=tuple(map(torque, grids)))
+    made.subtract_from(found, log.t, list(columns))
+    return -found
 
 
 def jittered(rate_hz: float, seconds: float) -> Float:
@@ -46,25 +50,20 @@ def jittered(rate_hz: float, seconds: float) -> Float:
 def test_gravity_from_the_grid_is_gravity_at_every_sample(rate_hz: float) -> None:
     log, _ = moving_arm(jittered(rate_hz, 5.0))
     arm = load_arm()
-    torque = np.zeros(log.q.shape)
-    modelled = torque_on_grids(grids_of(log, RATE_HZ), lambda grid: arm.gravity(position_on((grid,), log)[0]))
-    modelled.subtract_from(torque, log.t, list(range(7)))
-    assert np.abs(torque + arm.gravity(log.q)).max() < 0.01
+    torque = at_samples(log, lambda grid: arm.gravity(position_on((grid,), log)[0]))
+    assert np.abs(torque - arm.gravity(log.q)).max() < 0.01
 
 
 def test_inverse_dynamics_from_the_grid_is_within_a_hundredth_of_the_inertial_torque() -> None:
     log, ddq = moving_arm(jittered(1000.0, 6.0))
     arm = load_arm()
     exact = arm.inverse_dynamics(log.q, log.dq, ddq)
-    torque = np.zeros(log.q.shape)
-    modelled = torque_on_grids(
-        grids_of(log, RATE_HZ),
-        lambda grid: arm.inverse_dynamics(position_on((grid,), log)[0], *velocity_on((grid,), log)[0]),
+    torque = at_samples(
+        log, lambda grid: arm.inverse_dynamics(position_on((grid,), log)[0], *velocity_on((grid,), log)[0])
     )
-    modelled.subtract_from(torque, log.t, list(range(7)))
     inside = (log.t > 0.5) & (log.t < log.t[-1] - 0.5)
     moving = np.abs(exact - arm.gravity(log.q)).max(axis=0)
-    assert (np.abs(torque + exact)[inside].max(axis=0) < np.maximum(0.01, 0.01 * moving)).all()
+    assert (np.abs(torque - exact)[inside].max(axis=0) < np.maximum(0.01, 0.01 * moving)).all()
 
 
 def test_velocity_has_no_delay_and_loses_noise() -> None:
@@ -96,18 +95,13 @@ def test_nothing_crosses_a_hole_in_the_log() -> None:
     assert [(round(grid.t[0]), round(grid.t[-1])) for grid in grids] == [(0, 2), (1000, 1002)]
     assert sum(len(grid.t) for grid in grids) < 410
     arm = load_arm()
-    torque = np.zeros((len(log.t), 2))
-    modelled = torque_on_grids(grids, lambda grid: arm.gravity(position_on((grid,), log)[0]))
-    modelled.subtract_from(torque, log.t, [1, 3])
-    assert np.abs(torque + arm.gravity(log.q)[:, [1, 3]]).max() < 0.01
+    torque = at_samples(log, lambda grid: arm.gravity(position_on((grid,), log)[0]), [1, 3])
+    assert np.abs(torque - arm.gravity(log.q)[:, [1, 3]]).max() < 0.01
 
 
 @pytest.mark.parametrize("samples", [3, 4, 5, 40])
 def test_very_short_logs_and_lone_samples(samples: int) -> None:
     log, _ = moving_arm(np.concatenate([np.arange(samples) * 0.001, [60.0]]))
-    grids = grids_of(log, RATE_HZ)
-    velocity = [velocity_on((grid,), log)[0] for grid in grids]
-    torque = np.zeros(log.q.shape)
-    torque_on_grids(grids, lambda grid: position_on((grid,), log)[0]).subtract_from(torque, log.t, list(range(7)))
+    velocity = velocity_on(grids_of(log, RATE_HZ), log)
     assert all(np.isfinite(array).all() for pair in velocity for array in pair)
-    np.testing.assert_allclose(torque, -log.q, atol=1e-3)
+    np.testing.assert_allclose(at_samples(log, lambda grid: position_on((grid,), log)[0]), log.q, atol=1e-3)

@@ -1,11 +1,14 @@
 """The proof of the sign on motion whose friction is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.preprocessing.interaction import SignEvidence
 from friction_audit.preprocessing.sign import coarse_log, most, prove_sign
 
 
@@ -26,6 +29,12 @@ def strokes(seconds: float = 20.0, speed: float = 0.5, drift: float = 0.05) -> t
     return log, speed * omega * np.cos(omega * t)
 
 
+def judged(log: JointLog, torque: Float) -> SignEvidence:
+    coarse = coarse_log(log)
+    (found,) = prove_sign(coarse, coarse.mean(torque))
+    return found
+
+
 @given(
     coulomb=st.floats(0.1, 0.5),
     offset=st.floats(-3, 3),
@@ -39,57 +48,40 @@ def test_the_sign_is_proved_whatever_offset_gravity_and_inertia_hide_it(
     log, ddq = strokes()
     noise = np.random.default_rng(seed).normal(0, 0.055, len(log.t))
     torque = coulomb * np.sign(log.dq[:, 0]) + offset + gravity * np.cos(log.q[:, 0]) + inertia * ddq + noise
-    coarse = coarse_log(log)
-    (right,) = prove_sign(coarse, coarse.mean(torque[:, None]))
-    (wrong,) = prove_sign(coarse, coarse.mean(-torque[:, None]))
+    right, wrong = (judged(log, sign * torque[:, None]) for sign in (1.0, -1.0))
     assert (right.verdict, wrong.verdict) == ("rises", "falls")
     assert right.against_motion_nm == pytest.approx(coulomb, abs=0.05)
 
 
 def test_torque_that_does_not_know_the_direction_is_undecided_in_most_cases() -> None:
     log, _ = strokes(60.0)
-    coarse = coarse_log(log)
-    verdicts = []
-    for seed in range(40):
-        noise = np.random.default_rng(seed).normal(0, 1, (len(log.t), 1))
-        verdicts.append(prove_sign(coarse, coarse.mean(noise))[0].verdict)
+    noises = (np.random.default_rng(seed).normal(0, 1, (len(log.t), 1)) for seed in range(40))
+    verdicts = [judged(log, noise).verdict for noise in noises]
     assert verdicts.count("undecided") >= 34
 
 
-def test_a_joint_at_rest_is_still() -> None:
-    log, _ = strokes(speed=0.003, drift=0.0)
-    coarse = coarse_log(log)
-    (evidence,) = prove_sign(coarse, coarse.mean(log.dq))
-    assert evidence.verdict == "still"
-    assert not most((evidence,), "rises")
-
-
-def test_slow_strokes_count_as_motion() -> None:
-    log, _ = strokes(speed=0.04, drift=0.0)
-    coarse = coarse_log(log)
-    assert prove_sign(coarse, coarse.mean(0.3 * np.sign(log.dq)))[0].verdict == "rises"
-
-
-def test_one_way_motion_proves_nothing() -> None:
-    log, _ = strokes(speed=0.2, drift=0.6)
-    coarse = coarse_log(log)
-    assert prove_sign(coarse, coarse.mean(np.sign(log.dq)))[0].verdict == "undecided"
+@pytest.mark.parametrize(
+    ("speed", "drift", "verdict"),
+    [(0.003, 0.0, "still"), (0.04, 0.0, "rises"), (0.2, 0.6, "undecided")],
+    ids=["at rest", "slow strokes", "one way"],
+)
+def test_what_motion_proves(speed: float, drift: float, verdict: str) -> None:
+    log, _ = strokes(speed=speed, drift=drift)
+    evidence = judged(log, np.sign(log.dq))
+    assert evidence.verdict == verdict
+    assert verdict == "rises" or not most((evidence,), "rises")
 
 
 def test_blocks_that_hold_a_hole_are_left_out() -> None:
     log, _ = strokes()
     t = log.t + np.where(log.t > 10, 100.0, 0.0)
-    holed = JointLog(
-        t=t, q=log.q, dq=log.dq, tau_interaction=log.tau_interaction, joint_names=("a",), source=log.source
-    )
-    coarse = coarse_log(holed)
-    assert 0 < np.count_nonzero(~coarse.whole) <= 3
-    assert prove_sign(coarse, coarse.mean(np.sign(log.dq)))[0].against_motion_nm == pytest.approx(1, abs=0.05)
+    holed = replace(log, t=t)
+    assert 0 < np.count_nonzero(~coarse_log(holed).whole) <= 3
+    assert judged(holed, np.sign(log.dq)).against_motion_nm == pytest.approx(1, abs=0.05)
 
 
 @pytest.mark.parametrize("samples", [2, 3, 50])
 def test_the_shortest_logs_are_still_or_undecided(samples: int) -> None:
     log, _ = strokes()
     short = log.take_window(0.0, samples * 0.001)
-    coarse = coarse_log(short)
-    assert prove_sign(coarse, coarse.mean(short.dq))[0].verdict in ("still", "undecided")
+    assert judged(short, short.dq).verdict in ("still", "undecided")

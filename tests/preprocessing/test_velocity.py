@@ -1,4 +1,4 @@
-"""The filtered velocity, and a velocity that a driver's filter delays."""
+"""The filtered velocity, one that a driver's filter delays, and the mean of two."""
 
 from dataclasses import replace
 from typing import Any
@@ -14,7 +14,14 @@ from friction_audit.joint_log import Float, JointLog, Source, median_step
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import coarse_log
-from friction_audit.preprocessing.velocity import filter_velocity, find_lag, on_time, read_on_time
+from friction_audit.preprocessing.velocity import (
+    complementary_mean,
+    crossover_of,
+    filter_velocity,
+    find_lag,
+    on_time,
+    read_on_time,
+)
 from friction_audit.reporting.sentences import sentence_of
 
 STEP_S = 0.001
@@ -143,3 +150,52 @@ def test_the_filter_is_that_of_scipy(seed: int, samples: int, rate_hz: float) ->
     expected = sosfiltfilt(butter(2, 20.0, fs=rate_hz, output="sos"), dq)
     filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=20.0)
     np.testing.assert_allclose(filtered, expected, atol=1e-9 * np.abs(dq).max())
+
+
+# The mean of two velocities: the derivative of a coarse position and a noisy tachometer.
+
+GRID_S = 1.0 / 400.0
+GRID: Float = np.arange(40000, dtype=np.float64) * GRID_S
+TRUE: Float = np.sin(2 * np.pi * 0.5 * GRID)
+
+
+def readings(q_noise: float, dq_noise: float) -> tuple[Float, Float]:
+    """Noise of the position's derivative and of a tachometer, up to 80 Hz each."""
+    rng = np.random.default_rng(0)
+    hertz = np.fft.rfftfreq(len(GRID), GRID_S)
+    white = [np.fft.rfft(rng.standard_normal(len(GRID))) * (hertz < 80.0) for _ in range(2)]
+    slope = np.fft.irfft(2j * np.pi * hertz * white[0])
+    return TRUE + q_noise * slope, TRUE + dq_noise * np.fft.irfft(white[1])
+
+
+def below(signal: Float, hertz: float) -> float:
+    """Root mean square of what is below a frequency."""
+    inside = np.fft.rfftfreq(len(GRID), GRID_S) < hertz
+    return float(np.std(np.fft.irfft(np.fft.rfft(signal) * inside)))
+
+
+def test_the_crossover_is_where_both_are_equally_noisy() -> None:
+    assert crossover_of(*readings(1e-5, 2 * np.pi * 20.0 * 1e-5), GRID_S) == pytest.approx(20.0, rel=0.1)
+
+
+def test_below_the_frequencies_of_motions_there_is_none() -> None:
+    assert crossover_of(*readings(1e-3, 2 * np.pi * 1e-3), GRID_S) == 0.0
+    assert crossover_of(np.zeros(50), np.ones(50), GRID_S) == 0.0
+
+
+def test_the_mean_is_quieter_than_either_at_all_frequencies() -> None:
+    slope, logged = readings(1e-5, 2 * np.pi * 20.0 * 1e-5)
+    both = complementary_mean(slope, logged, np.ones(len(GRID), bool), GRID_S, 20.0) - TRUE
+    for hertz in (5.0, 20.0, 80.0):
+        assert below(both, hertz) < min(below(slope - TRUE, hertz), below(logged - TRUE, hertz))
+    assert below(both, 5.0) < 0.3 * below(logged - TRUE, 5.0)
+
+
+def test_where_the_position_cannot_be_trusted_it_is_the_logged_one() -> None:
+    slope, logged = readings(1e-5, 1e-3)
+    hole = (GRID > 40.0) & (GRID < 45.0)
+    wild = np.where(hole, 1e3, slope)
+    both = complementary_mean(wild, logged, ~hole, GRID_S, 20.0)
+    inside = (GRID > 41.0) & (GRID < 44.0)
+    assert both[inside] == pytest.approx(logged[inside])
+    assert np.abs(both - TRUE).max() < 0.01

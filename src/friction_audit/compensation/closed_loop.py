@@ -17,13 +17,19 @@ from friction_audit.dynamics.stick_slip import Step, advance
 from friction_audit.dynamics.torque_tables import Tables, bristle_damping, bristle_nm, taken
 from friction_audit.joint_log import Float, read_only
 
-# A cycle of the compensator by the names of ``ReplayHistory``; the estimates are those made at its end.
+# A cycle of the compensator.
 CYCLE = np.dtype(
     [
-        *((name, "i8") for name in ("stop", "acted", "status")),
-        *((name, "f8") for name in ("stop_s", "friction_j", "net_energy_j", "path_rad", "square_speed_rad2_s")),
-        *((f"coulomb_{name}_nm", "f8") for name in ("applied", "estimated")),
-        *((f"viscous_{name}_nms_per_rad", "f8") for name in ("applied", "estimated")),
+        ("stop", "i8"),  # sample at which it ended
+        ("status", "i8"),  # what came of it, as in ``records``
+        ("acted", "?"),  # whether the passivity controller acted in it
+        *((name, "f8") for name in ("start_s", "stop_s")),
+        ("friction_j", "f8"),  # what friction took, which the person would have had to give without compensation
+        ("net_energy_j", "f8"),  # that less what compensator and passivity controller gave: what was left to the person
+        *((name, "f8") for name in ("path_rad", "square_speed_rad2_s")),  # path, and integral of dq^2 dt
+        *((name, "f8") for name in ("coulomb_applied_nm", "viscous_applied_nms_per_rad")),  # compensated during it
+        # in force after its end, NaN before there is an estimate
+        *((name, "f8") for name in ("coulomb_estimated_nm", "viscous_estimated_nms_per_rad")),
     ]
 )
 
@@ -111,23 +117,13 @@ SUMS = np.dtype(
 @compiled(any_order=True)
 def add_torque(sums: Record, t: Float, dq: Float, torque: Float) -> None:
     """Add the samples that follow, shape (n,), to a record of SUMS."""
-    if len(t) == 0:
-        return
-    first, work, square, largest = sums.samples == 0.0, 0.0, 0.0, abs(torque[0])
-    if not first:
-        dt = t[0] - sums.t_s
-        work = 0.25 * (sums.torque_nm + torque[0]) * (sums.dq_rad_s + dq[0]) * dt
-        square = 0.5 * (sums.torque_nm * sums.torque_nm + torque[0] * torque[0]) * dt
-    for i in range(1, len(t)):
-        dt = t[i] - t[i - 1]
-        work += 0.25 * (torque[i - 1] + torque[i]) * (dq[i - 1] + dq[i]) * dt
-        square += 0.5 * (torque[i - 1] * torque[i - 1] + torque[i] * torque[i]) * dt
-        largest = max(largest, abs(torque[i]))
-    sums.samples += len(t)
-    sums.t_s, sums.dq_rad_s, sums.torque_nm = t[-1], dq[-1], torque[-1]
-    sums.work_j += work
-    sums.square_nm2s += square
-    sums.largest_nm = max(sums.largest_nm, largest)
+    for i in range(len(t)):
+        dt = t[i] - sums.t_s if sums.samples > 0.0 else 0.0
+        sums.work_j += 0.25 * (sums.torque_nm + torque[i]) * (sums.dq_rad_s + dq[i]) * dt
+        sums.square_nm2s += 0.5 * (sums.torque_nm * sums.torque_nm + torque[i] * torque[i]) * dt
+        sums.largest_nm = max(sums.largest_nm, abs(torque[i]))
+        sums.samples += 1.0
+        sums.t_s, sums.dq_rad_s, sums.torque_nm = t[i], dq[i], torque[i]
 
 
 class Recorded(NamedTuple):
@@ -187,7 +183,7 @@ def tick(
     count_tick(tally, settings, memory, u)
     if memory.cycle > cycle:  # a cycle ended, during which the coefficients from before the tick were applied
         row = rows[tally.cycles]
-        row.stop, row.stop_s, row.acted, row.status = memory.ticks - 1, t, acted, memory.status
+        row.stop, row.stop_s, row.acted, row.status = memory.ticks - 1, t, acted == 1, memory.status
         row.friction_j, row.net_energy_j = tally.friction_j, tally.net_j
         row.path_rad, row.square_speed_rad2_s = tally.path_rad, tally.square_rad2_s
         row.coulomb_applied_nm, row.viscous_applied_nms_per_rad = coulomb, viscous

@@ -166,7 +166,12 @@ def estimate(settings: Record, memory: Record) -> int:
         path_path += path * path
         path_square += path * square
         square_square += square * square
-    if settings.model == records.COMBINED:
+    coulomb = viscous = 0.0
+    if settings.model == records.VISCOUS:
+        viscous = memory.estimated_viscous_nms_per_rad = net_square / square_square
+    elif settings.model == records.COULOMB:
+        coulomb = memory.estimated_coulomb_nm = net_path / path_path
+    else:
         # Ridge towards the coefficients in use: two cycles of one speed determine the sum of both, and no more.
         path_weight, square_weight = settings.ridge * path_path, settings.ridge * square_square
         net_path += path_weight * memory.usable_coulomb_nm
@@ -185,15 +190,8 @@ def estimate(settings: Record, memory: Record) -> int:
             coulomb, viscous = 0.0, net_square / square_square
         elif settings.ridge > 0.0 and viscous < 0.0:
             coulomb, viscous = net_path / path_path, 0.0
-        memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad = max(0.0, coulomb), max(0.0, viscous)
-        return records.ESTIMATED
     # Friction brakes: a negative estimate is kept and not applied.
-    if settings.model == records.VISCOUS:
-        memory.estimated_viscous_nms_per_rad = net_square / square_square
-        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
-    else:
-        memory.estimated_coulomb_nm = net_path / path_path
-        memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
+    memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad = max(0.0, coulomb), max(0.0, viscous)
     return records.ESTIMATED
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation import result
-from friction_audit.compensation.closed_loop import CYCLE, SUMS, add_torque
+from friction_audit.compensation.closed_loop import SUMS, add_torque
 from friction_audit.compensation.compensators import (
     Coefficients,
     Compensator,
@@ -24,7 +24,7 @@ from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
-from friction_audit.compensation.result import JointReplay, Replay, ReplayHistory, Signals
+from friction_audit.compensation.result import JointReplay, Replay, Signals
 from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor, Limits, ReplaySettings, limits_of
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
@@ -179,9 +179,8 @@ class _JointRun:
         joint = self._joint
         if joint.reason:
             return joint
-        run, rows = self._run, np.concatenate(self._run.rows)
-        columns = {name: rows[name] for name in CYCLE.names or ()} | {"acted": rows["acted"] == 1}
-        history = ReplayHistory(start_s=np.append(0.0, rows["stop_s"])[: len(rows)], **columns)
+        run, history = self._run, np.concatenate(self._run.rows).view(np.recarray)
+        history.start_s[1:] = history.stop_s[:-1]
         reason = (
             result.missing_estimate(history, self.friction, joint.compensator) if isnan(run.tally["diverged_s"]) else ""
         )
@@ -191,13 +190,14 @@ class _JointRun:
             return replace(joint, reason=reason)
         total = self._total if self._total["samples"] else self._recorded
         without = self._idle.felt if "without" in self._changes else total
+        numbers, passivity = result.measure(self._recorded, without, run.felt, run.tally, history)
         return replace(
             joint,
             **self._changes,
             history=history,
             last=Coefficients(**{one.name: float(run.memory[one.name]) for one in fields(Coefficients)}),
-            numbers=result.measure(self._recorded, without, run.felt, run.tally, history),
-            passivity=result.measure_passivity(history, run.tally),
+            numbers=numbers,
+            passivity=passivity,
             recovery=result.find_recovery(history),
         )
 

@@ -1,13 +1,13 @@
 """Replay: what a compensator would have done on a recorded log, and what that would have saved."""
 
 import math
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.closed_loop import GIVEN_OUT, Recorded
+from friction_audit.compensation.closed_loop import GIVEN_OUT, TALLY, Recorded
 from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
 from friction_audit.compensation.operator_fit import FittedOperator
 from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED
@@ -49,23 +49,8 @@ class Signals:
         return np.concatenate([[0.0], np.cumsum(power * np.diff(self.t))])
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class ReplayHistory:
-    """What happened in each cycle of the compensator, m rows."""
-
-    stop: NDArray[np.int64]  # sample at which the cycle ended, shape (m,)
-    start_s: Float
-    stop_s: Float
-    friction_j: Float  # what friction took, which the person would have had to give without compensation [J]
-    net_energy_j: Float  # that less what compensator and passivity controller gave: what was left to the person [J]
-    path_rad: Float  # path [rad]
-    square_speed_rad2_s: Float  # integral of dq^2 dt [rad^2/s]
-    coulomb_applied_nm: Float  # Coulomb friction compensated during the cycle [N m]
-    viscous_applied_nms_per_rad: Float  # viscous friction compensated during it [N m s/rad]
-    coulomb_estimated_nm: Float  # estimate in force after its end, NaN before there is one [N m]
-    viscous_estimated_nms_per_rad: Float  # likewise [N m s/rad]
-    acted: NDArray[np.bool_]  # True if the passivity controller acted in it
-    status: NDArray[np.int64]  # what came of it, as in ``records``
+# What happened in each cycle of the compensator, a record of CYCLE for each.
+ReplayHistory: TypeAlias = np.recarray[Any, Any]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -157,7 +142,7 @@ class Replay:
 
     counterfactual: Counterfactual
     joints: tuple[JointReplay, ...]
-    warnings: tuple[Caution, ...] = field(default=())
+    warnings: tuple[Caution, ...] = ()
 
 
 def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
@@ -189,19 +174,19 @@ def rms_nm(sums: Record) -> float:
     return math.sqrt(sums["square_nm2s"] / sums["t_s"])
 
 
-def _read(record: Record, kind: type[Any]) -> dict[str, Any]:
-    """Return the fields of a record that a dataclass has too."""
-    names = {one.name for one in fields(kind)}
-    return {name: record[name].item() for name in record.dtype.names if name in names}
-
-
-def measure(recorded: Record, without: Record, felt: Record, tally: Record, history: ReplayHistory) -> Numbers:
+def measure(
+    recorded: Record, without: Record, felt: Record, tally: Record, history: ReplayHistory
+) -> tuple[Numbers, Passivity]:
     """Return what a run comes to, from sums of the torque as recorded, without a compensator and with it."""
+
+    def tallied(kind: type[Any]) -> dict[str, Any]:
+        return {one.name: tally[one.name].item() for one in fields(kind) if one.name in (TALLY.names or ())}
+
     updates = np.flatnonzero(history.status == ESTIMATED)[UPDATES - 1 :]
-    updated = int(updates[0]) + 1 if len(updates) else len(history.status)
+    updated = int(updates[0]) + 1 if len(updates) else len(history)
     without_j, with_j = float(without["work_j"]), float(felt["work_j"])
-    return Numbers(
-        **_read(tally, Numbers),
+    numbers = Numbers(
+        **tallied(Numbers),
         energy_recorded_j=float(recorded["work_j"]),
         energy_without_j=without_j,
         energy_with_j=with_j,
@@ -214,13 +199,9 @@ def measure(recorded: Record, without: Record, felt: Record, tally: Record, hist
         limited_fraction=float(tally["limited"]) / float(felt["samples"]),
         cycles_to_converge=first_right(history),
     )
-
-
-def measure_passivity(history: ReplayHistory, tally: Record) -> Passivity:
-    """Return how passive the compensated joint stayed."""
     given_out = history.net_energy_j < -GIVEN_OUT * np.abs(history.friction_j)
     share = float(tally["acting_s"]) / float(tally["t_s"])
-    return Passivity(**_read(tally, Passivity), active_cycles=int(given_out.sum()), active_fraction=share)
+    return numbers, Passivity(**tallied(Passivity), active_cycles=int(given_out.sum()), active_fraction=share)
 
 
 def model_error(recorded: Recorded, without: Signals) -> float:
@@ -288,7 +269,7 @@ ADVICE = {GAP: "gaps in the log; record without dropping samples", NOT_MOVED: "h
 
 def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
     """Return why there was nothing to apply; empty if there was."""
-    cycles = len(history.status)
+    cycles = len(history)
     if not cycles:
         return friction.reason or (
             "no energy cycle ended while a controller would have watched; pause between motions, or choose other "

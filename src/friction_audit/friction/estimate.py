@@ -1,12 +1,14 @@
 """The friction of every joint: from its energy cycles, or from a torque regression where too few of them count."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from math import isfinite
 from typing import Any
 
 import numpy as np
 
 from friction_audit.friction.history import (
+    COLUMNS,
     NAN,
     UNDETERMINED,
     UNITS,
@@ -14,7 +16,6 @@ from friction_audit.friction.history import (
     CoefficientHistory,
     FrictionHistory,
     JointFriction,
-    TorqueRegression,
 )
 from friction_audit.friction.reasons import Extremes, cautions_of, dead_channel, missing_motion, one_speed
 from friction_audit.friction.settings import FrictionSettings
@@ -54,17 +55,7 @@ def estimate_friction(
     settings: FrictionSettings,
     dead_torque: frozenset[int] = frozenset(),
 ) -> FrictionHistory:
-    """Estimate the friction of every joint of a log in memory.
-
-    Args:
-        interaction: Motion and torque at the friction port.
-        cycles: Its energy cycles.
-        settings: Estimator, model and window.
-        dead_torque: Numbers (1..n) of joints whose torque channel records nothing.
-
-    Returns:
-        Coefficients with intervals and history; a joint that cannot be estimated carries the reason.
-    """
+    """Estimate the friction of every joint of a log in memory; some, by numbers from 1, have a dead torque channel."""
     rate_hz, samples = 1.0 / median_step(interaction.t), len(interaction.t)
 
     def gathered(column: int) -> Gathered:
@@ -184,17 +175,12 @@ def _solve_paper(own: EnergyCycles, kept: EnergyCycles, settings: FrictionSettin
 def _history(own: EnergyCycles, first: int, columns: Columns) -> CoefficientHistory:
     """Return one row per cycle that counts, from the first one with an estimate on."""
     kept = np.flatnonzero(own.reason == KEPT)[first - 1 :]
-    (coulomb, coulomb_low, coulomb_high), (viscous, viscous_low, viscous_high) = columns["coulomb"], columns["viscous"]
+    coefficients = {name: column for one in UNITS for name, column in zip(COLUMNS[one], columns[one], strict=True)}
     return CoefficientHistory(
         cycle=kept + 1,
         start_s=own.start_s[kept],
         stop_s=own.stop_s[kept],
-        coulomb_nm=coulomb,
-        coulomb_low_nm=coulomb_low,
-        coulomb_high_nm=coulomb_high,
-        viscous_nms_per_rad=viscous,
-        viscous_low_nms_per_rad=viscous_low,
-        viscous_high_nms_per_rad=viscous_high,
+        **coefficients,
         net_energy_j=np.cumsum(own.work_j)[kept],
         dissipated_j=own.dissipated_j[kept],
         path_rad=own.sums.rectified_path_rad[kept],
@@ -207,8 +193,11 @@ def _conclude(
 ) -> tuple[JointFriction, tuple[Caution, ...]]:
     """Choose the method of a joint, let its intervals cover both methods, and drop what is not determined."""
     found = joint.regression
-    if joint.reason and found is not None:
-        joint = _by_regression(joint, found)
+    if joint.reason and found is not None and found.doubt:
+        joint = replace(joint, regression=None, reason=f"{joint.reason}. No torque regression either: {found.doubt}")
+    elif joint.reason and found is not None:
+        same = ("coulomb", "viscous", "offset_nm", "condition_number", "correlation")
+        joint = replace(joint, method="regression", reason="", **{name: getattr(found, name) for name in same})
     if joint.reason:
         return joint, tuple(cautions_of(joint))
     torque, speed = seen.in_motion(standstill_rad_s)
@@ -217,22 +206,22 @@ def _conclude(
     determined = _determined(joint, largest)
     if determined.reason:
         return determined, tuple(cautions_of(determined))
-    lost = tuple(_lost(joint, determined))
+    lost = tuple(
+        Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
+        for name in UNITS
+        if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value)
+    )
     if joint.method == "regression":
         return determined, (Caution(code="from_regression", joint=joint.joint), *lost)
-    separate = found is not None and joint.model == "combined" and np.isfinite(joint.coulomb.low)
-    alike = bool(separate) and not _speed_condition(kept) < HIGHEST_CONDITION
+    alike = False
+    if found is not None and joint.model == "combined" and isfinite(joint.coulomb.low):
+        # Path and squared speed over whole cycles: of one speed profile their condition number is infinite.
+        columns = np.column_stack([kept.sums.path_rad, kept.sums.square_speed_rad2_s])
+        columns /= np.sqrt(kept.sums.square_speed_rad2_s)[:, None]
+        alike = not np.linalg.cond(columns / np.linalg.norm(columns, axis=0)) < HIGHEST_CONDITION
     if alike:
         lost = (Caution(code="one_speed_profile", joint=joint.joint), *lost)
     return _covering(determined, alike=alike), (*cautions_of(determined), *lost)
-
-
-def _by_regression(joint: JointFriction, found: TorqueRegression) -> JointFriction:
-    """Return the regression as the estimate, or the reason why there is none."""
-    if found.doubt:
-        return replace(joint, regression=None, reason=f"{joint.reason}. No torque regression either: {found.doubt}")
-    same = ("coulomb", "viscous", "offset_nm", "condition_number", "correlation")
-    return replace(joint, method="regression", reason="", **{name: getattr(found, name) for name in same})
 
 
 def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFriction:
@@ -254,19 +243,6 @@ def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFrictio
         "motion; move back and forth more often and at several speeds"
     )
     return replace(found, reason=reason)
-
-
-def _lost(joint: JointFriction, determined: JointFriction) -> Iterator[Caution]:
-    for name in UNITS:
-        if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value):
-            yield Caution(code=f"{name}_not_determined", joint=joint.joint, numbers={"most": MOST_UNCERTAIN})
-
-
-def _speed_condition(kept: EnergyCycles) -> float:
-    """Return the condition number of path and squared speed over whole cycles: of one speed profile it is infinite."""
-    columns = np.column_stack([kept.sums.path_rad, kept.sums.square_speed_rad2_s])
-    columns = columns / np.sqrt(kept.sums.square_speed_rad2_s)[:, None]
-    return float(np.linalg.cond(columns / np.linalg.norm(columns, axis=0)))
 
 
 def _covering(joint: JointFriction, *, alike: bool) -> JointFriction:

@@ -14,25 +14,16 @@ FEWEST_CYCLES = 4  # with fewer a jackknife has too few degrees of freedom
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class FrictionSettings:
-    """Settings of the estimate.
+    """Settings of the estimate."""
 
-    Attributes:
-        estimator: ``"weighted"`` (the default: rows weighted by their noise, extra columns) or ``"paper"``.
-        model: ``"combined"`` (20), ``"coulomb"`` (14) or ``"viscous"`` (8).
-        window: Number k of cycles used for each point of the history; None for one that a log has at least three of.
-        compare: Also regress the torque itself.
-
-    Raises:
-        UsageError: If a name is unknown or the window too short for the model.
-    """
-
+    # ``"weighted"`` (the default: rows weighted by their noise, extra columns) or ``"paper"``
     estimator: str = "weighted"
-    model: str = "combined"
+    model: str = "combined"  # ``"combined"`` (20), ``"coulomb"`` (14) or ``"viscous"`` (8)
+    # number k of cycles used for each point of the history; None for one that a log has at least three of
     window: int | None = None
-    compare: bool = True
+    compare: bool = True  # also regress the torque itself
 
     def __post_init__(self) -> None:
-        """Check names and the window."""
         if self.estimator not in ESTIMATORS:
             raise UsageError(f"--estimator {self.estimator}: expected one of {', '.join(ESTIMATORS)}")
         if self.model not in MODELS:

@@ -58,14 +58,8 @@ def regress_torque(
 ) -> TorqueRegression | None:
     """Regress the torque of one joint on its motion, samples slower than the dead band left out.
 
-    Args:
-        rows: What was gathered of the joint.
-        dead_band_rad_s: Speed below which the sign of the velocity means nothing. [rad/s]
-        others: The same of the other joints by number; then it is also checked whether the regression can stand for the
-            friction of the joint where no energy does.
-
-    Returns:
-        The regression, or None with too few moving samples or strokes.
+    With the rows of the other joints by number it is also checked whether the regression can stand for the friction of
+    the joint where no energy does. Too few moving samples or strokes give None.
     """
     found = rows.moving(dead_band_rad_s)
     strokes = int(found.stroke[-1]) + 1 if len(found.stroke) else 0
@@ -154,7 +148,7 @@ class RegressionRows:
     def __init__(self, column: int, samples: int, rate_hz: float) -> None:
         """Take the joint (0-based), the number of samples of the log and their rate."""
         self._column, self._step_s = column, 1.0 / rate_hz
-        block = block_length(self._step_s)
+        block = 2 * int(0.5 * BLOCK_S / self._step_s) + 1  # an odd number, so that the average has a middle
         self.around = around = block + block // 2 + 1
         self._spacing = max(int(1.0 / (ROW_RATE_HZ * self._step_s)), samples // MOST_ROWS, 1)
         self._index = np.arange(around, samples - around, self._spacing)
@@ -172,7 +166,8 @@ class RegressionRows:
         impulse[2 * self._reach] = 1.0
         response = self._smooth(impulse)[self._reach + 1 : 3 * self._reach]
         self._response = np.convolve(response, SIMPSON)
-        self._blocks = three_blocks(block)
+        # Weights of the averages of three neighbouring blocks, with a sample more at both ends.
+        self._blocks = np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
         self._found: list[dict[str, Float]] = []
 
     def take(self, part: Interaction, velocity: Float, start: int, stop: int) -> None:
@@ -248,16 +243,6 @@ def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) ->
     return [np.interp(index, interaction.gravity_index, side) for side in direction.T]
 
 
-def block_length(step_s: float) -> int:
-    """Return how many samples of the position are averaged, an odd number so that the average has a middle."""
-    return 2 * int(0.5 * BLOCK_S / step_s) + 1
-
-
-def three_blocks(block: int) -> Float:
-    """Return the weights of the averages of three neighbouring blocks, with a sample more at both ends, (w, 3)."""
-    return np.pad(np.repeat(np.eye(3) / block, block, axis=0), ((1, 1), (0, 0)))
-
-
 def differences(t: Float, q: Float) -> tuple[Float, Float]:
     """Return velocity [rad/s] and acceleration [rad/s^2] from averages of three neighbouring blocks, shape (3, m)."""
     (before, here, after), (first, middle, last) = q, t
@@ -290,13 +275,9 @@ def huber_weights(design: Float, target: Float, instruments: Float | None = None
     """Return the weights of the rows in Huber's estimate, 1 except for outliers.
 
     The weights of ``RLM`` of statsmodels (a test compares them), which knows no instruments, takes ten times as long
-    on few columns and many rows, and takes longer to load than an hour of log to read.
-
-    Args:
-        design: Columns of comparable length, shape (m, p).
-        target: Shape (m,).
-        instruments: What stands for columns that are noisy themselves, shape (m, p); None: the columns. Weights from a
-            biased solution are biased, for they count less where noise and error have one sign.
+    on few columns and many rows, and takes longer to load than an hour of log to read. The columns of the design, of
+    comparable length, shape (m, p), are noisy themselves where instruments stand for them: weights from a biased
+    solution are biased, for they count less where noise and error have one sign.
     """
     own = instruments is None
     instruments = design if instruments is None else instruments

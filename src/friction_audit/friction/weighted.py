@@ -27,19 +27,12 @@ RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Equations:
-    """Weighted equations of one joint, summed by group (a cycle, or a stroke).
+    """Weighted equations of one joint, summed by group (a cycle, or a stroke)."""
 
-    Attributes:
-        names: Names of the p columns; those of the friction model come first.
-        normal: A_g^T W A_g per group, shape (m, p, p).
-        right: A_g^T W y_g per group, shape (m, p).
-        scale: Lengths by which the columns were divided, shape (p,).
-    """
-
-    names: tuple[str, ...]
-    normal: Float
-    right: Float
-    scale: Float
+    names: tuple[str, ...]  # names of the p columns; those of the friction model come first
+    normal: Float  # A_g^T W A_g per group, shape (m, p, p)
+    right: Float  # A_g^T W y_g per group, shape (m, p)
+    scale: Float  # lengths by which the columns were divided, shape (p,)
 
     def conditioning(self) -> tuple[float, float]:
         """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
@@ -53,17 +46,10 @@ class Equations:
 
 
 def set_up(cycles: EnergyCycles, model: str) -> Equations:
-    """Set up the equations of one joint's cycles.
+    """Set up the equations of the cycles of one joint that count.
 
     The noise of an energy is the torque's noise weighted with the velocity, so its variance grows with the integral of
-    the squared speed; each row is divided by its square root.
-
-    Args:
-        cycles: Cycles of one joint, those that count, m of them.
-        model: Friction model.
-
-    Returns:
-        The equations, columns scaled to unit length.
+    the squared speed; each row is divided by its square root. Columns are scaled to unit length.
     """
     parts = cycles.parts
     usable = parts.square_speed_rad2_s > 0
@@ -144,16 +130,9 @@ def t_quantile(freedom: int) -> float:
 
 
 def fit_windows(equations: Equations, window: int) -> Fit:
-    """Solve every window of consecutive groups, with a jackknife over its groups.
-
-    Args:
-        equations: Equations of m groups.
-        window: Groups per window, at most m.
-
-    Returns:
-        Solutions of the m - window + 1 windows, in order.
-    """
-    normal, right = (_sliding_sum(blocks, window) for blocks in (equations.normal, equations.right))
+    """Solve all windows of so many consecutive groups, m at most, each with a jackknife over its groups."""
+    both = (equations.normal, equations.right)
+    normal, right = (np.lib.stride_tricks.sliding_window_view(one, window, axis=0).sum(axis=-1) for one in both)
     windows = len(normal)
     value = _solve(normal, right)
     if windows == 1:
@@ -167,12 +146,6 @@ def fit_windows(equations: Equations, window: int) -> Fit:
         variance = (square / window - (total / window) ** 2).clip(min=0.0)
     error = np.sqrt((window - 1) * variance) / equations.scale
     return Fit(names=equations.names, value=value / equations.scale, error=error, freedom=max(window - 1, 1))
-
-
-def _sliding_sum(blocks: Float, window: int) -> Float:
-    total = np.zeros((len(blocks) + 1, *blocks.shape[1:]))
-    np.cumsum(blocks, axis=0, out=total[1:])
-    return np.asarray(total[window:] - total[:-window], np.float64)
 
 
 def _solve(normal: Float, right: Float) -> Float:

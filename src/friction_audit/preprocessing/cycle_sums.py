@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from friction_audit.joint_log import Float
 
 Int = NDArray[np.int64]
-WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
-SUMS = 7
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 
 
@@ -75,7 +73,9 @@ def _events(velocity: Float, initiation: float, termination: float, *, moving: b
         piece = velocity[first : first + BLOCK]
         speed = np.abs(piece)
         # Between both thresholds the joint keeps the state of the sample before: it changes at one of these edges.
-        slow, fast = (_rises(one) for one in (speed < termination, speed > initiation))
+        slow, fast = (
+            np.flatnonzero(np.append(one[:1], one[1:] > one[:-1])) for one in (speed < termination, speed > initiation)
+        )
         known = np.append(slow, fast)
         order = np.argsort(known)
         states = order >= len(slow)
@@ -88,11 +88,6 @@ def _events(velocity: Float, initiation: float, termination: float, *, moving: b
         found[2].append(begin + 1 + np.flatnonzero(near[1:] * near[:-1] <= 0.0))
     stops, starts, turns = (np.concatenate(one) for one in found)
     return stops, starts, turns
-
-
-def _rises(is_so: NDArray[np.bool_]) -> Int:
-    """Return the places at which something begins to be so."""
-    return np.flatnonzero(np.append(is_so[:1], is_so[1:] > is_so[:-1]))
 
 
 def groups(borders: Int) -> Iterator[slice]:
@@ -139,14 +134,15 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
 
 def add_up(
     t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None, edges: Int
-) -> Float:
-    """Add up energies between samples by the trapezoid rule: shape (m, parts, SUMS), indexed by the constants above.
+) -> dict[str, Float]:
+    """Add up energies between samples by the trapezoid rule: by the names of ``EnergySums``, shape (m, parts).
 
     Work and path are summed over the increments of q: both then scale alike with any error of the clock, and the noise
     of the velocity enters neither. ``edges`` are the border samples of the parts of each cycle, shape (m, parts + 1);
     all else has shape (n,).
     """
-    sums = np.zeros((*np.subtract(edges.shape, (0, 1)), SUMS))
+    names = ("work_j", "compensation_j", "path_rad", "printed_net_j", "rectified_path_rad", "square_speed_rad2_s")
+    sums = {name: np.zeros((len(edges), edges.shape[1] - 1)) for name in names}
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
@@ -154,24 +150,26 @@ def add_up(
         starts, halved = own[:, :-1], 0.5 * (np.diff(own) > 0)
         # The zero at the end: a part that is empty may begin at the last border.
         area = np.zeros(rows.stop - rows.start)
-        for place, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
+        for name, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
             np.add(height[1:], height[:-1], out=area[:-1])
             area[:-1] *= width
-            sums[group][..., place] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
-    sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
-    return sums
+            sums[name][group] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
+    return sums | {
+        "displacement_rad": np.diff(q[edges], axis=1),
+        "half_square_speed_change": 0.5 * np.diff(filtered[edges] ** 2, axis=1),
+    }
 
 
 def _areas(
     t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
-) -> Iterator[tuple[int, Float, Float]]:
+) -> Iterator[tuple[str, Float, Float]]:
     """Yield each sum with the heights and widths of its trapezoids, one after the other: these arrays are large."""
     moved, step, driving = np.diff(q), np.diff(t), torque
-    yield WORK, torque, moved
+    yield "work_j", torque, moved
     if compensation is not None:
-        yield COMPENSATION, compensation, moved
+        yield "compensation_j", compensation, moved
         driving = torque + compensation
-    yield PATH, np.sign(filtered), moved
-    yield PRINTED, driving * dq, step
-    yield RECTIFIED, np.abs(dq), step
-    yield SQUARE, dq * dq, step
+    yield "path_rad", np.sign(filtered), moved
+    yield "printed_net_j", driving * dq, step
+    yield "rectified_path_rad", np.abs(dq), step
+    yield "square_speed_rad2_s", dq * dq, step

@@ -23,31 +23,21 @@ PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class EnergySums:
-    """Energy sums over pieces of motion; every array has the same shape.
+    """Energy sums over pieces of motion; every array has the same shape."""
 
-    Attributes:
-        work_j: Integral of F_m over the position, the net energy input. [J]
-        compensation_j: Integral of u over the position, the energy that a logged compensator put in. [J]
-        printed_net_j: Integral of (F_m + u) dq dt, the net energy as (2) and (10) print it. [J]
-        path_rad: Path, with the sign of the filtered velocity: the velocity's noise adds no path, which at rest and in
-            slow motion it would. [rad]
-        rectified_path_rad: Integral of |dq| dt, as (14) prints it. [rad]
-        square_speed_rad2_s: Integral of dq^2 dt. [rad^2/s]
-        displacement_rad: Change of q: the work of one newton metre of torque offset. [rad]
-        gravity_x_rad: Integral of g_x dq dt: the work per newton metre of gravity error along x of the joint's frame.
-        gravity_y_rad: The same along y.
-        half_square_speed_change: Change of dq^2 / 2 of the filtered velocity: kinetic energy per inertia. [rad^2/s^2]
-    """
-
-    work_j: Float
-    compensation_j: Float
-    printed_net_j: Float
+    work_j: Float  # integral of F_m over the position, the net energy input [J]
+    compensation_j: Float  # integral of u over the position, the energy that a logged compensator put in [J]
+    printed_net_j: Float  # integral of (F_m + u) dq dt, the net energy as (2) and (10) print it [J]
+    # path, with the sign of the filtered velocity: the velocity's noise adds no path, which at rest and in slow motion
+    # it would [rad]
     path_rad: Float
-    rectified_path_rad: Float
-    square_speed_rad2_s: Float
-    displacement_rad: Float
+    rectified_path_rad: Float  # integral of |dq| dt, as (14) prints it [rad]
+    square_speed_rad2_s: Float  # integral of dq^2 dt [rad^2/s]
+    displacement_rad: Float  # change of q: the work of one newton metre of torque offset [rad]
+    # integral of g_x dq dt: the work per newton metre of gravity error along x of the joint's frame
     gravity_x_rad: Float
-    gravity_y_rad: Float
+    gravity_y_rad: Float  # the same along y
+    # change of dq^2 / 2 of the filtered velocity: kinetic energy per inertia [rad^2/s^2]
     half_square_speed_change: Float
 
     @property
@@ -66,46 +56,27 @@ class EnergySums:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class EnergyCycles:
-    """Energy cycles of all joints, ordered by joint and then by time; m rows.
+    """Energy cycles of all joints, ordered by joint and then by time; m rows."""
 
-    Attributes:
-        joint: Column of the Interaction (0-based), shape (m,).
-        start: First sample, shape (m,).
-        stop: Border sample, the next cycle's start, shape (m,).
-        start_s: t[start]. [s]
-        stop_s: t[stop]. [s]
-        peak_speed_rad_s: Largest filtered speed. [rad/s]
-        sums: Over the whole cycle, arrays of shape (m,).
-        parts: Over parts of equal path, arrays of shape (m, PARTS); they add up to ``sums``.
-        open: True where a joint does not end where it began, shape (m,).
-        reason: Index into REASONS; KEPT where the cycle counts, shape (m,).
-        initiation: Threshold used per joint of the Interaction, shape (j,). [speed_unit]
-        termination: Threshold used per joint, shape (j,). [speed_unit]
-        fastest: Largest filtered speed in the log of what the thresholds are for, shape (j,). [speed_unit]
-        speed_unit: ``"rad/s"``, or ``"m/s"`` where the hand defines the cycles.
-        standstill_rad_s: Speed of each joint itself below which its direction means nothing: its own termination
-            threshold, also where the hand defines the cycles, shape (j,). [rad/s]
-        moving_s: Time above the initiation threshold per joint of the Interaction, shape (j,). [s]
-        peak_power_w: Largest power of F_m + u in the log per joint, shape (j,). [W]
-    """
-
-    joint: Int
-    start: Int
-    stop: Int
-    start_s: Float
-    stop_s: Float
-    peak_speed_rad_s: Float
-    sums: EnergySums
-    parts: EnergySums
-    open: NDArray[np.bool_]
-    reason: Int
-    initiation: Float
-    termination: Float
-    fastest: Float
-    speed_unit: str
+    joint: Int  # column of the Interaction (0-based), shape (m,)
+    start: Int  # first sample, shape (m,)
+    stop: Int  # border sample, the next cycle's start, shape (m,)
+    start_s: Float  # t[start] [s]
+    stop_s: Float  # t[stop] [s]
+    peak_speed_rad_s: Float  # largest filtered speed [rad/s]
+    sums: EnergySums  # over the whole cycle, arrays of shape (m,)
+    parts: EnergySums  # over parts of equal path, arrays of shape (m, PARTS); they add up to ``sums``
+    open: NDArray[np.bool_]  # True where a joint does not end where it began, shape (m,)
+    reason: Int  # index into REASONS; KEPT where the cycle counts, shape (m,)
+    initiation: Float  # threshold used per joint of the Interaction, shape (j,) [speed_unit]
+    termination: Float  # threshold used per joint, shape (j,) [speed_unit]
+    fastest: Float  # largest filtered speed in the log of what the thresholds are for, shape (j,) [speed_unit]
+    speed_unit: str  # ``"rad/s"``, or ``"m/s"`` where the hand defines the cycles
+    # speed of each joint itself below which its direction means nothing: its own termination threshold, also where the
+    # hand defines the cycles, shape (j,) [rad/s]
     standstill_rad_s: Float
-    moving_s: Float
-    peak_power_w: Float
+    moving_s: Float  # time above the initiation threshold per joint of the Interaction, shape (j,) [s]
+    peak_power_w: Float  # largest power of F_m + u in the log per joint, shape (j,) [W]
 
     @property
     def work_j(self) -> Float:

@@ -40,9 +40,7 @@ MOST_MOVED = 0.1  # share of stamps that are a tick late: where there are more, 
 def kaiser_low_pass(corner_hz: float, rate_hz: float) -> Float:
     """Return the weights of a symmetric low-pass with 60 dB in the stop band, an odd number of them, sum 1.
 
-    Args:
-        corner_hz: Half of the amplitude passes here, none from twice of it on. [Hz]
-        rate_hz: Of the samples. [Hz]
+    Half of the amplitude passes at the corner, none from twice of it on.
     """
     share = 2.0 * corner_hz / rate_hz
     taps = int(np.ceil((STOPBAND_DB - 7.95) / (2.285 * np.pi * share) + 1.0)) | 1
@@ -152,23 +150,14 @@ def on_finer_grid(values: NDArray[np.floating[Any]], every: int, n: int) -> Floa
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LowPass:
-    """A symmetric low-pass that reads an even fine clock and writes every so many samples.
+    """A symmetric low-pass that reads an even fine clock and writes every so many samples."""
 
-    Attributes:
-        t: Times of the grid, shape (n,). [s]
-        fine: Times of the fine clock, half a kernel longer at both ends. [s]
-        every: Fine samples per grid sample.
-        kernel: Weights, shape (2 h + 1,), sum 1.
-        slope: Weights that give the derivative. [1/s]
-        corner_hz: Half of the amplitude passes here. [Hz]
-    """
-
-    t: Float
-    fine: Float
-    every: int
-    kernel: Float
-    slope: Float
-    corner_hz: float
+    t: Float  # times of the grid, shape (n,) [s]
+    fine: Float  # times of the fine clock, half a kernel longer at both ends [s]
+    every: int  # fine samples per grid sample
+    kernel: Float  # weights, shape (2 h + 1,), sum 1
+    slope: Float  # weights that give the derivative [1/s]
+    corner_hz: float  # half of the amplitude passes here [Hz]
 
     @classmethod
     def for_stamps(cls, t: Float) -> "LowPass":

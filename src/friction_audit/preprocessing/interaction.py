@@ -19,24 +19,17 @@ SIGNALS = ("t", "q", "dq", "torque", "compensation")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SignEvidence:
-    """What the energy of one joint says about the sign of its torque.
+    """What the energy of one joint says about the sign of its torque."""
 
-    Attributes:
-        joint: Joint number for people (1..n of the log).
-        verdict: ``"rises"`` (the sign is right), ``"falls"`` (it is wrong), ``"undecided"``, ``"still"`` or
-            ``"no_torque"`` (its torque channel is dead).
-        moving_s: Time for which the joint moves. [s]
-        path_rad: How far it moves in that time, both directions added. [rad]
-        against_motion_nm: Part of F_m + u that goes with the direction of motion; NaN where it is undetermined. [N m]
-        standard_error_nm: Its standard error, strokes taken as independent. [N m]
-    """
-
-    joint: int
+    joint: int  # joint number for people (1..n of the log)
+    # ``"rises"`` (the sign is right), ``"falls"`` (it is wrong), ``"undecided"``, ``"still"`` or ``"no_torque"`` (its
+    # torque channel is dead)
     verdict: str
-    moving_s: float
-    path_rad: float
+    moving_s: float  # time for which the joint moves [s]
+    path_rad: float  # how far it moves in that time, both directions added [rad]
+    # part of F_m + u that goes with the direction of motion; NaN where it is undetermined [N m]
     against_motion_nm: float
-    standard_error_nm: float
+    standard_error_nm: float  # its standard error, strokes taken as independent [N m]
 
     @property
     def score(self) -> float:
@@ -46,37 +39,21 @@ class SignEvidence:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueChoice:
-    """How the interaction torque was made; stored in every result.
+    """How the interaction torque was made; stored in every result."""
 
-    Attributes:
-        source: ``"interaction"``, ``"tau_ext"`` or ``"tau_J"``.
-        gravity: ``"logged"``, ``"model"``, ``"in-torque"`` (still in F_m) or ``"removed"`` (the source has none).
-        inertia: ``"model"`` or ``"none"``.
-        drive: ``"hand"`` or ``"robot"``.
-        sign: +1 or -1, the factor on the source torque.
-        sign_proved: True if the net energy proves the sign on most of the moving joints.
-        sign_turned: True if the log's energy turned the sign against the first reading.
-        robot: The rigid-body model used, or ``"none"``.
-        payload: mass [kg], x, y, z [m] in the flange frame, or None.
-        model_rate_hz: Rate at which the model was evaluated, or None. [Hz]
-        formula: The balance in words, for people.
-        reason: Why this source was chosen, for people.
-        sign_evidence: What the energy of each joint of the log says about the sign.
-    """
-
-    source: str
-    gravity: str
-    inertia: str
-    drive: str
-    sign: int
-    sign_proved: bool
-    sign_turned: bool
-    robot: str
-    payload: tuple[float, float, float, float] | None
-    model_rate_hz: float | None
-    formula: str
-    reason: str = ""
-    sign_evidence: tuple[SignEvidence, ...] = ()
+    source: str  # ``"interaction"``, ``"tau_ext"`` or ``"tau_J"``
+    gravity: str  # ``"logged"``, ``"model"``, ``"in-torque"`` (still in F_m) or ``"removed"`` (the source has none)
+    inertia: str  # ``"model"`` or ``"none"``
+    drive: str  # ``"hand"`` or ``"robot"``
+    sign: int  # +1 or -1, the factor on the source torque
+    sign_proved: bool  # True if the net energy proves the sign on most of the moving joints
+    sign_turned: bool  # True if the log's energy turned the sign against the first reading
+    robot: str  # the rigid-body model used, or ``"none"``
+    payload: tuple[float, float, float, float] | None  # mass [kg], x, y, z [m] in the flange frame, or None
+    model_rate_hz: float | None  # rate at which the model was evaluated, or None [Hz]
+    formula: str  # the balance in words, for people
+    reason: str = ""  # why this source was chosen, for people
+    sign_evidence: tuple[SignEvidence, ...] = ()  # what the energy of each joint of the log says about the sign
 
     @property
     def gravity_in_torque(self) -> bool:
@@ -86,17 +63,11 @@ class TorqueChoice:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Caution:
-    """Something the user must know about a result; ``reporting.sentences`` has the sentence of each code.
+    """Something the user must know about a result; ``reporting.sentences`` has the sentence of each code."""
 
-    Attributes:
-        code: Stable short name.
-        joint: Joint number for people (1..n), or None.
-        numbers: What the sentence needs, by name, as JSON knows it.
-    """
-
-    code: str
-    joint: int | None = None
-    numbers: Mapping[str, Any] = field(default_factory=dict)
+    code: str  # stable short name
+    joint: int | None = None  # joint number for people (1..n), or None
+    numbers: Mapping[str, Any] = field(default_factory=dict)  # what the sentence needs, by name, as JSON knows it
 
     def renamed(self, path: str, name: str) -> "Caution":
         """Return it with another name of the log, in commands to paste."""
@@ -106,39 +77,25 @@ class Caution:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Interaction:
-    """What friction sees: motion and torque at the friction port, n samples of j joints.
+    """What friction sees: motion and torque at the friction port, n samples of j joints."""
 
-    Attributes:
-        t: Time, strictly increasing from 0, shape (n,). [s]
-        q: Joint position, shape (n, j). [rad]
-        dq: Joint velocity, shape (n, j). [rad/s]
-        torque: Interaction torque F_m, positive when it drives the joint towards positive velocity, (n, j). [N m]
-        compensation: Torque u of everything a logged compensator did (its passivity controller included),
-            shape (n, j), or None. [N m]
-        hand_speed: Speed of the end effector, shape (n,), or None where it was not requested. [m/s]
-        gravity_direction: x and y of the direction of gravity in each joint's own frame (z along the axis), at the
-            samples of ``gravity_index``, shape (g, j, 2), or None when the arm's kinematics are not known.
-        gravity_index: Samples at which the direction was evaluated, from 0 to n - 1, shape (g,), or None.
-        joint_numbers: Number for people (1..n of the log) of each column.
-        joint_names: Name of each column.
-        choice: How the torque was made.
-        warnings: What the user must know.
-        first: Number of the first sample in the log, of a part of it.
-    """
-
-    t: Float
-    q: Float
-    dq: Float
-    torque: Float
+    t: Float  # time, strictly increasing from 0, shape (n,) [s]
+    q: Float  # joint position, shape (n, j) [rad]
+    dq: Float  # joint velocity, shape (n, j) [rad/s]
+    torque: Float  # interaction torque F_m, positive when it drives the joint towards positive velocity, (n, j) [N m]
+    # torque u of everything a logged compensator did (its passivity controller included), shape (n, j), or None [N m]
     compensation: Float | None
-    hand_speed: Float | None
+    hand_speed: Float | None  # speed of the end effector, shape (n,), or None where it was not requested [m/s]
+    # x and y of the direction of gravity in each joint's own frame (z along the axis), at the samples of
+    # ``gravity_index``, shape (g, j, 2), or None when the arm's kinematics are not known
     gravity_direction: Float | None = None
+    # samples at which the direction was evaluated, from 0 to n - 1, shape (g,), or None
     gravity_index: NDArray[np.int64] | None = None
-    joint_numbers: tuple[int, ...]
-    joint_names: tuple[str, ...]
-    choice: TorqueChoice
-    warnings: tuple[Caution, ...] = ()
-    first: int = 0
+    joint_numbers: tuple[int, ...]  # number for people (1..n of the log) of each column
+    joint_names: tuple[str, ...]  # name of each column
+    choice: TorqueChoice  # how the torque was made
+    warnings: tuple[Caution, ...] = ()  # what the user must know
+    first: int = 0  # number of the first sample in the log, of a part of it
 
     def rows(self, first: int, stop: int) -> "Interaction":
         """Return the samples of these numbers in the log, as a part of it."""

@@ -24,23 +24,14 @@ FURTHER = 1.1
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class PortTorque:
-    """How the torque at the friction port of a log is made, in all of it or in a part.
+    """How the torque at the friction port of a log is made, in all of it or in a part."""
 
-    Attributes:
-        log: The log, its velocities on time.
-        balance: The row of the balance whose energy rises.
-        columns: Selected joints, 0-based.
-        stride: Samples between those at which the direction of gravity is evaluated.
-        choice: How the torque is made, for people.
-        warnings: What the user must know.
-    """
-
-    log: JointLog
-    balance: Balance
-    columns: list[int]
-    stride: int
-    choice: TorqueChoice
-    warnings: tuple[Caution, ...]
+    log: JointLog  # the log, its velocities on time
+    balance: Balance  # the row of the balance whose energy rises
+    columns: list[int]  # selected joints, 0-based
+    stride: int  # samples between those at which the direction of gravity is evaluated
+    choice: TorqueChoice  # how the torque is made, for people
+    warnings: tuple[Caution, ...]  # what the user must know
 
     def interaction(self, part: LogPart) -> Interaction:
         """Return motion and torque of a part of the log."""

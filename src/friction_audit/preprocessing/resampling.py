@@ -35,17 +35,11 @@ SPLINE_REACH = 20  # knots beyond a block that its spline takes along: their inf
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Grid:
-    """A uniform grid of times over one stretch of a log without a hole.
+    """A uniform grid of times over one stretch of a log without a hole."""
 
-    Attributes:
-        rows: The stretch's samples in the log.
-        t: Times, from the first sample of the stretch to its last, shape (k,). [s]
-        rate_hz: Rate asked for; the spacing is a little less than its inverse. [Hz]
-    """
-
-    rows: slice
-    t: Float
-    rate_hz: float
+    rows: slice  # the stretch's samples in the log
+    t: Float  # times, from the first sample of the stretch to its last, shape (k,) [s]
+    rate_hz: float  # rate asked for; the spacing is a little less than its inverse [Hz]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

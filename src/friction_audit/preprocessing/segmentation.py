@@ -49,15 +49,7 @@ Thresholds = tuple[float, float]
 
 
 def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyCycles:
-    """Find the energy cycles of every joint of a log in memory and add up their energies.
-
-    Args:
-        interaction: Motion and torque at the friction port.
-        settings: Thresholds and rules.
-
-    Returns:
-        All cycles, the rejected ones included, with the reason.
-    """
+    """Find all energy cycles of every joint of a log in memory, also those that are rejected."""
     rate_hz, hand, signal = 1.0 / median_step(interaction.t), None, None
     if settings.cycles_from == "hand":
         assert interaction.hand_speed is not None, "the interaction was extracted without the hand's speed"
@@ -204,20 +196,9 @@ class CycleSearch:
         rows = slice(shift, shift + len(self._filtered))
         u = None if part.compensation is None else part.compensation[rows, self._column]
         q, dq, torque = (array[rows, self._column] for array in (part.q, part.dq, part.torque))
-        raw = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
         gravity_x, gravity_y = _gravity_work(part, self._column, edges + shift)
-        return EnergySums(
-            work_j=raw[:, :, cycle_sums.WORK],
-            compensation_j=raw[:, :, cycle_sums.COMPENSATION],
-            printed_net_j=raw[:, :, cycle_sums.PRINTED],
-            path_rad=raw[:, :, cycle_sums.PATH],
-            rectified_path_rad=raw[:, :, cycle_sums.RECTIFIED],
-            square_speed_rad2_s=raw[:, :, cycle_sums.SQUARE],
-            displacement_rad=np.diff(q[edges], axis=1),
-            gravity_x_rad=gravity_x,
-            gravity_y_rad=gravity_y,
-            half_square_speed_change=raw[:, :, cycle_sums.HALF_SQUARE],
-        )
+        sums = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
+        return EnergySums(**sums, gravity_x_rad=gravity_x, gravity_y_rad=gravity_y)
 
     def _shorten(self, part: Interaction) -> None:
         """Add up the beginning of a cycle that lasts too long, and forget its samples."""
@@ -320,15 +301,11 @@ def _gravity_work(interaction: Interaction, column: int, edges: Int) -> tuple[Fl
 def join_cycles(joints: Sequence[EnergyCycles]) -> EnergyCycles:
     """Return the cycles of all joints, each given in order, as one structure."""
 
-    def joined(parts: list[EnergySums]) -> EnergySums:
-        return EnergySums(
-            **{f.name: np.concatenate([getattr(one, f.name) for one in parts]) for f in fields(EnergySums)}
-        )
+    def joined(some: Sequence[Any]) -> Any:  # noqa: ANN401 - arrays, or what holds them
+        if isinstance(some[0], np.ndarray):
+            return np.concatenate(some)
+        names = [one.name for one in fields(some[0]) if one.name != "speed_unit"]
+        return replace(some[0], **{name: joined([getattr(one, name) for one in some]) for name in names})
 
-    arrays = [f.name for f in fields(EnergyCycles) if f.name not in ("sums", "parts", "speed_unit")]
-    return EnergyCycles(
-        **{name: np.concatenate([getattr(one, name) for one in joints]) for name in arrays},
-        speed_unit=joints[0].speed_unit,
-        sums=joined([one.sums for one in joints]),
-        parts=joined([one.parts for one in joints]),
-    )
+    found: EnergyCycles = joined(joints)
+    return found

@@ -17,37 +17,22 @@ CYCLES_FROM = ("joint", "hand")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class CycleSettings:
-    """Settings of the segmentation; the defaults are the paper's (section V).
+    """Settings of the segmentation; the defaults are the paper's (section V)."""
 
-    Attributes:
-        thresholds: ``"fixed"`` (the two below) or ``"auto"`` (from the log's own noise and speeds).
-        initiation_rad_s: Filtered speed above which a cycle begins. [rad/s]
-        termination_rad_s: Filtered speed below which it ends. [rad/s]
-        cutoff_hz: Corner of the low-pass filter on the velocity, for detection only. [Hz]
-        cycles_from: ``"joint"``: each joint has its own cycles; ``"hand"``: the end effector's speed defines them.
-        hand_initiation_m_s: Hand speed above which a cycle begins. [m/s]
-        hand_termination_m_s: Hand speed below which it ends. [m/s]
-        minimum_path_rad: With ``"hand"``, a cycle counts only if every joint selected has moved this far. [rad]
-        maximum_gap_s: A cycle with a longer hole in the log (and longer than 3.5 steps) is left out. [s]
-        closure_rad: A cycle whose ends are further apart is open in position. [rad]
-
-    Raises:
-        UsageError: If a number is out of range or a name unknown.
-    """
-
-    thresholds: str = "fixed"
-    initiation_rad_s: float = 0.2
-    termination_rad_s: float = 0.05
-    cutoff_hz: float = 20.0
+    thresholds: str = "fixed"  # ``"fixed"`` (the two below) or ``"auto"`` (from the log's own noise and speeds)
+    initiation_rad_s: float = 0.2  # filtered speed above which a cycle begins [rad/s]
+    termination_rad_s: float = 0.05  # filtered speed below which it ends [rad/s]
+    cutoff_hz: float = 20.0  # corner of the low-pass filter on the velocity, for detection only [Hz]
+    # ``"joint"``: each joint has its own cycles; ``"hand"``: the end effector's speed defines them
     cycles_from: str = "joint"
-    hand_initiation_m_s: float = 0.1
-    hand_termination_m_s: float = 0.025
+    hand_initiation_m_s: float = 0.1  # hand speed above which a cycle begins [m/s]
+    hand_termination_m_s: float = 0.025  # hand speed below which it ends [m/s]
+    # with ``"hand"``, a cycle counts only if every joint selected has moved this far [rad]
     minimum_path_rad: float = 0.1
-    maximum_gap_s: float = 0.05
-    closure_rad: float = 0.05
+    maximum_gap_s: float = 0.05  # a cycle with a longer hole in the log (and longer than 3.5 steps) is left out [s]
+    closure_rad: float = 0.05  # a cycle whose ends are further apart is open in position [rad]
 
     def __post_init__(self) -> None:
-        """Check names and ranges."""
         if self.thresholds not in THRESHOLDS:
             raise UsageError(f"--thresholds {self.thresholds}: expected one of {', '.join(THRESHOLDS)} or two numbers")
         if self.cycles_from not in CYCLES_FROM:
@@ -74,35 +59,20 @@ CHOICES = {"torque": TORQUES, "gravity": GRAVITIES, "inertia": INERTIAS, "drive"
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueSettings:
-    """Choices of the interaction torque; ``"auto"`` leaves them to the log.
+    """Choices of the interaction torque; ``"auto"`` leaves them to the log."""
 
-    Attributes:
-        torque: Source channel, one of TORQUES.
-        gravity: Where gravity comes from, one of GRAVITIES.
-        inertia: Whether inertial and Coriolis torque is removed, one of INERTIAS.
-        drive: Who moves the joint, one of DRIVES.
-        robot: Which arm it is, and whose rigid-body model may be used, one of ROBOTS.
-        urdf: A URDF that replaces the built-in model, or None.
-        payload: mass [kg] and centre of mass x, y, z [m] in the flange frame, or None.
-        gravity_vector: Gravity in the base frame. [m/s^2]
-        model_rate_hz: Rate at which the rigid-body model is evaluated. [Hz]
-
-    Raises:
-        UsageError: If a choice is not one of the names, or a number out of range.
-    """
-
-    torque: str = "auto"
-    gravity: str = "auto"
-    inertia: str = "auto"
-    drive: str = "auto"
-    robot: str = "auto"
-    urdf: Path | None = None
+    torque: str = "auto"  # source channel, one of TORQUES
+    gravity: str = "auto"  # where gravity comes from, one of GRAVITIES
+    inertia: str = "auto"  # whether inertial and Coriolis torque is removed, one of INERTIAS
+    drive: str = "auto"  # who moves the joint, one of DRIVES
+    robot: str = "auto"  # which arm it is, and whose rigid-body model may be used, one of ROBOTS
+    urdf: Path | None = None  # a URDF that replaces the built-in model, or None
+    # mass [kg] and centre of mass x, y, z [m] in the flange frame, or None
     payload: tuple[float, float, float, float] | None = None
-    gravity_vector: tuple[float, float, float] = (0.0, 0.0, -9.81)
-    model_rate_hz: float = 50.0
+    gravity_vector: tuple[float, float, float] = (0.0, 0.0, -9.81)  # gravity in the base frame [m/s^2]
+    model_rate_hz: float = 50.0  # rate at which the rigid-body model is evaluated [Hz]
 
     def __post_init__(self) -> None:
-        """Check every choice against its names."""
         for name, allowed in CHOICES.items():
             if getattr(self, name) not in allowed:
                 raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
@@ -120,13 +90,7 @@ class TorqueSettings:
             )
 
     def command(self, log: str, *more: str, **changed: str | None) -> str:
-        """Return the command to paste that does the same with other choices: the user's own, else ``estimate``.
-
-        Args:
-            log: Path of the log.
-            more: Further options of ``estimate``.
-            changed: Choices to be made otherwise, by name.
-        """
+        """Return the command to paste that makes some choices otherwise: the user's own, else ``estimate`` of a log."""
         words = shlex.split(GIVEN.get()) or ["friction-audit", "estimate", log, *more]
         for one in fields(self):
             value = changed.get(one.name, getattr(self, one.name))

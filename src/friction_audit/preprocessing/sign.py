@@ -36,23 +36,14 @@ Verdict = Literal["rises", "falls", "undecided", "still", "no_torque"]
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class CoarseLog:
-    """Means of a log over blocks of samples, m blocks.
+    """Means of a log over blocks of samples, m blocks."""
 
-    Attributes:
-        samples: Samples per block.
-        t: Time, shape (m,). [s]
-        q: Position, shape (m, j). [rad]
-        dq: Velocity, shape (m, j). [rad/s]
-        whole: False where a block holds or touches a hole in the log, shape (m,).
-        of_means: True where the log itself holds nothing but the means.
-    """
-
-    samples: int
-    t: Float
-    q: Float
-    dq: Float
-    whole: NDArray[np.bool_]
-    of_means: bool = False
+    samples: int  # samples per block
+    t: Float  # time, shape (m,) [s]
+    q: Float  # position, shape (m, j) [rad]
+    dq: Float  # velocity, shape (m, j) [rad/s]
+    whole: NDArray[np.bool_]  # False where a block holds or touches a hole in the log, shape (m,)
+    of_means: bool = False  # True where the log itself holds nothing but the means
 
     def mean(self, signal: Float) -> Float:
         """Return the block means of another signal of the log, shape (n, j) -> (m, j)."""
@@ -74,13 +65,7 @@ def coarse_log(log: JointLog) -> CoarseLog:
 
 
 def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:
-    """Judge for every joint whether the net energy rises.
-
-    Args:
-        log: Motion.
-        torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
-        dead_torque: Numbers (1..j) of joints whose torque channel records nothing.
-    """
+    """Judge for every joint whether the net energy of F_m + u, shape (m, j), rises; some (1..j) have a dead torque."""
     found = per_joint(lambda joint: _judge(log, joint, torque[:, joint]), log.q.shape[1])
     return tuple(replace(one, verdict="no_torque") if one.joint in dead_torque else one for one in found)
 

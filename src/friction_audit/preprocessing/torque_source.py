@@ -36,33 +36,19 @@ REASONS = {
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Plan:
-    """How the torque will be made.
+    """How the torque will be made."""
 
-    Attributes:
-        source: Key of CHANNELS.
-        gravity: ``"logged"``, ``"model"``, ``"in-torque"`` or ``"removed"``.
-        drives: Rows of the balance to try, in order; one if the user chose.
-        inertia: True if the robot row removes inertial and Coriolis torque.
-        arm: The rigid-body model, or None.
-        reason: Why this source.
-        warnings: What the user must know.
-    """
-
-    source: str
-    gravity: str
-    drives: tuple[str, ...]
-    inertia: bool
-    arm: Arm | None
-    reason: str
-    warnings: tuple[Caution, ...]
+    source: str  # key of CHANNELS
+    gravity: str  # ``"logged"``, ``"model"``, ``"in-torque"`` or ``"removed"``
+    drives: tuple[str, ...]  # rows of the balance to try, in order; one if the user chose
+    inertia: bool  # True if the robot row removes inertial and Coriolis torque
+    arm: Arm | None  # the rigid-body model, or None
+    reason: str  # why this source
+    warnings: tuple[Caution, ...]  # what the user must know
 
 
 def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Plan:
-    """Decide how the torque is made.
-
-    Raises:
-        UsageError: If the settings contradict each other or the log.
-    """
+    """Decide how the torque is made; settings that contradict each other or the log are a UsageError."""
     settings = _in_newton_metres(log, settings)
     _check_settings(log, settings)
     robot = known_robot(log, settings)
@@ -228,11 +214,7 @@ def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
 
 
 def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
-    """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths.
-
-    Raises:
-        UsageError: If no model of this arm is known.
-    """
+    """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths."""
     if known_robot(log, settings) not in (*MODELS, "fr3"):
         raise UsageError(
             f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name one "
@@ -242,11 +224,7 @@ def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
 
 
 def known_arm(log: JointLog, settings: TorqueSettings, choice: TorqueChoice) -> Arm | None:
-    """Return the model that the torque was made with, or that the log or the user names; None where none is known.
-
-    Raises:
-        UsageError: If a URDF was given that cannot be read.
-    """
+    """Return the model that the torque was made with, or that the log or the user names; None where none is known."""
     robot = known_robot(log, settings)
     panda = robot == "panda" and len(log.joint_names) == PANDA_JOINTS
     return _load(log, settings) if robot == "urdf" or panda or choice.robot != "none" else None

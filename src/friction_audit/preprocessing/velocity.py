@@ -34,15 +34,9 @@ FINE = 0.01  # noise of a velocity from the position, of the rms speed, that is 
 
 
 def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
-    """Low-pass a velocity without phase shift (second-order Butterworth, forwards and backwards).
+    """Low-pass a velocity without phase shift: second-order Butterworth, forwards and backwards, shape (n,).
 
-    Args:
-        dq: Velocity, shape (n,). [rad/s]
-        rate_hz: Sampling rate. [Hz]
-        cutoff_hz: Corner of each pass. [Hz]
-
-    Returns:
-        Filtered velocity, shape (n,); ``dq`` itself where the rate is too low to filter. [rad/s]
+    The corner is that of each pass; where the rate is too low to filter, the velocity comes back itself.
     """
     if cutoff_hz >= HIGHEST_SHARE_OF_RATE * rate_hz or len(dq) < MINIMUM_LENGTH:
         return dq
@@ -118,35 +112,12 @@ def _block_form(gain: float, a1: float, a2: float) -> tuple[Float, Float, Float,
     return both, carried, forced @ back, output, np.append(free[:, -1], forced[:, -1]), powers[-1]
 
 
-def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
-    """Estimate the lag of velocities after the derivatives of their positions.
-
-    The noise of the position is in its second derivative, and least squares would find too small a lag; the change of
-    the logged velocity has independent noise, and is the instrumental variable.
-
-    Args:
-        logged: Velocities as logged, shape (n, j). [rad/s]
-        slope: Derivatives of the positions, shape (n, j). [rad/s]
-        bend: Second derivatives, shape (n, j). [rad/s^2]
-        change: Derivatives of the velocities, shape (n, j). [rad/s^2]
-
-    Returns:
-        Lag and its standard error, shape (j,) each; a joint that never accelerates has lag 0, error infinite. [s]
-    """
-    power = np.sum(change * bend, axis=0)
-    still = power <= 0.0
-    power = np.where(still, 1.0, power)
-    lag = np.where(still, 0.0, np.sum(change * (slope - logged), axis=0) / power)
-    left = np.mean((slope - logged - lag * bend) ** 2, axis=0) * np.sum(change**2, axis=0)
-    return lag, np.where(still, np.inf, np.sqrt(left) / power)
-
-
 def find_lag(coarse: CoarseLog, step_s: float) -> Float:
     """Return by how much each joint's velocity comes late, shape (j,); 0 where that is not significant. [s]
 
-    Args:
-        coarse: Means of the log over short blocks.
-        step_s: Step of the log's clock. [s]
+    The noise of the position is in its second derivative, and least squares would find too small a lag; the change of
+    the logged velocity has independent noise, and is the instrumental variable. A joint that never accelerates has no
+    lag.
     """
     step = np.diff(coarse.t)[:, None]
     slope = np.diff(coarse.q, axis=0) / step
@@ -155,19 +126,20 @@ def find_lag(coarse: CoarseLog, step_s: float) -> Float:
     bend, change = np.diff(slope, axis=0) / reach, (coarse.dq[2:] - coarse.dq[:-2]) / (2.0 * reach)
     if not whole.any():
         return np.zeros(coarse.q.shape[1])
-    lag, error = lag_of(coarse.dq[1:-1][whole], middle[whole], bend[whole], change[whole])
-    return np.where((lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
+    late, bend, change = (middle - coarse.dq[1:-1])[whole], bend[whole], change[whole]
+    power = np.sum(change * bend, axis=0)
+    moves = power > 0.0
+    power = np.where(moves, power, 1.0)
+    lag = np.sum(change * late, axis=0) / power
+    error = np.sqrt(np.mean((late - lag * bend) ** 2, axis=0) * np.sum(change**2, axis=0)) / power
+    return np.where(moves & (lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
 
 
 def read_on_time(log: JointLog, lag: Float) -> JointLog:
-    """Return a log whose velocities belong to its positions.
+    """Return a log whose velocities, late by a lag of shape (j,), belong to its positions.
 
     A filter that delays also flattens, so a late velocity is replaced by the central difference of the position over
     the lag, (q(t + d) - q(t - d)) / 2 d. Where the position is too coarse for that, the velocity is read earlier.
-
-    Args:
-        log: The log.
-        lag: How much later each velocity comes, shape (j,). [s]
     """
     fine = _is_fine(log, lag)
     if not isinstance(log, LogInBlocks):
@@ -248,10 +220,7 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
 def noise_density(signal: Float, step_s: float, order: int) -> float:
     """Return D of a noise whose amplitude density is D f^order up to a fifth of the rate, from second differences.
 
-    Args:
-        signal: On an even grid, shape (n,).
-        step_s: Spacing of the grid. [s]
-        order: 0 for white noise, 1 for that of a differentiated signal.
+    The order is 0 for white noise, 1 for that of a differentiated signal.
     """
     w = np.linspace(0.0, 0.4 * np.pi, 400)
     gain = float(np.sqrt(np.trapezoid((w / (2 * np.pi * step_s)) ** (2 * order) * (2 - 2 * np.cos(w)) ** 2, w)))
@@ -272,14 +241,8 @@ def complementary_mean(
 
     The noise of a position's derivative grows with the frequency f, that of a logged velocity does not. The derivative
     counts by w(f) = 1 / (1 + (f / f_x)^2), a symmetric exponential in time (N. Wiener, Extrapolation, Interpolation,
-    and Smoothing of Stationary Time Series, 1949).
-
-    Args:
-        slope: Derivative of the position on an even grid, shape (n,). [rad/s]
-        logged: Logged velocity through the same filter, shape (n,). [rad/s]
-        valid: Samples away from gaps; elsewhere the logged velocity counts alone.
-        step_s: Spacing of the grid. [s]
-        crossover_hz: f_x, from :func:`crossover_of`. [Hz]
+    and Smoothing of Stationary Time Series, 1949). Where a sample is not valid, near a gap, the logged velocity counts
+    alone; f_x is that of :func:`crossover_of`.
     """
     from scipy.signal import oaconvolve
 

@@ -127,7 +127,7 @@ JOINT_REPLAY = Record(
     Column("compensator", dict, "kind and settings in force", lambda one: _compensator(one.compensator), on="j"),
     Column("compensator", str, get=lambda one: kind_of(one.compensator).name, on="f"),
     Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),
-    Column("cycles", int, "cycles", lambda one: len(one.history.status) if one.history else 0, on="j"),
+    Column("cycles", int, "cycles", lambda one: 0 if one.history is None else len(one.history), on="j"),
     _number("energy_recorded", "net energy put in, as recorded", "J"),
     _number("energy_without", "without the compensator", "J", title="energy without", short="energy\nwithout", on=ALL),
     _number("energy_with", "with it", "J", title="energy with", short="energy\nwith", on=ALL),

@@ -169,7 +169,12 @@ def choose_best(points: Sequence[Point]) -> Point:
     Only tunings with which no person of the sweeps lost the loop count; where there is none, those with which fewest
     did, and the row says so.
     """
-    return min(points, key=lambda point: (point.losses, point.off_w))
+
+    def badness(point: Point) -> tuple[int, float]:
+        off_w = [abs(outcome.energy_slope_w) for outcome in point.outcomes if outcome.stable]
+        return point.losses, sum(off_w) / len(off_w) if off_w else inf
+
+    return min(points, key=badness)
 
 
 def find_margin(holds: Callable[[float], bool]) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import takewhile
-from math import inf, isfinite, nan, sqrt
+from math import isfinite, nan, sqrt
 from operator import attrgetter
 from typing import NamedTuple
 
@@ -40,14 +40,12 @@ def median_interval(values: Sequence[float]) -> Interval:
 
     The bounds are order statistics, so that values may be infinite; six values are the fewest that have them.
     """
-    from scipy.stats import binom
+    from scipy.stats import quantile_test
 
-    ranked = sorted(values)
-    if not ranked:
+    if not values:
         return Interval(nan, nan, nan)
-    rank = int(binom.ppf((1 - CONFIDENCE) / 2, len(ranked), 0.5))
-    low, high = (ranked[rank - 1], ranked[-rank]) if rank else (nan, nan)
-    return Interval(ranked[(len(ranked) - 1) // 2], low, high)
+    low, high = map(float, quantile_test(values, p=0.5).confidence_interval(CONFIDENCE))
+    return Interval(sorted(values)[(len(values) - 1) // 2], low, high)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -87,12 +85,6 @@ class Point(Tried):
     def energy_slope_w(self) -> Interval:
         """Slope of the net energy. [W]"""
         return self.interval(attrgetter("energy_slope_w"))
-
-    @property
-    def off_w(self) -> float:
-        """Mean distance of the slope from zero over the seeds in which the loop held, infinite if in none. [W]"""
-        slopes = [abs(outcome.energy_slope_w) for outcome in self.outcomes if outcome.stable]
-        return sum(slopes) / len(slopes) if slopes else inf
 
 
 @dataclass(frozen=True, eq=False, slots=True)

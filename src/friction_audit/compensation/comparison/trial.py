@@ -41,11 +41,6 @@ class Course:
     from_s: float  # end of the second cycle [s]
     lost_s: float  # when the loop was lost, or infinity [s]
 
-    @property
-    def is_lost(self) -> bool:
-        """Whether the loop was lost."""
-        return bool(np.isfinite(self.lost_s))
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:
@@ -94,6 +89,9 @@ def _settled(at_rest: NDArray[np.bool_]) -> NDArray[np.bool_]:
 
 def measure(simulation: Simulation, reference: Reference) -> Outcome:
     """Return the measures of a trial."""
+    from scipy.signal import butter, sosfiltfilt
+
+    low_pass = butter(2, DRAWN_HZ, fs=CONTROL_RATE_HZ, output="sos")
     motion, after, resting = simulation.truth.motion, reference.ends[SECOND], reference.resting
     torque, lost = motion.interaction_nm, find_loss(simulation, reference)
     felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
@@ -107,7 +105,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
         lost_s=lost,
         energy_slope_w=energy_slope_w(net_energy_j(motion), motion.t, reference),
         peak_torque_nm=float(np.abs(torque[after:]).max()),
-        drawn_peak_nm=drawn_peak_nm(torque[:, np.argmax(reference.rms_torque_nm)], after),
+        drawn_peak_nm=float(np.abs(sosfiltfilt(low_pass, torque[:, np.argmax(reference.rms_torque_nm)])[after:]).max()),
         rms_torque_nm=float(np.hypot.reduce(_rms(torque[after:]))),
         vibration_nm=float(np.hypot.reduce(_rms(vibration_nm(torque)[after:]))),
         standstill_rad_s=float(_rms(motion.inner_dq[resting])),
@@ -135,14 +133,6 @@ def vibration_nm(torque_nm: Float) -> Float:
     from scipy.ndimage import uniform_filter1d
 
     return np.asarray(torque_nm - uniform_filter1d(torque_nm, int(VIBRATION_S * CONTROL_RATE_HZ) + 1, axis=0))
-
-
-def drawn_peak_nm(torque_nm: Float, after: int) -> float:
-    """Return the largest size of a torque, shape (n,), from a tick on, low-passed without phase shift. [N m]"""
-    from scipy.signal import butter, sosfiltfilt
-
-    filtered = sosfiltfilt(butter(2, DRAWN_HZ, fs=CONTROL_RATE_HZ, output="sos"), torque_nm)
-    return float(np.abs(filtered[after:]).max())
 
 
 def feel(motion: TrueMotion, joint: int, after: int) -> Float:
