@@ -19,16 +19,16 @@ SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
 class Balance:
     """One row of the balance: F_m = sign * (source - each of the torques removed).
 
-    ``modelled_means`` is the torque of the model at the times of the coarse log, shape (m, j): splines take long.
+    ``inertial`` is M ddq + c of the model, or None; ``modelled_means`` is what the model removes at the times of the
+    coarse log, shape (m, j).
     """
 
     plan: Plan
     source: Float
     drive: str
     sign: int
-    inertia: bool
     logged: Float | None
-    modelled: GridTorque | None
+    inertial: GridTorque | None
     modelled_means: Float | None
     evidence: tuple[SignEvidence, ...] = ()
 
@@ -38,10 +38,15 @@ class Balance:
         return most(self.evidence, "rises")
 
     @property
+    def modelled(self) -> bool:
+        """True if a model of the arm gives one of the torques removed."""
+        return self.modelled_means is not None
+
+    @property
     def inertia_left(self) -> bool:
         """True if joints that move together leave inertial and Coriolis torque in F_m."""
         by_motors = self.drive == "robot" and self.plan.source == "tau_J"
-        return by_motors and not self.inertia and self.source.shape[1] > 1
+        return by_motors and self.inertial is None and self.source.shape[1] > 1
 
     @property
     def formula(self) -> str:
@@ -49,7 +54,8 @@ class Balance:
         source, gravity = self.plan.source, self.plan.gravity
         if source != "tau_J":
             return f"F_m = {'-' if self.sign < 0 else ''}{CHANNELS[source]}"
-        removed = (["M ddq", "c"] if self.inertia else []) + (["g"] if gravity in ("logged", "model") else [])
+        removed = ["M ddq", "c"] if self.inertial is not None else []
+        removed += ["g"] if gravity in ("logged", "model") else []
         inside = ", gravity included" if gravity == "in-torque" else ""
         if self.drive == "hand":
             return f"F_m = {''.join(f'{name} ' for name in removed)}-{' ' if removed else ''}tau_J{inside}"
@@ -79,17 +85,20 @@ class Balance:
         It is the recorded array itself where nothing is to be done.
         """
         source, logged = getattr(log, CHANNELS[self.plan.source]), None if self.logged is None else log.gravity
-        if self.sign > 0 and logged is None and self.modelled is None and len(columns) == source.shape[1]:
+        if self.sign > 0 and logged is None and not self.modelled and len(columns) == source.shape[1]:
             return cast("Float", source)
         torque = np.empty((len(log.t), len(columns)), order="F")
+        weight = self.plan.arm.gravity(log.q) if self.plan.arm is not None and self.plan.gravity == "model" else None
 
         def fill(place: int) -> None:
             own, column = torque[:, place], columns[place]
             own[:] = source[:, column]
             if logged is not None:
                 own -= logged[:, column]
-            if self.modelled is not None:
-                self.modelled.subtract_from(own[:, None], log.t, [column])
+            if weight is not None:
+                own -= weight[:, column]
+            if self.inertial is not None:
+                self.inertial.subtract_from(own[:, None], log.t, [column])
             if self.sign < 0:
                 np.negative(own, out=own)
 

@@ -1,8 +1,6 @@
 """The torque at the friction port of a log: source, gravity, inertia and sign chosen, proved and applied."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,54 +125,40 @@ def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
 
 def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, settings: TorqueSettings) -> tuple[Balance, bool]:
     """Return the row of the balance whose energy rises, and whether it is not the one tried first."""
-    grids = grids_of(log, settings.model_rate_hz) if plan.arm is not None else ()
-    position = cache(lambda: position_on(grids, log))
 
     def proved(row: Balance) -> Balance:
         return replace(row, evidence=prove_sign(coarse, row.driving(log, coarse), log.source.dead_torque))
 
-    first = proved(_row(log, coarse, plan, grids, plan.drives[0], position))
+    first = proved(_row(log, coarse, plan, plan.drives[0], settings.model_rate_hz))
     if first.proved:
         return first, False
     if plan.source == "interaction":
         other = proved(replace(first, sign=-first.sign))
     elif len(plan.drives) > 1:
-        other = proved(_row(log, coarse, plan, grids, plan.drives[1], position))
+        other = proved(_row(log, coarse, plan, plan.drives[1], settings.model_rate_hz))
     else:
         return first, False
     return (other, True) if other.proved else (first, False)
 
 
-def _row(
-    log: JointLog,
-    coarse: CoarseLog,
-    plan: Plan,
-    grids: tuple[Grid, ...],
-    drive: str,
-    position: Callable[[], list[Float]],
-) -> Balance:
-    arm, gravity, inertia = plan.arm, plan.gravity == "model", drive == "robot" and plan.inertia
-    modelled = None
-    if arm is not None and inertia:
-        motions = [(q, *motion) for q, motion in zip(position(), velocity_on(grids, log), strict=True)]
-        torques = [arm.inverse_dynamics(*motion) - (0.0 if gravity else arm.gravity(motion[0])) for motion in motions]
-        modelled = GridTorque(grids=grids, values=tuple(torques))
-    elif arm is not None and gravity:
-        modelled = GridTorque(grids=grids, values=tuple(map(arm.gravity, position())))
-    means = None
-    if modelled is not None:
-        means = np.zeros((len(coarse.t), len(log.joint_names)))
-        modelled.subtract_from(means, coarse.t, list(range(len(log.joint_names))))
-        np.negative(means, out=means)
+def _row(log: JointLog, coarse: CoarseLog, plan: Plan, drive: str, model_rate_hz: float) -> Balance:
+    arm, inertial, means = plan.arm, None, np.zeros_like(coarse.q)
+    if arm is not None and plan.gravity == "model":
+        means -= arm.gravity(coarse.q)
+    if arm is not None and drive == "robot" and plan.inertia:
+        grids = grids_of(log, model_rate_hz)
+        motions = zip(position_on(grids, log), velocity_on(grids, log), strict=True)
+        torques = [arm.inverse_dynamics(q, *motion) - arm.gravity(q) for q, motion in motions]
+        inertial = GridTorque(grids=grids, values=tuple(torques))
+        inertial.subtract_from(means, coarse.t, list(range(len(log.joint_names))))
     return Balance(
         plan=plan,
         source=getattr(log, CHANNELS[plan.source]),
         drive=drive,
         sign=1 if plan.source == "interaction" else SIGNS[drive],
-        inertia=inertia,
         logged=log.gravity if plan.gravity == "logged" else None,
-        modelled=modelled,
-        modelled_means=means,
+        inertial=inertial,
+        modelled_means=-means if plan.gravity == "model" or inertial else None,
     )
 
 
@@ -188,7 +172,7 @@ def _refuse_wrong_model(log: JointLog, coarse: CoarseLog, balance: Balance, sett
         UsageError: If the model is further from the torque than none.
     """
     plan = balance.plan
-    if balance.modelled is None or plan.gravity != "model":
+    if not balance.modelled or plan.gravity != "model":
         return
     alive = [number not in log.source.dead_torque for number in range(1, len(log.joint_names) + 1)]
     measured, left = coarse.mean(balance.source)[:, alive], balance.coarse(coarse)[:, alive]
@@ -219,11 +203,11 @@ def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]
 
 
 def _choice(balance: Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:
-    plan, modelled = balance.plan, balance.modelled is not None
+    plan, modelled = balance.plan, balance.modelled
     return TorqueChoice(
         source=plan.source,
         gravity=plan.gravity,
-        inertia="model" if balance.inertia else "none",
+        inertia="model" if balance.inertial is not None else "none",
         drive=balance.drive,
         sign=balance.sign,
         sign_proved=balance.proved,

@@ -54,22 +54,25 @@ class Arm:
 
     def gravity(self, q: Float) -> Float:
         """Return the torque that holds the arm against gravity, shape (n, j). [N m]"""
-        model, torque = self.model, np.empty(q.shape)
-        fixed = self._fixed_rotations()
+        model, torque = self.model, np.empty(q.shape, order="F")
+        axes, turns = self._joint_axes()
+        mass, anchor = model.body_mass.copy(), np.zeros((model.nbody, 3))
+        anchor[model.jnt_bodyid] = model.jnt_pos
+        # Mass times centre of mass of each body with those that it carries, joints at 0, about its own joint.
+        still = [axes[body] @ (mass[body] * (model.body_ipos[body] - anchor[body])) for body in range(model.nbody)]
+        for body in range(model.nbody - 1, 0, -1):
+            parent = model.body_parentid[body]
+            reach = axes[parent] @ (model.body_pos[body] - anchor[parent]) + turns[body].T @ axes[body] @ anchor[body]
+            still[parent], mass[parent] = still[parent] + mass[body] * reach, mass[parent] + mass[body]
         for rows in chunks(len(q)):
-            angle = self.to_model(q[rows]).T
-            down, mass = self._down(angle, fixed), model.body_mass.copy()
-            # Mass times centre of mass of each body with those that it carries, in its own axes.
-            moment = [mass[body] * model.body_ipos[body][:, None] for body in range(model.nbody)]
+            cosine, sine, down = self._down(q[rows], turns)
+            moment = [one[:, None] for one in still]
             for body in range(model.nbody - 1, 0, -1):
                 joint, parent, own = model.body_jntadr[body], model.body_parentid[body], moment[body]
                 if joint >= 0:
-                    axis, anchor = model.jnt_axis[joint], mass[body] * model.jnt_pos[joint][:, None]
-                    turning = np.cross(axis, np.eye(3)).T @ (own - anchor)
-                    torque[rows, joint] = -np.sum(turning * down[body], axis=0)
-                    own = anchor + _turned(own - anchor, axis, angle[joint])
-                moment[parent] = moment[parent] + fixed[body] @ own + mass[body] * model.body_pos[body][:, None]
-                mass[parent] += mass[body]
+                    torque[rows, joint] = own[1] * down[body][0] - own[0] * down[body][1]
+                    own = _turned(own, cosine[joint], sine[joint])
+                moment[parent] = moment[parent] + turns[body].T @ own
         return self.from_model(torque)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
@@ -113,33 +116,41 @@ class Arm:
         Returns:
             Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
         """
-        direction, fixed = np.empty((*q.shape, 2)), self._fixed_rotations()
-        across = [np.linalg.svd(axis[None])[2][1:] for axis in self.model.jnt_axis]
+        direction, (_, turns) = np.empty((*q.shape, 2)), self._joint_axes()
         for rows in chunks(len(q)):
-            down = self._down(self.to_model(q[rows]).T, fixed)
+            _, _, down = self._down(q[rows], turns)
             for joint, body in enumerate(self.model.jnt_bodyid):
-                direction[rows, joint] = (across[joint] @ down[body]).T
+                direction[rows, joint] = down[body][:2].T
         return self.from_model(direction / np.linalg.norm(self.model.opt.gravity))
 
-    def _fixed_rotations(self) -> Float:
-        """Return the matrix from the axes of each body to those of its parent, joints at 0, shape (b, 3, 3)."""
+    def _joint_axes(self) -> tuple[Float, Float]:
+        """Return axes for each body, the third along its joint, and the matrix to them from its parent's, joints at 0.
+
+        Shape (b, 3, 3) each. A joint then turns only the first two components of a vector.
+        """
         import mujoco as mj
 
-        fixed = np.empty((self.model.nbody, 9))
-        for matrix, quaternion in zip(fixed, self.model.body_quat, strict=True):
-            mj.mju_quat2Mat(matrix, quaternion)
-        return fixed.reshape(-1, 3, 3)
+        model, fixed = self.model, np.empty(9)
+        axes, turns = np.tile(np.eye(3), (2, model.nbody, 1, 1))
+        for body, axis in zip(model.jnt_bodyid, model.jnt_axis, strict=True):
+            across = np.linalg.svd(axis[None])[2][1]
+            axes[body] = across, np.cross(axis, across), axis
+        for body, parent in enumerate(model.body_parentid):
+            mj.mju_quat2Mat(fixed, model.body_quat[body])
+            turns[body] = axes[body] @ fixed.reshape(3, 3).T @ axes[parent].T
+        return axes, turns
 
-    def _down(self, angle: Float, fixed: Float) -> list[Float]:
-        """Return gravity in the axes of each body, shape (3, n), at angles of the model's joints, shape (j, n)."""
+    def _down(self, q: Float, turns: Float) -> tuple[Float, Float, list[Float]]:
+        """Return cosine and sine of the model's joints, shape (j, n), and gravity in the axes of each body, (3, n)."""
         # MuJoCo takes one posture at a time: called for every sample it takes as long as reading the log
         # (benchmarks/bench_parquet.py, the row of a model). Here every body turns the vector of its parent.
-        model = self.model
+        model, angle = self.model, self.to_model(q).T
+        cosine, sine = np.cos(angle), np.sin(angle)
         down = [model.opt.gravity[:, None]]
         for body, parent in enumerate(model.body_parentid[1:], start=1):
-            vector, joint = fixed[body].T @ down[parent], model.body_jntadr[body]
-            down.append(vector if joint < 0 else _turned(vector, model.jnt_axis[joint], -angle[joint]))
-        return down
+            vector, joint = turns[body] @ down[parent], model.body_jntadr[body]
+            down.append(vector if joint < 0 else _turned(vector, cosine[joint], -sine[joint]))
+        return cosine, sine, down
 
     def with_load(self, mass_kg: float, centre_m: Float, inertia_kg_m2: Float) -> "Arm":
         """Return the arm with a body fixed to the flange.
@@ -185,10 +196,12 @@ class Arm:
         return array if self.columns == tuple(range(len(self.columns))) else array[:, np.argsort(self.columns)]
 
 
-def _turned(vectors: Float, axis: Float, angle: Float) -> Float:
-    """Return vectors, shape (3, n) or (3, 1), turned about an axis by each angle: the formula of Rodrigues."""
-    along = np.outer(axis, axis) @ vectors
-    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * (np.cross(axis, np.eye(3)).T @ vectors)
+def _turned(vectors: Float, cosine: Float, sine: Float) -> Float:
+    """Return vectors, shape (3, n) or (3, 1), turned about the third axis by n angles."""
+    x, y, z = vectors
+    turned = np.empty((3, len(cosine)))
+    turned[0], turned[1], turned[2] = cosine * x - sine * y, sine * x + cosine * y, z
+    return turned
 
 
 def chunks(samples: int) -> Iterator[slice]:
