@@ -10,7 +10,7 @@ from scipy.signal import butter, lfilter, sosfiltfilt
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import DERIVATIVE, Float, JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import IDEAL_SENSORS, SCENARIOS, simulate
 from friction_audit.simulation.hide import hide
@@ -163,3 +163,12 @@ def test_an_effect_that_is_not_known_is_refused_with_those_that_are() -> None:
 def test_least_effect_is_a_torque(torque: float) -> None:
     with pytest.raises(UsageError, match="expected a torque of zero or more"):
         DiagnosisSettings(min_effect_nm=torque)
+
+
+@pytest.mark.parametrize("scenario", ["joint-sine", "joint-loaded"])
+def test_a_coarse_encoder_is_no_contact(scenario: str) -> None:
+    log, step_rad = recorded(scenario=scenario), 3e-4
+    source = replace(log.source, channels={**log.source.channels, "dq": DERIVATIVE})
+    coarse = replace(log, q=step_rad * np.round(log.q / step_rad), source=source)
+    found = diagnosed(coarse, candidates=("contact_event", "stribeck"))
+    assert (found.verdict, found.effects) == ("adequate", ())

@@ -180,19 +180,21 @@ def detect(
     return () if often else tuple(contacts)
 
 
-def impulses(problem: RegressionProblem, fine: Float) -> Float:
-    """What the samples see of outliers in a residual on the fine grid, shapes (n,) to (m,). [N m]
+def without_impulses(problem: RegressionProblem, left: Float, fine: Float) -> Float:
+    """What a model leaves of the samples, shape (m,), without outliers of what it leaves of the fine grid, (n,). [N m]
 
     A velocity that jumps within a sample needs a torque that no sample holds, and is no push (Hampel's identifier:
     R. K. Pearson, IEEE Trans. Control Syst. Technol. 10 (2002) 55). A push is longer than the window of the median.
-    Without this 16 rows of stranger_40000, whose motion has a corner, have a false contact.
+    Without this 16 rows of stranger_40000, whose motion has a corner, have a false contact. Outliers that the filter
+    averages out with their neighbours, as where an encoder is coarse, would add to what is left.
     """
     from scipy.ndimage import median_filter
 
     data = problem.data
     apart = fine - median_filter(fine, 2 * max(round(IMPULSE_S / data.step_s), 1) + 1)
     sigma = SIGMA_PER_MEDIAN * float(np.median(np.abs(apart[data.used])))
-    return problem.samples.of(np.where(np.abs(apart) > OUTLIER * sigma, apart, 0.0))
+    without = left - problem.samples.of(np.where(np.abs(apart) > OUTLIER * sigma, apart, 0.0))
+    return np.where(np.abs(without) < np.abs(left), without, left)
 
 
 def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:

@@ -47,7 +47,7 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
     left = residual_checks.residual_of(state.gram, state.active)
-    left -= contact_events.impulses(problem, fine_residual(state))
+    left = contact_events.without_impulses(problem, left, fine_residual(state))
     contacts = contact_events.detect(problem, left, state.gram.noise, _formula_errors(state))
     if contacts:
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)

@@ -68,7 +68,8 @@ def joint_message(joint: JointDiagnosis) -> str:
         return joint.reason
     if joint.verdict == "adequate":
         small = "negligible effects apart, no effect" if joint.negligible else "no effect"
-        return f"{small} above the detection limit of {joint.detection_limit_nm:.2g} N m RMS"
+        band = "" if joint.traces is None else f" below {joint.traces.corner_hz:.2g} Hz"
+        return f"{small}{band} exceeds the detection limit of {joint.detection_limit_nm:.2g} N m RMS"
     gap, unknown, parts = joint.gap, joint.verdict == "unexplained", []
     if unknown:
         size = "" if gap is None else f" ({gap.after:.2g} N m RMS, noise floor {gap.floor:.2g} N m)"

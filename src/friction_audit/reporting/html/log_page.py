@@ -46,7 +46,8 @@ WORDS = {
     "95 % interval": "Holds noise and the differences between cycles; not errors of the model, such as a wrong "
     "payload.",
     "condition number": "How well the cycles separate the two coefficients; from some hundreds on they do not.",
-    "adequate": "No effect of the catalogue above the detection limit is missing from the model; a smaller one may be.",
+    "adequate": "No effect of the catalogue above the detection limit is missing from the model; a smaller one may be, "
+    "and what is faster than the stated frequency is not seen.",
     "named": "The joint shows an effect that inertia, Coulomb and viscous friction do not explain, and the log "
     "identifies it.",
     "ambiguous": "An effect is missing, and this log does not distinguish it from another one.",
