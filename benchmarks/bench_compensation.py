@@ -90,7 +90,7 @@ def arm(persons: int) -> Iterator[str]:
 def torque_loop(persons: int) -> Iterator[str]:
     """Yield a row per method and arm: motors driven directly, and under torque control with as much friction left."""
     (panda,) = (scene for scene in SCENES if scene.name == "panda")
-    panda = replace(panda, plan=replace(panda.plan, tuning_seeds=0, margin_seeds=0))
+    panda = replace(panda, tuning_seeds=0, margin_seeds=0)
     assert isinstance(panda.settings, ArmSettings)
     joints = tuple(map(with_torque_control, panda.settings.joints))
     inner = replace(panda, settings=replace(panda.settings, joints=joints))
@@ -104,7 +104,7 @@ def torque_loop(persons: int) -> Iterator[str]:
             methods.append(replace(method, sweeps=(), others=others))
     yield "| torque control | method | tuning | lost | slope [mW] | peak [N m] | Coulomb left |"
     for scene, name in ((panda, "none"), (inner, "gain 4, dead time 0.5 ms")):
-        with_others = replace(scene, plan=replace(scene.plan, with_others=scene is inner))
+        with_others = replace(scene, with_others=scene is inner)
         for row in compare(with_others, min(persons, 5), methods).rows:
             slope = row.interval(lambda outcome: outcome.energy_slope_w).value
             peak = row.interval(lambda outcome: outcome.drawn_peak_nm).value

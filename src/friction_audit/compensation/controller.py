@@ -35,13 +35,8 @@ REVERSALS = 50
 def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float, cut: int) -> float:
     """Run a compensator for one tick, after the sensors were read; return its torque u for the coming tick. [N m]
 
-    Args:
-        settings: Record of SETTINGS.
-        memory: Record of MEMORY, changed in place.
-        dq: Velocity as measured. [rad/s]
-        interaction_nm: Interaction torque F_m, measured while the torque of the previous call acted. [N m]
-        dt: Time since the previous call; of no effect in the first. [s]
-        cut: FIND, or 1 if a cycle ends at this tick and 0 if not.
+    The records are those of SETTINGS and MEMORY; the latter changes. F_m was measured while the torque of the previous
+    call acted, dt seconds ago. ``cut`` is FIND, or 1 if a cycle ends at this tick and 0 if not.
     """
     # Not finite, or larger than its bound.
     lost = not abs(dq) <= SPEED_BOUND_RAD_S or not abs(interaction_nm) <= TORQUE_BOUND_NM

@@ -28,21 +28,13 @@ def find_borders(
     A cycle begins when the speed exceeds ``initiation`` and is over when it falls below ``termination``. The border
     lies where the joint then comes to rest, the first sample at which the velocity is zero or has changed its sign,
     or else the slowest sample before the next cycle begins: there the kinetic energy is gone and not merely small.
-    With ``merge``, two humps between which the velocity never changes its sign are one stroke; a speed, which has no
-    sign, is not merged.
-
-    Args:
-        velocity: Filtered, shape (n,).
-        initiation: Threshold of the speed.
-        termination: Threshold of the speed.
-        merge: Whether the sign of the velocity is that of the direction.
-        moving: Whether the joint moves at the first sample; None if its own speed decides.
-        at_border: Whether the first sample is a border; None if it is one at rest.
-        more: True if samples follow: borders that these may move are left out.
-        longest: Samples after the end of a motion among which the slowest one is looked for.
+    With ``merge``, two humps between which the filtered velocity never changes its sign are one stroke; a speed, which
+    has no sign, is not merged. ``moving`` and ``at_border`` say what the first sample is; None if its own speed
+    decides, and if it is a border at rest. If ``more`` samples follow, borders that these may move are left out. The
+    slowest sample is looked for among the ``longest`` number after the end of a motion.
     """
     moving = bool(abs(velocity[0]) > termination) if moving is None else moving
-    stops, starts, turns = _events(velocity, initiation, termination, moving=moving)
+    stops, starts, turns = events(velocity, initiation, termination, moving=moving)
     borders = [0] if (not moving if at_border is None else at_border) else []
     if not moving:
         starts = starts[1:]  # the first rest lasts from the first sample and ends at the first start
@@ -60,13 +52,7 @@ def find_borders(
     return np.array(borders if more or len(borders) > 1 else [], np.int64)
 
 
-def moves_at_last(velocity: Float, initiation: float, termination: float, *, moving: bool) -> bool:
-    """Return whether a joint that moves or not at the first sample moves at the last."""
-    stops, starts, _ = _events(velocity, initiation, termination, moving=moving)
-    return moving if len(stops) == len(starts) else not moving
-
-
-def _events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int, Int]:
+def events(velocity: Float, initiation: float, termination: float, *, moving: bool) -> tuple[Int, Int, Int]:
     """Return the samples at which motion stops and starts, in turns, and those at which the velocity turns."""
     found: tuple[list[Int], list[Int], list[Int]] = ([], [], [])
     for first in range(0, len(velocity), BLOCK):
@@ -102,9 +88,8 @@ def groups(borders: Int) -> Iterator[slice]:
 def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, Float, Float]:
     """Cut each cycle into parts of equal path by the filtered velocity ``speed``.
 
-    Returns:
-        Border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples; peak speed
-        [rad/s] and longest time step [s] of each cycle, shape (m,).
+    Return the border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples, and
+    the peak speed [rad/s] and longest time step [s] of each cycle, shape (m,).
     """
     cycles = len(borders) - 1
     edges = np.empty((cycles, parts + 1), np.int64)

@@ -95,13 +95,10 @@ class CycleSearch:
         self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, signal: Float | None = None, *, more: bool = False) -> None:
-        """Find the cycles that end in the samples that are new.
+        """Find the cycles that end in new samples, whose filtered velocity is given, shape (k,); ``more`` may follow.
 
-        Args:
-            part: Motion and torque at all samples that are still needed, and the new ones.
-            filtered: Filtered velocity of the joint at the new samples, shape (k,). [rad/s]
-            signal: What defines the cycles there, None where it is the same. [speed_unit]
-            more: True if samples follow.
+        The part has all samples that are still needed, and the new ones. ``signal`` defines the cycles, None where it
+        is the velocity.
         """
         self._above += int(np.count_nonzero(np.abs(filtered) > self.own[0]))
         signal = filtered if signal is None else signal
@@ -162,7 +159,8 @@ class CycleSearch:
         t = part.t[shift:]
         edges, peak, longest_step = cycle_sums.cut_evenly(t, self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
-        sums, start, stop = parts.total(), borders[:-1] + self.first, borders[1:] + self.first
+        sums = EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
+        start, stop = borders[:-1] + self.first, borders[1:] + self.first
         start_s, place = t[borders[:-1]], (part.q if inside else part.q[:, self._column, None])[borders + shift]
         if self._begun is not None and len(start):
             begun, place[0] = self._begun
@@ -209,8 +207,8 @@ class CycleSearch:
             place = part.q[shift] if part.choice.gravity_in_torque else part.q[shift, self._column, None]
             now = self._cycles_between(part, np.array([0, self._longest]))
             self._begun = now, place if self._begun is None else self._begun[1]
-        moving = cycle_sums.moves_at_last(self._signal[: self._longest + 1], *thresholds, moving=moving)
-        self._go_on(self._longest, moving=moving)
+        stops, starts, _ = cycle_sums.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
+        self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
 
     def _go_on(self, row: int, *, moving: bool) -> None:
         self.first, self._moving = self.first + row, moving
