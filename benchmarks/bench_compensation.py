@@ -14,8 +14,7 @@ from friction_audit.compensation.comparison import METHODS, SCENES, compare
 from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
 from friction_audit.compensation.comparison.trial import find_reference, measure, vibration_nm
 from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
-from friction_audit.compensation.compensators.energy import PUBLISHED, RIDGE
-from friction_audit.compensation.compensators.law import payback_s
+from friction_audit.compensation.compensators.law import PUBLISHED, RIDGE, payback_s
 from friction_audit.parallel import own_process
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_by, peak_nm
 from friction_audit.reproduce.reproduction import make_course

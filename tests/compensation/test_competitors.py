@@ -21,8 +21,8 @@ from friction_audit.compensation.compensators import (
     LugreCompensation,
     TorqueRegulation,
 )
+from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.compensators.law import payback_s
-from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
@@ -92,12 +92,8 @@ def off_ticks(steady: Float, tick: Float) -> float:
     return float(np.abs(late - np.median(late)).max())
 
 
-def test_even_stamps_stay() -> None:
-    t = 5.0 + STEP * np.arange(3000.0)
-    assert steady_clock(t) == pytest.approx(t, abs=1e-9)
-
-
 @settings(max_examples=25)
+@example(seed=0, jitter=0.0, lost=0.0, rate=1000)
 @given(
     seed=st.integers(0, 1000), jitter=st.floats(0.0, 0.3), lost=st.floats(0.0, 0.1), rate=st.sampled_from([250, 1000])
 )
@@ -111,14 +107,6 @@ def test_late_stamps_go_to_their_ticks_and_lost_ticks_stay_lost(
     # The mean lateness over half a second, n samples of a uniform distribution, is known to jitter / sqrt(12 n).
     assert off_ticks(steady, tick) <= 1e-9 + 8 * jitter / rate / np.sqrt(12 * 0.25 * rate)
     assert np.array_equal(np.round(np.diff(steady) * rate), np.round(np.diff(tick) * rate))
-
-
-def test_a_gap_of_two_ticks_is_two_ticks_long() -> None:
-    rng = np.random.default_rng(0)
-    tick = np.delete(np.arange(2000), [500, 901, 902]) * STEP
-    steps = np.diff(steady_clock(tick + rng.uniform(0, 2e-4, len(tick))))
-    assert np.flatnonzero(np.round(steps / STEP) > 1).tolist() == [499, 899]
-    assert steps[[499, 899]] == pytest.approx([2 * STEP, 3 * STEP], abs=2e-5)
 
 
 def test_a_clock_that_drifts_is_followed() -> None:

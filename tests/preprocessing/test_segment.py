@@ -8,7 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing import cycle_sums
 from friction_audit.preprocessing.energy_cycles import GAP, KEPT, LONG, ONE_WAY, OPEN, SMALL
@@ -131,11 +130,6 @@ def test_a_shift_in_time_changes_nothing_and_joints_are_independent(lengths: lis
     twice = segment_cycles(interaction(t, np.stack([0 * v, v], 1), np.stack([v, torque], 1)), DEFAULT)
     np.testing.assert_allclose(later.work_j, once.work_j, rtol=1e-9, atol=1e-12)
     np.testing.assert_array_equal(twice.of_joint(1).work_j, once.work_j)
-
-
-def test_thresholds_in_the_wrong_order_are_refused() -> None:
-    with pytest.raises(UsageError, match=r"--thresholds 0\.05,0\.2: expected initiation above termination"):
-        CycleSettings(initiation_rad_s=0.05, termination_rad_s=0.2)
 
 
 def test_a_stretched_clock_changes_neither_work_nor_path() -> None:

@@ -20,7 +20,7 @@ from friction_audit.compensation.compensators import (
     TorqueRegulation,
     guard_of,
 )
-from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
+from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
@@ -71,11 +71,7 @@ def replay(
     chosen = [one for one in friction.joints if joints is None or one.joint in joints]
     runs = [_JointRun(log, interaction, cycles, one, settings) for one in chosen]
     for part in parts:
-
-        def advance(place: int, part: Interaction = part) -> None:
-            runs[place].take(part, cuts)
-
-        per_joint(advance, len(runs))
+        per_joint(lambda place: runs[place].take(part, cuts), len(runs))  # noqa: B023 - it runs at once
     replays = tuple(run.result() for run in runs)
     by_hand, assumed = interaction.choice.drive == "hand", settings.counterfactual
     if not by_hand:

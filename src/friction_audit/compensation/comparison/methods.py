@@ -14,8 +14,8 @@ from friction_audit.compensation.compensators import (
     LugreCompensation,
     TorqueRegulation,
 )
+from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.compensators.law import payback_s
-from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings
