@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from friction_audit.joint_log import Float
 
 Int = NDArray[np.int64]
+WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
+SUMS = 7
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 
 
@@ -119,15 +121,14 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
 
 def add_up(
     t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None, edges: Int
-) -> dict[str, Float]:
-    """Add up energies between samples by the trapezoid rule: by the names of ``EnergySums``, shape (m, parts).
+) -> Float:
+    """Add up energies between samples by the trapezoid rule: shape (m, parts, SUMS), indexed by the constants above.
 
     Work and path are summed over the increments of q: both then scale alike with any error of the clock, and the noise
     of the velocity enters neither. ``edges`` are the border samples of the parts of each cycle, shape (m, parts + 1);
     all else has shape (n,).
     """
-    names = ("work_j", "compensation_j", "path_rad", "printed_net_j", "rectified_path_rad", "square_speed_rad2_s")
-    sums = {name: np.zeros((len(edges), edges.shape[1] - 1)) for name in names}
+    sums = np.zeros((*np.subtract(edges.shape, (0, 1)), SUMS))
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
@@ -135,26 +136,24 @@ def add_up(
         starts, halved = own[:, :-1], 0.5 * (np.diff(own) > 0)
         # The zero at the end: a part that is empty may begin at the last border.
         area = np.zeros(rows.stop - rows.start)
-        for name, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
+        for place, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
             np.add(height[1:], height[:-1], out=area[:-1])
             area[:-1] *= width
-            sums[name][group] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
-    return sums | {
-        "displacement_rad": np.diff(q[edges], axis=1),
-        "half_square_speed_change": 0.5 * np.diff(filtered[edges] ** 2, axis=1),
-    }
+            sums[group][..., place] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
+    sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
+    return sums
 
 
 def _areas(
     t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
-) -> Iterator[tuple[str, Float, Float]]:
+) -> Iterator[tuple[int, Float, Float]]:
     """Yield each sum with the heights and widths of its trapezoids, one after the other: these arrays are large."""
     moved, step, driving = np.diff(q), np.diff(t), torque
-    yield "work_j", torque, moved
+    yield WORK, torque, moved
     if compensation is not None:
-        yield "compensation_j", compensation, moved
+        yield COMPENSATION, compensation, moved
         driving = torque + compensation
-    yield "path_rad", np.sign(filtered), moved
-    yield "printed_net_j", driving * dq, step
-    yield "rectified_path_rad", np.abs(dq), step
-    yield "square_speed_rad2_s", dq * dq, step
+    yield PATH, np.sign(filtered), moved
+    yield PRINTED, driving * dq, step
+    yield RECTIFIED, np.abs(dq), step
+    yield SQUARE, dq * dq, step

@@ -194,9 +194,20 @@ class CycleSearch:
         rows = slice(shift, shift + len(self._filtered))
         u = None if part.compensation is None else part.compensation[rows, self._column]
         q, dq, torque = (array[rows, self._column] for array in (part.q, part.dq, part.torque))
+        raw = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
         gravity_x, gravity_y = _gravity_work(part, self._column, edges + shift)
-        sums = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
-        return EnergySums(**sums, gravity_x_rad=gravity_x, gravity_y_rad=gravity_y)
+        return EnergySums(
+            work_j=raw[:, :, cycle_sums.WORK],
+            compensation_j=raw[:, :, cycle_sums.COMPENSATION],
+            printed_net_j=raw[:, :, cycle_sums.PRINTED],
+            path_rad=raw[:, :, cycle_sums.PATH],
+            rectified_path_rad=raw[:, :, cycle_sums.RECTIFIED],
+            square_speed_rad2_s=raw[:, :, cycle_sums.SQUARE],
+            displacement_rad=np.diff(q[edges], axis=1),
+            gravity_x_rad=gravity_x,
+            gravity_y_rad=gravity_y,
+            half_square_speed_change=raw[:, :, cycle_sums.HALF_SQUARE],
+        )
 
     def _shorten(self, part: Interaction) -> None:
         """Add up the beginning of a cycle that lasts too long, and forget its samples."""
