@@ -218,8 +218,8 @@ class CycleSearch:
             place = part.q[shift] if part.choice.gravity_in_torque else part.q[shift, self._column, None]
             now = self._cycles_between(part, np.array([0, self._longest]))
             self._begun = now, place if self._begun is None else self._begun[1]
-        stops, starts, _ = cycle_sums.events(self._signal[: self._longest + 1], *thresholds, moving=moving)
-        self._go_on(self._longest, moving=moving == (len(stops) == len(starts)))
+        moving = cycle_sums.moves_at_last(self._signal[: self._longest + 1], *thresholds, moving=moving)
+        self._go_on(self._longest, moving=moving)
 
     def _go_on(self, row: int, *, moving: bool) -> None:
         self.first, self._moving = self.first + row, moving
