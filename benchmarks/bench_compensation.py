@@ -14,8 +14,7 @@ from friction_audit.compensation.comparison import METHODS, SCENES, compare
 from friction_audit.compensation.comparison.methods import NO_COMPENSATION, OBSERVED_SHARE, OBSERVER, Joint, Tuning
 from friction_audit.compensation.comparison.trial import find_reference, measure, vibration_nm
 from friction_audit.compensation.compensators import Coefficients, DisturbanceObserver, EnergyCompensator
-from friction_audit.compensation.compensators.energy import PUBLISHED, RIDGE
-from friction_audit.compensation.compensators.law import payback_s
+from friction_audit.compensation.compensators.law import PUBLISHED, RIDGE, payback_s
 from friction_audit.parallel import own_process
 from friction_audit.reproduce.one_joint import LOW_PEAK_NM, compensated, leaves_by, peak_nm
 from friction_audit.reproduce.reproduction import make_course
@@ -90,7 +89,7 @@ def arm(persons: int) -> Iterator[str]:
 def torque_loop(persons: int) -> Iterator[str]:
     """Yield a row per method and arm: motors driven directly, and under torque control with as much friction left."""
     (panda,) = (scene for scene in SCENES if scene.name == "panda")
-    panda = replace(panda, plan=replace(panda.plan, tuning_seeds=0, margin_seeds=0))
+    panda = replace(panda, tuning_seeds=0, margin_seeds=0)
     assert isinstance(panda.settings, ArmSettings)
     joints = tuple(map(with_torque_control, panda.settings.joints))
     inner = replace(panda, settings=replace(panda.settings, joints=joints))
@@ -104,7 +103,7 @@ def torque_loop(persons: int) -> Iterator[str]:
             methods.append(replace(method, sweeps=(), others=others))
     yield "| torque control | method | tuning | lost | slope [mW] | peak [N m] | Coulomb left |"
     for scene, name in ((panda, "none"), (inner, "gain 4, dead time 0.5 ms")):
-        with_others = replace(scene, plan=replace(scene.plan, with_others=scene is inner))
+        with_others = replace(scene, with_others=scene is inner)
         for row in compare(with_others, min(persons, 5), methods).rows:
             slope = row.interval(lambda outcome: outcome.energy_slope_w).value
             peak = row.interval(lambda outcome: outcome.drawn_peak_nm).value

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.compensators.energy import PUBLISHED
+from friction_audit.compensation.compensators.law import PUBLISHED
 from friction_audit.compensation.controller import FIND, run, step
 from friction_audit.compensation.records import GAP, MEMORY, fresh_memory, pack
 from friction_audit.errors import UsageError

@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.result import ReplayHistory
 from friction_audit.compensation.settings import ReplaySettings, energy_compensator
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, replay_log
 from friction_audit.preprocessing.settings import CycleSettings
 from friction_audit.reporting.sentences import sentence_of
@@ -26,7 +25,7 @@ VISCOUS_BENCH = replace(BENCH, joints=(VISCOUS_JOINT,))
 HOW = pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
 
 
-def compensated(log: JointLog, compensator: EnergyCompensator, **limits: float) -> Any:
+def compensated(log: JointLog, compensator: EnergyCompensator, **limits: Any) -> Any:
     return replay(log, ReplaySettings(compensator=compensator, **limits))
 
 
@@ -38,7 +37,7 @@ ONE_BY_ONE = {"viscous": VISCOUS_JOINT, "coulomb": replace(JOINT, viscous_nms_pe
 """A joint for each friction model."""
 
 
-def friction_of(joint: JointParameters, history: ReplayHistory) -> Float:
+def friction_of(joint: JointParameters, history: Any) -> Any:
     """Return the mean friction torque of a joint over the path of each cycle. [N m]"""
     return joint.coulomb_nm + joint.viscous_nms_per_rad * history.square_speed_rad2_s / history.path_rad
 
@@ -74,7 +73,7 @@ def test_without_noise_no_dissipation_is_left_after_the_second_update(
     ids=["combined", "coulomb", "limited"],
 )
 def test_a_log_of_the_closed_loop_gives_the_same_torque_again(compensator: EnergyCompensator) -> None:
-    log = log_of(replace(BENCH, compensator=compensator))
+    log: Any = log_of(replace(BENCH, compensator=compensator))
     joint = joint_of(log, compensator)
     assert np.abs(log.tau_compensation[:, 0]).max() > 0.2
     np.testing.assert_allclose(joint.replayed.compensation_nm, log.tau_compensation[:, 0], atol=1e-6)

@@ -61,19 +61,15 @@ def test_what_is_held_stays_as_it_was_and_held() -> None:
     assert (joint.values("coulomb"), joint.values("viscous"), joint.held) == ((0.4,), (0.09,), ("coulomb",))
 
 
-def test_friction_below_zero_is_no_model_and_said() -> None:
+def test_friction_below_zero_is_no_model_and_said_unless_it_may_be_zero() -> None:
     wrong = replace(NAMED, augmented=NAMED.augmented | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
     result = augment_models(Discrepancy(joints=(wrong,)), LOG, None)
     assert result.model.joints == (None, None, None)
     ((joint, lack),) = result.lacking
     assert joint == 1
     assert "viscous_nms_per_rad = -0.01; expected a number from 0" in lack
-
-
-def test_friction_below_zero_that_may_be_zero_is_zero() -> None:
     maybe = {**NAMED.augmented, "viscous_nms_per_rad": coefficient(-0.01, 0.02)}
-    joint = augmented(replace(NAMED, augmented=maybe)).joints[0]
-    assert joint.values("viscous") == (0.0,)
+    assert augmented(replace(NAMED, augmented=maybe)).joints[0].values("viscous") == (0.0,)
 
 
 def test_a_term_of_the_nominal_model_that_is_found_again_is_no_model() -> None:

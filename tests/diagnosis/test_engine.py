@@ -124,7 +124,7 @@ def test_another_seed_changes_no_answer() -> None:
 
 
 def test_an_effect_below_the_least_that_is_asked_for_is_negligible() -> None:
-    found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), min_effect_nm=0.1)
+    found = diagnosed(moved_joint(rising, noise_nm=NOISE_NM), [effect_of("stribeck")], min_effect_nm=0.1)
     assert (found.verdict, found.effects) == ("adequate", ())
     assert [(effect.name, effect.grade) for effect in found.negligible] == [("stribeck", "negligible")]
 

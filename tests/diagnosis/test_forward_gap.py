@@ -87,9 +87,9 @@ def test_cycles_with_a_gap_are_left_out() -> None:
 
 def test_a_joint_whose_inertia_was_taken_out_needs_it_back() -> None:
     light = replace(moved(), torque=moved().torque - 0.2999 * moved().ddq)
-    models = [replace(model, inertia_kg_m2=1e-4) for model in (NOMINAL, AUGMENTED)]
-    assert simulate_cycles(*models, light, CYCLES) is None
-    gap: Any = simulate_cycles(*models, light, CYCLES, known_inertia_kg_m2=0.2999)
+    nominal, found = (replace(model, inertia_kg_m2=1e-4) for model in (NOMINAL, AUGMENTED))
+    assert simulate_cycles(nominal, found, light, CYCLES) is None
+    gap: Any = simulate_cycles(nominal, found, light, CYCLES, known_inertia_kg_m2=0.2999)
     assert gap.after < 0.1 * gap.before
 
 

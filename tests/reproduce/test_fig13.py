@@ -16,8 +16,8 @@ COMPARED = [one for one in REPRODUCTIONS if one.figure in ("13", "14")]
 def short() -> Comparison:
     """Return the paper's methods on a single joint."""
     joint = SCENES[0]
-    plan = replace(joint.plan, tuning_seeds=0, with_others=False, margin_seeds=0)
-    scene = replace(joint, settings=replace(joint.settings, duration_s=15.0), plan=plan)
+    settings = replace(joint.settings, duration_s=15.0)
+    scene = replace(joint, settings=settings, tuning_seeds=0, with_others=False, margin_seeds=0)
     return compare(scene, SEEDS, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER])
 
 

@@ -71,8 +71,8 @@ def command(
     out.check()
     (scene,) = (one for one in SCENES if one.name == comparison.arm)
     settings: Any = changed(scene.settings, change, duration_s=comparison.duration)
-    margin = scene.plan.margin_seeds if comparison.margin_persons is None else comparison.margin_persons
-    scene = replace(scene, settings=settings, plan=replace(scene.plan, margin_seeds=margin))
+    margin = scene.margin_seeds if comparison.margin_persons is None else comparison.margin_persons
+    scene = replace(scene, settings=settings, margin_seeds=margin)
     chosen = [method for method in METHODS if method.name in (NONE, *comparison.methods)]
     with voice.step("compare") as progress:
         result = compare(scene, comparison.persons, chosen, progress)

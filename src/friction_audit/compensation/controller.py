@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation import records
-from friction_audit.compensation.compensators import Compensator, feedback, law, model_based
+from friction_audit.compensation.compensators import Compensator, competitors, law
 from friction_audit.compiled import Record, compiled
 from friction_audit.joint_log import Float, read_only
 
@@ -35,13 +35,8 @@ REVERSALS = 50
 def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float, cut: int) -> float:
     """Run a compensator for one tick, after the sensors were read; return its torque u for the coming tick. [N m]
 
-    Args:
-        settings: Record of SETTINGS.
-        memory: Record of MEMORY, changed in place.
-        dq: Velocity as measured. [rad/s]
-        interaction_nm: Interaction torque F_m, measured while the torque of the previous call acted. [N m]
-        dt: Time since the previous call; of no effect in the first. [s]
-        cut: FIND, or 1 if a cycle ends at this tick and 0 if not.
+    The records are those of SETTINGS and MEMORY; the latter changes. F_m was measured while the torque of the previous
+    call acted, dt seconds ago. ``cut`` is FIND, or 1 if a cycle ends at this tick and 0 if not.
     """
     # Not finite, or larger than its bound.
     lost = not abs(dq) <= SPEED_BOUND_RAD_S or not abs(interaction_nm) <= TORQUE_BOUND_NM
@@ -79,11 +74,11 @@ def give_up(memory: Record) -> float:
 def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Advance what the law remembers over the interval since the previous tick."""
     if settings.kind == law.LUGRE and memory.ticks > 0:
-        model_based.lugre_advance(settings.lugre, memory, dq, dt)
+        competitors.lugre_advance(settings.lugre, memory, dq, dt)
     elif settings.kind == law.DISTURBANCE_OBSERVER and memory.ticks > 0:
-        feedback.observe(settings.disturbance_observer, memory, dq, interaction_nm, dt)
+        competitors.observe(settings.disturbance_observer, memory, dq, interaction_nm, dt)
     elif settings.kind == law.TORQUE_REGULATION:
-        feedback.filter_torque(settings.torque_regulation, memory, interaction_nm, dt)
+        competitors.filter_torque(settings.torque_regulation, memory, interaction_nm, dt)
 
 
 @compiled(inline=True)
@@ -221,13 +216,13 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
         sign = law.soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)
         return float(memory.coulomb_nm * sign + memory.viscous_nms_per_rad * dq)
     if settings.kind == law.SIGMOID:
-        return float(model_based.sigmoid_nm(settings.sigmoid, dq))
+        return float(competitors.sigmoid_nm(settings.sigmoid, dq))
     if settings.kind == law.LUGRE:
-        return float(model_based.lugre_nm(settings.lugre, memory, dq))
+        return float(competitors.lugre_nm(settings.lugre, memory, dq))
     if settings.kind == law.DISTURBANCE_OBSERVER:
-        return float(feedback.observed_nm(settings.disturbance_observer, memory, dq))
+        return float(competitors.observed_nm(settings.disturbance_observer, memory, dq))
     if settings.kind == law.TORQUE_REGULATION:
-        return float(feedback.regulated_nm(settings.torque_regulation, memory))
+        return float(competitors.regulated_nm(settings.torque_regulation, memory))
     if settings.kind == law.JOINT_MODEL:
         sign = law.soft_sign(dq, settings.joint_model.dead_band_rad_s, settings.joint_model.ramp_rad_s)
         return float(sign * memory.modelled_nm + memory.bristle_nm)

@@ -210,7 +210,8 @@ def _operator(
     if settings.assume != SAME_OPERATOR.name:
         return None
     if settings.operator is not None:
-        return FittedOperator(*(Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)))
+        given = [Coefficient(value=one, low=nan, high=nan) for one in astuple(settings.operator)]
+        return FittedOperator(given[0], given[1], given[2])
     if interaction.choice.drive != "hand":
         raise AnalysisError(
             "the arm moved by itself, and the impedance of its drive is not fitted; give it by --operator, or use "

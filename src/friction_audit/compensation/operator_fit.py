@@ -104,4 +104,4 @@ def _solve(windows: Float) -> FittedOperator:
             f"the person's impedance is not determined by this log: {', '.join(loose)}; record more quick reversals, "
             f"or give {TYPICAL}"
         )
-    return FittedOperator(*found, reversals=count)
+    return FittedOperator(found[0], found[1], found[2], reversals=count)

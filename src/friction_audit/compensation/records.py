@@ -16,8 +16,7 @@ from friction_audit.compensation.compensators import (
     FixedCompensation,
     kind_of,
 )
-from friction_audit.compensation.compensators.energy import LONGEST_WINDOW, MODELS
-from friction_audit.compensation.compensators.law import Law
+from friction_audit.compensation.compensators.law import LONGEST_WINDOW, MODELS, Law
 from friction_audit.errors import UsageError
 
 NOT_FORCED = Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)

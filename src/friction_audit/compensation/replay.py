@@ -20,7 +20,7 @@ from friction_audit.compensation.compensators import (
     TorqueRegulation,
     guard_of,
 )
-from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
+from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.controller import FIND, hand_cuts
 from friction_audit.compensation.counterfactual import Run, make_scene, recording_of
 from friction_audit.compensation.feed_forward import NO_MODEL, OF_FRICTION, refuse
@@ -54,18 +54,12 @@ def replay(
     joints: tuple[int, ...] | None = None,
     hand_speed: Float | None = None,
 ) -> Replay:
-    """Run a compensator on the joints of a recording, as a controller would have.
+    """Run a compensator on the joints of a recording, or on some by their numbers, as a controller would have.
 
-    Args:
-        log: Its clock, and the robot whose limits hold unless the settings give others.
-        interaction: Motion and torque at the friction port; without samples where these are not to be kept.
-        parts: The same, in parts that follow each other.
-        cycles: Its energy cycles, whose thresholds are the compensator's.
-        friction: What the log says about friction.
-        settings: Assumption, compensator, limits; where they say ``needs_whole``, there is one part.
-        joints: Numbers of the joints to replay, or None for all.
-        hand_speed: Speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,);
-            it then ends the cycles of all joints, and there is one part. None where each joint ends its own. [m/s]
+    The interaction is without samples where these are not to be kept; the parts are the same, one after the other, a
+    single one where the settings say ``needs_whole``. The thresholds of the cycles are the compensator's. With the
+    speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,), the hand ends
+    the cycles of all joints, and there is one part. [m/s]
     """
     cuts = np.full(1, FIND)
     if hand_speed is not None:
@@ -77,11 +71,7 @@ def replay(
     chosen = [one for one in friction.joints if joints is None or one.joint in joints]
     runs = [_JointRun(log, interaction, cycles, one, settings) for one in chosen]
     for part in parts:
-
-        def advance(place: int, part: Interaction = part) -> None:
-            runs[place].take(part, cuts)
-
-        per_joint(advance, len(runs))
+        per_joint(lambda place: runs[place].take(part, cuts), len(runs))  # noqa: B023 - it runs at once
     replays = tuple(run.result() for run in runs)
     by_hand, assumed = interaction.choice.drive == "hand", settings.counterfactual
     if not by_hand:

@@ -33,7 +33,6 @@ MOST_UNCERTAIN = 2.0
 RANK_CUTOFF = 1e-6  # share of the largest singular value below which others are zero: cycles that are copies
 
 Columns = dict[str, tuple[Float, Float, Float]]
-Found = tuple[JointFriction, tuple[Caution, ...]]
 
 
 class Gathered:
@@ -76,11 +75,9 @@ def friction_of(
     dead_torque: frozenset[int],
 ) -> FrictionHistory:
     """Estimate the friction of every joint (0-based) from what was gathered of it and its own cycles."""
-
-    def work(column: int) -> Found:
-        return _estimate_joint(port, column, every, cycles_of(column), settings, dead_torque)
-
-    found = per_joint(work, len(every))
+    found = per_joint(
+        lambda column: _estimate_joint(port, column, every, cycles_of(column), settings, dead_torque), len(every)
+    )
     return FrictionHistory(
         estimator=settings.estimator,
         joints=tuple(joint for joint, _ in found),
@@ -95,7 +92,7 @@ def _estimate_joint(
     own: EnergyCycles,
     settings: FrictionSettings,
     dead_torque: frozenset[int],
-) -> Found:
+) -> tuple[JointFriction, tuple[Caution, ...]]:
     number, seen, rows = port.joint_numbers[column], every[column].seen, [one.rows for one in every]
     kept = own.rows(own.reason == KEPT)
     dead = dead_channel(seen, dead_torque=number in dead_torque)

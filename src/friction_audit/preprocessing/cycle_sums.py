@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from friction_audit.joint_log import Float
 
 Int = NDArray[np.int64]
+WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
+SUMS = 7
 BLOCK = 1 << 17  # samples worked on at a time: of fewer, threads would mostly wait for the interpreter
 
 
@@ -28,18 +30,10 @@ def find_borders(
     A cycle begins when the speed exceeds ``initiation`` and is over when it falls below ``termination``. The border
     lies where the joint then comes to rest, the first sample at which the velocity is zero or has changed its sign,
     or else the slowest sample before the next cycle begins: there the kinetic energy is gone and not merely small.
-    With ``merge``, two humps between which the velocity never changes its sign are one stroke; a speed, which has no
-    sign, is not merged.
-
-    Args:
-        velocity: Filtered, shape (n,).
-        initiation: Threshold of the speed.
-        termination: Threshold of the speed.
-        merge: Whether the sign of the velocity is that of the direction.
-        moving: Whether the joint moves at the first sample; None if its own speed decides.
-        at_border: Whether the first sample is a border; None if it is one at rest.
-        more: True if samples follow: borders that these may move are left out.
-        longest: Samples after the end of a motion among which the slowest one is looked for.
+    With ``merge``, two humps between which the filtered velocity never changes its sign are one stroke; a speed, which
+    has no sign, is not merged. ``moving`` and ``at_border`` say what the first sample is; None if its own speed
+    decides, and if it is a border at rest. If ``more`` samples follow, borders that these may move are left out. The
+    slowest sample is looked for among the ``longest`` number after the end of a motion.
     """
     moving = bool(abs(velocity[0]) > termination) if moving is None else moving
     stops, starts, turns = _events(velocity, initiation, termination, moving=moving)
@@ -102,9 +96,8 @@ def groups(borders: Int) -> Iterator[slice]:
 def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, Float, Float]:
     """Cut each cycle into parts of equal path by the filtered velocity ``speed``.
 
-    Returns:
-        Border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples; peak speed
-        [rad/s] and longest time step [s] of each cycle, shape (m,).
+    Return the border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples, and
+    the peak speed [rad/s] and longest time step [s] of each cycle, shape (m,).
     """
     cycles = len(borders) - 1
     edges = np.empty((cycles, parts + 1), np.int64)
@@ -134,15 +127,14 @@ def cut_evenly(t: Float, speed: Float, borders: Int, parts: int) -> tuple[Int, F
 
 def add_up(
     t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None, edges: Int
-) -> dict[str, Float]:
-    """Add up energies between samples by the trapezoid rule: by the names of ``EnergySums``, shape (m, parts).
+) -> Float:
+    """Add up energies between samples by the trapezoid rule: shape (m, parts, SUMS), indexed by the constants above.
 
     Work and path are summed over the increments of q: both then scale alike with any error of the clock, and the noise
     of the velocity enters neither. ``edges`` are the border samples of the parts of each cycle, shape (m, parts + 1);
     all else has shape (n,).
     """
-    names = ("work_j", "compensation_j", "path_rad", "printed_net_j", "rectified_path_rad", "square_speed_rad2_s")
-    sums = {name: np.zeros((len(edges), edges.shape[1] - 1)) for name in names}
+    sums = np.zeros((*np.subtract(edges.shape, (0, 1)), SUMS))
     for group in groups(np.append(edges[:, 0], edges[-1:, -1])):
         own = edges[group] - edges[group.start, 0]
         rows = slice(int(edges[group.start, 0]), int(edges[group.stop - 1, -1]) + 1)
@@ -150,26 +142,24 @@ def add_up(
         starts, halved = own[:, :-1], 0.5 * (np.diff(own) > 0)
         # The zero at the end: a part that is empty may begin at the last border.
         area = np.zeros(rows.stop - rows.start)
-        for name, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
+        for place, height, width in _areas(t[rows], q[rows], dq[rows], filtered[rows], torque[rows], u):
             np.add(height[1:], height[:-1], out=area[:-1])
             area[:-1] *= width
-            sums[name][group] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
-    return sums | {
-        "displacement_rad": np.diff(q[edges], axis=1),
-        "half_square_speed_change": 0.5 * np.diff(filtered[edges] ** 2, axis=1),
-    }
+            sums[group][..., place] = np.add.reduceat(area, starts.ravel()).reshape(starts.shape) * halved
+    sums[..., HALF_SQUARE] = 0.5 * np.diff(filtered[edges] ** 2, axis=1)
+    return sums
 
 
 def _areas(
     t: Float, q: Float, dq: Float, filtered: Float, torque: Float, compensation: Float | None
-) -> Iterator[tuple[str, Float, Float]]:
+) -> Iterator[tuple[int, Float, Float]]:
     """Yield each sum with the heights and widths of its trapezoids, one after the other: these arrays are large."""
     moved, step, driving = np.diff(q), np.diff(t), torque
-    yield "work_j", torque, moved
+    yield WORK, torque, moved
     if compensation is not None:
-        yield "compensation_j", compensation, moved
+        yield COMPENSATION, compensation, moved
         driving = torque + compensation
-    yield "path_rad", np.sign(filtered), moved
-    yield "printed_net_j", driving * dq, step
-    yield "rectified_path_rad", np.abs(dq), step
-    yield "square_speed_rad2_s", dq * dq, step
+    yield PATH, np.sign(filtered), moved
+    yield PRINTED, driving * dq, step
+    yield RECTIFIED, np.abs(dq), step
+    yield SQUARE, dq * dq, step

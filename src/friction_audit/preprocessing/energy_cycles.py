@@ -49,10 +49,6 @@ class EnergySums:
         """Return the rows selected by a mask or by indices."""
         return EnergySums(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
 
-    def total(self) -> "EnergySums":
-        """Return the sums over the last axis."""
-        return EnergySums(**{f.name: getattr(self, f.name).sum(axis=-1) for f in fields(self)})
-
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class EnergyCycles:

@@ -95,13 +95,10 @@ class CycleSearch:
         self._above, self._fastest, self._peak_power_w, self._begin_s, self._last_s = 0, 0.0, 0.0, 0.0, 0.0
 
     def take(self, part: Interaction, filtered: Float, signal: Float | None = None, *, more: bool = False) -> None:
-        """Find the cycles that end in the samples that are new.
+        """Find the cycles that end in new samples, whose filtered velocity is given, shape (k,); ``more`` may follow.
 
-        Args:
-            part: Motion and torque at all samples that are still needed, and the new ones.
-            filtered: Filtered velocity of the joint at the new samples, shape (k,). [rad/s]
-            signal: What defines the cycles there, None where it is the same. [speed_unit]
-            more: True if samples follow.
+        The part has all samples that are still needed, and the new ones. ``signal`` defines the cycles, None where it
+        is the velocity.
         """
         self._above += int(np.count_nonzero(np.abs(filtered) > self.own[0]))
         signal = filtered if signal is None else signal
@@ -162,7 +159,8 @@ class CycleSearch:
         t = part.t[shift:]
         edges, peak, longest_step = cycle_sums.cut_evenly(t, self._filtered, borders, PARTS)
         parts = self._sums(part, edges)
-        sums, start, stop = parts.total(), borders[:-1] + self.first, borders[1:] + self.first
+        sums = EnergySums(**{one.name: getattr(parts, one.name).sum(axis=-1) for one in fields(parts)})
+        start, stop = borders[:-1] + self.first, borders[1:] + self.first
         start_s, place = t[borders[:-1]], (part.q if inside else part.q[:, self._column, None])[borders + shift]
         if self._begun is not None and len(start):
             begun, place[0] = self._begun
@@ -196,9 +194,20 @@ class CycleSearch:
         rows = slice(shift, shift + len(self._filtered))
         u = None if part.compensation is None else part.compensation[rows, self._column]
         q, dq, torque = (array[rows, self._column] for array in (part.q, part.dq, part.torque))
+        raw = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
         gravity_x, gravity_y = _gravity_work(part, self._column, edges + shift)
-        sums = cycle_sums.add_up(part.t[rows], q, dq, self._filtered, torque, u, edges)
-        return EnergySums(**sums, gravity_x_rad=gravity_x, gravity_y_rad=gravity_y)
+        return EnergySums(
+            work_j=raw[:, :, cycle_sums.WORK],
+            compensation_j=raw[:, :, cycle_sums.COMPENSATION],
+            printed_net_j=raw[:, :, cycle_sums.PRINTED],
+            path_rad=raw[:, :, cycle_sums.PATH],
+            rectified_path_rad=raw[:, :, cycle_sums.RECTIFIED],
+            square_speed_rad2_s=raw[:, :, cycle_sums.SQUARE],
+            displacement_rad=np.diff(q[edges], axis=1),
+            gravity_x_rad=gravity_x,
+            gravity_y_rad=gravity_y,
+            half_square_speed_change=raw[:, :, cycle_sums.HALF_SQUARE],
+        )
 
     def _shorten(self, part: Interaction) -> None:
         """Add up the beginning of a cycle that lasts too long, and forget its samples."""

@@ -85,7 +85,7 @@ KEPT = 0.1  # slope, over that without compensation, up to which the net energy 
 def compare_methods(seeds: int, progress: Progress | None = None) -> Comparison:
     """Try the paper's methods on the arm, without sweeps and margins."""
     (arm,) = (scene for scene in SCENES if scene.name == "panda")
-    arm = replace(arm, plan=replace(arm.plan, tuning_seeds=0, margin_seeds=0))
+    arm = replace(arm, tuning_seeds=0, margin_seeds=0)
     return compare(arm, seeds, [replace(method, sweeps=()) for method in METHODS if method.name in ORDER], progress)
 
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass, replace
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.compensators.energy import PUBLISHED
+from friction_audit.compensation.compensators.law import PUBLISHED
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings, HandGuidedPanda, Operator, Progress
 from friction_audit.simulation.effects import Hidden

@@ -33,10 +33,7 @@ def compare(
 ) -> Comparison:
     """Try methods on the same operator, arm, noise and persons, whose seeds are 0, 1, 2 and so on."""
     reported, first = tuple(range(seeds)), FIRST_TUNING_SEED
-    tuning_seeds, margin_seeds = (
-        tuple(range(first, first + scene.plan.tuning_seeds)),
-        reported[: scene.plan.margin_seeds],
-    )
+    tuning_seeds, margin_seeds = tuple(range(first, first + scene.tuning_seeds)), reported[: scene.margin_seeds]
     trials = _Trials(scene, (*reported, *tuning_seeds), progress or (lambda _: None))
     curves = trials.sweep(methods, tuning_seeds)
     chosen = [(method, *one) for method in methods for one in _tunings(scene, method, curves)]
@@ -77,7 +74,7 @@ def _tunings(scene: Scene, method: Method, curves: Sequence[Curve]) -> Iterator[
         best = choose_best(points)
         yield best.tuning, BEST, best.losses
         names.add(best.tuning.name)
-    if scene.plan.with_others:
+    if scene.with_others:
         # A further tuning that is the best one has its row already.
         yield from ((tuning, OTHER, None) for tuning in method.others if tuning.name not in names)
 
@@ -110,9 +107,9 @@ class _Trials:
 
     def sweep(self, methods: Sequence[Method], seeds: Sequence[int]) -> tuple[Curve, ...]:
         """Make the sweeps of methods, all trials in one heap."""
-        plan = self.scene.plan
-        sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: plan.sweeps]]
-        values = [sweep.values[:: ceil(len(sweep.values) / plan.most_values)] for _, sweep in sweeps]
+        scene = self.scene
+        sweeps = [(method, sweep) for method in methods for sweep in method.sweeps[: scene.sweeps]]
+        values = [sweep.values[:: ceil(len(sweep.values) / scene.most_values)] for _, sweep in sweeps]
         tunings = [sweep.at(value) for (_, sweep), some in zip(sweeps, values, strict=True) for value in some]
         tried = zip(tunings, self.of(tunings, seeds, SWEPT), strict=True)
         curves = []
@@ -145,7 +142,7 @@ class _Trials:
     def margins(self, tunings: Sequence[Tuning], seeds: Sequence[int]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
         settings = self.scene.settings
-        shorter = replace(settings, duration_s=self.scene.plan.margin_share * settings.duration_s)
+        shorter = replace(settings, duration_s=self.scene.margin_share * settings.duration_s)
         short = [replace(self.scene, settings=shorter).compensated(tuning) for tuning in tunings]
         jobs = [(one, seed) for one in short for seed in seeds]
 

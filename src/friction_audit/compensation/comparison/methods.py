@@ -14,8 +14,8 @@ from friction_audit.compensation.compensators import (
     LugreCompensation,
     TorqueRegulation,
 )
+from friction_audit.compensation.compensators.competitors import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.compensators.law import payback_s
-from friction_audit.compensation.compensators.model_based import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.settings import limits_of
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import PANDA_JOINTS, BenchSettings
@@ -213,25 +213,18 @@ _ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, d
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Plan:
-    """How much is tried."""
+class Scene:
+    """What all methods are tried on, and how much is tried."""
 
+    name: str  # as in options and documents
+    title: str  # in words
+    settings: BenchSettings | ArmSettings  # of the simulation, without compensator
     tuning_seeds: int  # persons for whom the sweeps are made; none of them is reported
     most_values: int  # of the values of a sweep, at most so many are tried, evenly chosen
     sweeps: int  # so many sweeps of a method are made
     with_others: bool  # whether tunings other than the paper's kind and the best one are reported
     margin_seeds: int  # of the persons who are reported, those whose stability margins are looked for
     margin_share: float  # of the length of a trial, what looking for a stability margin takes
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Scene:
-    """What all methods are tried on."""
-
-    name: str  # as in options and documents
-    title: str  # in words
-    settings: BenchSettings | ArmSettings  # of the simulation, without compensator
-    plan: Plan  # how much is tried
 
     @property
     def joints(self) -> tuple[Joint, ...]:
@@ -253,13 +246,23 @@ SCENES: tuple[Scene, ...] = (
         name="joint",
         title="joint 1 of a Panda, elastic, moved by a person",
         settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
-        plan=Plan(tuning_seeds=5, most_values=10, sweeps=5, with_others=True, margin_seeds=20, margin_share=0.5),
+        tuning_seeds=5,
+        most_values=10,
+        sweeps=5,
+        with_others=True,
+        margin_seeds=20,
+        margin_share=0.5,
     ),
     Scene(
         name="panda",
         title="a Panda, its joints elastic, guided by a hand",
         settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=30.0),
-        plan=Plan(tuning_seeds=5, most_values=5, sweeps=2, with_others=False, margin_seeds=6, margin_share=0.6),
+        tuning_seeds=5,
+        most_values=5,
+        sweeps=2,
+        with_others=False,
+        margin_seeds=6,
+        margin_share=0.6,
     ),
 )
 """The joint is that of the default."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 from math import isfinite, nan, sqrt
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -44,8 +44,8 @@ def median_interval(values: Sequence[float]) -> Interval:
 
     if not values:
         return Interval(nan, nan, nan)
-    low, high = map(float, quantile_test(values, p=0.5).confidence_interval(CONFIDENCE))
-    return Interval(sorted(values)[(len(values) - 1) // 2], low, high)
+    found: Any = quantile_test(values, p=0.5).confidence_interval(CONFIDENCE)
+    return Interval(sorted(values)[(len(values) - 1) // 2], float(found.low), float(found.high))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

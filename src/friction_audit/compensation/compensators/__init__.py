@@ -3,15 +3,15 @@
 from types import NoneType
 from typing import Any, NamedTuple
 
-from friction_audit.compensation.compensators.energy import Coefficients, EnergyCompensator
-from friction_audit.compensation.compensators.feedback import DisturbanceObserver, TorqueRegulation
-from friction_audit.compensation.compensators.law import Guard
-from friction_audit.compensation.compensators.model_based import (
+from friction_audit.compensation.compensators.competitors import (
+    DisturbanceObserver,
     FixedCompensation,
     JointModelCompensation,
     LugreCompensation,
     SigmoidCompensation,
+    TorqueRegulation,
 )
+from friction_audit.compensation.compensators.law import Coefficients, EnergyCompensator, Guard
 
 __all__ = [
     "COMPENSATORS",
