@@ -29,7 +29,7 @@ SIMPLE = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.0
 EFFECTS = (
     None,
     FittedTerm("stribeck", (0.15, 0.1, 1.5)),
-    FittedTerm("nonlinear_viscous", (0.15, 0.6, 0.01)),
+    FittedTerm("nonlinear_viscous", (0.15, 0.6, 0.01, 0.0)),
     FittedTerm("asymmetric_coulomb", (0.1,)),
     FittedTerm("presliding", (0.3, 0.004, 1.0, 0.005)),
     FittedTerm("position_dependent_friction", (0.1, 0.05, 6.0, 0.2, 20.0)),

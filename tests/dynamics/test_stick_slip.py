@@ -1,4 +1,4 @@
-"""A joint with stick and slip against hand calculation and an independent integrator."""
+"""One mass, and two on a spring or with a gap, against hand calculation, SciPy, energy and the term."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -6,13 +6,17 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.stick_slip import Step, advance
+from friction_audit.dynamics.stick_slip import Step, advance, can_follow, link_of, move_two_sides
+from friction_audit.dynamics.torque_tables import tabulate
+from friction_audit.dynamics.transmission import Transmission
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.joint_log import Float
-from tests.dynamics.joints import simulate, tables_of
+from tests.dynamics.joints import recording_of, simulate, simulate_along, tables_of
 
 B, COULOMB, VISCOUS = 0.3, 0.4, 0.1
 MODEL = simple_model(inertia_kg_m2=B, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
@@ -99,3 +103,104 @@ def test_the_step_is_of_second_order_through_stops_and_break_aways() -> None:
     errors = [abs(end(steps) - exact) for steps in (250, 500, 1000, 2000)]
     assert all(3.0 * fine < coarse < 5.0 * fine for coarse, fine in pairwise(errors))
     assert errors[-1] < 1e-5
+
+
+# Two masses.
+
+STEP_S = 0.0025
+T = np.arange(0.0, 3.0, STEP_S)
+DRAG, STIFFNESS = 0.07, 900.0
+WHOLE = np.array([[0, len(T) - 1]])
+
+
+def spring(share: float, damping_ratio: float = 0.05) -> FittedTerm:
+    return FittedTerm("joint_elasticity", (1.0 / STIFFNESS, STIFFNESS, 0.0, damping_ratio, share))
+
+
+def moved(share: float, coulomb_nm: float = 0.0, gap_rad: float = 0.0, damping_ratio: float = 0.0) -> Float:
+    """Both sides of a joint under a torque from rest: position and velocity of either, shape (4, n)."""
+    terms = (FittedTerm("coulomb", (coulomb_nm,)), FittedTerm("viscous", (0.0,)))
+    still = recording_of(T, 0.5 * np.sin(T), 0.5 * np.cos(T))
+    tables, _ = tabulate(share * B, terms, still)
+    link = link_of(
+        Transmission(stiffness_nm_per_rad=STIFFNESS, damping_ratio=damping_ratio, gap_rad=gap_rad),
+        (1.0 - share) * B,
+        share * B,
+    )
+    nothing = np.zeros(len(T))
+    return move_two_sides(drive(), nothing, (nothing, nothing), STEP_S, WHOLE, link, tables)
+
+
+def drive() -> Float:
+    return 0.9 * np.sin(5.0 * T) + 0.3 * np.sin(31.0 * T)
+
+
+def energy(rows: Float, share: float, gap_rad: float = 0.0) -> Float:
+    """Kinetic and elastic energy. [J]"""
+    twist = rows[0] - rows[2]
+    engaged = twist - np.clip(twist, -0.5 * gap_rad, 0.5 * gap_rad)
+    moving = (1.0 - share) * B * rows[1] ** 2 + share * B * rows[3] ** 2
+    return np.asarray(0.5 * (moving + STIFFNESS * engaged**2))
+
+
+def work(rows: Float) -> Float:
+    """What the drive has put in. [J]"""
+    power = drive() * rows[1]
+    return np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * STEP_S)])
+
+
+@pytest.mark.parametrize("share", [0.3, 0.8, 0.97])
+def test_both_sides_of_a_spring_move_as_scipy_finds(share: float) -> None:
+    near, far = (1.0 - share) * B, share * B
+    damping = 2.0 * 0.05 * np.sqrt(STIFFNESS * far)
+    driven = drive()
+
+    def rates(t: float, s: Float) -> list[float]:
+        torque = STIFFNESS * (s[0] - s[2]) + damping * (s[1] - s[3])
+        push = np.interp(t, T, driven)
+        return [s[1], (push - torque) / near, s[3], (torque - DRAG * s[3]) / far]
+
+    exact = solve_ivp(rates, (0.0, T[-1]), np.zeros(4), t_eval=T, rtol=1e-9, atol=1e-11, max_step=STEP_S).y
+    seen = recording_of(T, np.where(np.arange(len(T)) % 2, exact[0], 0.0), exact[1])
+    model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("viscous", (DRAG,)), spring(share)))
+    found = simulate_along(model, seen, drive(), WHOLE)
+    assert found == pytest.approx(exact[1], abs=6e-3)
+    rigid = simulate_along(replace(model, terms=model.terms[:1]), seen, drive(), WHOLE)
+    assert np.sqrt(np.mean((found - exact[1]) ** 2)) < 0.3 * np.sqrt(np.mean((rigid - exact[1]) ** 2))
+
+
+@settings(deadline=None, max_examples=15)
+@given(st.floats(0.2, 0.95), st.sampled_from([0.0, 0.004]))
+def test_energy_is_what_the_drive_put_in(share: float, gap_rad: float) -> None:
+    rows = moved(share, gap_rad=gap_rad)
+    put, held = work(rows), energy(rows, share, gap_rad)
+    assert np.abs(held - put).max() < 0.02 * np.abs(put).max()
+
+
+@settings(deadline=None, max_examples=15)
+@given(st.floats(0.2, 0.95), st.sampled_from([0.0, 0.004]), st.floats(0.05, 0.4), st.floats(0.02, 1.0))
+def test_friction_and_damping_only_ever_take_energy(share: float, gap: float, coulomb_nm: float, ratio: float) -> None:
+    rows = moved(share, coulomb_nm, gap, ratio)
+    taken = work(rows) - energy(rows, share, gap)
+    path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(rows[2])))])
+    assert (taken > coulomb_nm * path - 0.02 * np.abs(work(rows)).max()).all()
+
+
+def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:
+    share, friction = 0.7, 0.2
+    rows = moved(share, friction, damping_ratio=0.1)
+    model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("coulomb", (friction,)), spring(share, 0.1)))
+    pieces = np.array([[300, 700], [700, 1100]])
+    found = simulate_along(model, recording_of(T, rows[0], rows[1]), drive(), pieces)
+    inside = np.isfinite(found)
+    assert inside.sum() == 801
+    assert found[700] == rows[1, 700]
+    assert np.sqrt(np.mean((found - rows[1])[inside] ** 2)) < 0.03 * np.sqrt(np.mean(rows[1] ** 2))
+
+
+def test_a_near_side_that_rings_too_fast_has_no_inertia_to_speak_of() -> None:
+    stiff = Transmission(stiffness_nm_per_rad=1e6, damping_ratio=0.1)
+    tables, _ = tabulate(B, (), recording_of(T, np.sin(T), np.cos(T)))
+    assert can_follow(link_of(stiff, 0.1 * B, 0.9 * B), tables, STEP_S)
+    assert not can_follow(link_of(stiff, 1e-5, B), tables, STEP_S)
+    assert not can_follow(link_of(stiff, 0.0, B), tables, STEP_S)

@@ -6,6 +6,7 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 from scipy.optimize import fmin
+from scipy.signal import lfilter
 
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
@@ -46,10 +47,6 @@ def far_side_torque(stiffness: float, damping: float, half_gap: float, inertia: 
     return np.asarray(total.reshape(-1, SUBSTEPS).mean(axis=1))
 
 
-def best_rival(own: Effect, torque: Float) -> float:
-    return max(share_explained(other, DATA, torque) for other in RIVALS if other is not own)
-
-
 def seen(torque: Float) -> Float:
     """What a regression sees of a torque: half of its amplitude at 24 Hz."""
     window = np.hanning(9)
@@ -78,19 +75,19 @@ def best_near_the_grid(candidate: Effect, grid: tuple[Nonlinear, ...], torque: F
     return 1.0 - float(found[1])
 
 
-@pytest.mark.parametrize("delay", [0.004, -0.015, 0.03])
-def test_a_late_torque_is_a_delay(delay: float) -> None:
-    torque = np.interp(DATA.t - delay, DATA.t, BASE.torque)
-    own = share_explained(DELAY, DATA, torque)
-    assert own > 0.97
-    assert best_rival(DELAY, torque) < own - 0.1
+SPEED = np.abs(DATA.dq)
+SEEN = lfilter([0.0, STEP_S / 0.06], [1.0, STEP_S / 0.06 - 1.0], SPEED)  # with a lag of 60 ms
+LAGGING = np.sign(DATA.dq) * 0.15 * (np.exp(-SEEN / 0.2) - np.exp(-SPEED / 0.2))
+LATE = [(DELAY, np.interp(DATA.t - delay, DATA.t, BASE.torque), 0.97) for delay in (0.004, -0.015, 0.03)]
 
 
-def test_a_spring_is_an_elasticity() -> None:
-    torque = far_side_torque(1e3, 2.0, 0.0)
-    own = share_explained(SPRING, DATA, torque)
-    assert own > 0.8
-    assert best_rival(SPRING, torque) < own - 0.1
+@pytest.mark.parametrize(
+    ("own", "torque", "least"), [*LATE, (SPRING, far_side_torque(1e3, 2.0, 0.0), 0.8), (LAG, LAGGING, 0.9)]
+)
+def test_a_torque_is_its_own_effect_and_no_rival(own: Effect, torque: Float, least: float) -> None:
+    share = share_explained(own, DATA, torque)
+    assert share > least
+    assert max(share_explained(other, DATA, torque) for other in RIVALS if other is not own) < share - 0.1
 
 
 def test_a_dead_zone_is_a_backlash() -> None:
@@ -117,17 +114,6 @@ def test_a_rotor_before_the_transmission_is_not_behind_it(candidate: Effect, lin
     )
     assert several > 0.8
     assert 1.0 - several < 0.5 * (1.0 - one)
-
-
-def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:
-    speed = np.abs(DATA.dq)
-    seen = np.zeros_like(speed)
-    for k in range(1, len(speed)):
-        seen[k] = seen[k - 1] + STEP_S / 0.06 * (speed[k - 1] - seen[k - 1])
-    torque = np.sign(DATA.dq) * 0.15 * (np.exp(-seen / 0.2) - np.exp(-speed / 0.2))
-    own = share_explained(LAG, DATA, torque)
-    assert own > 0.9
-    assert best_rival(LAG, torque) < own - 0.1
 
 
 def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() -> None:

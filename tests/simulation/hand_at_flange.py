@@ -1,6 +1,6 @@
 """The hand's spring and damper at the flange of an arm, written once more, from poses and the intended path."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -14,8 +14,7 @@ from friction_audit.simulation.motion.strokes import HandMotion
 from friction_audit.simulation.settings import make_streams
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class Pull:
+class Pull(NamedTuple):
     """What the hand does; n ticks."""
 
     torque_nm: Float  # torque at the joints, shape (n, 7) [N m]
@@ -58,9 +57,5 @@ def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
     moment = hand.turning_stiffness_nm_per_rad * turn.as_rotvec()
     moment += hand.turning_damping_nms_per_rad * (path.angular[:n] - twist[:, 3:])
     wrench = np.hstack((force, moment))
-    return Pull(
-        torque_nm=np.einsum("kij,ki->kj", jacobian, wrench),
-        power_w=np.sum(wrench * twist, axis=1),
-        off_m=np.linalg.norm(off, axis=1),
-        turned_rad=np.asarray(turn.magnitude()),
-    )
+    torque, power = np.einsum("kij,ki->kj", jacobian, wrench), np.sum(wrench * twist, axis=1)
+    return Pull(torque, power, np.linalg.norm(off, axis=1), np.asarray(turn.magnitude()))

@@ -1,8 +1,8 @@
 """The arm against MuJoCo's own energies and inverse dynamics, and against the hand's springs written once more."""
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
@@ -79,8 +79,7 @@ def test_free_swing_loses_what_friction_takes_and_errs_with_the_square_of_the_ti
     assert errors[0][as_fast_as_by_hand].max() < 1e-5
 
 
-@dataclass(frozen=True, eq=False)
-class Guided:
+class Guided(NamedTuple):
     """A guided arm and what its hand did."""
 
     settings: ArmSettings
@@ -93,8 +92,7 @@ class Guided:
 def guided(carried_kg: float) -> Guided:
     settings = ArmSettings(sensors=IDEAL, duration_s=4.0, carried_kg=carried_kg)
     simulation = simulate(settings, SEED)
-    motion = simulation.truth.motion
-    return Guided(settings, simulation, motion, pull(settings, SEED, motion))
+    return Guided(settings, simulation, simulation.truth.motion, pull(settings, SEED, simulation.truth.motion))
 
 
 LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pytest.mark.thorough)])
@@ -123,14 +121,9 @@ def test_energy_balances_in_every_joint_and_over_the_arm(carried_kg: float) -> N
     assert taken[-1].sum() > 0.5
 
 
-@cache
-def driven() -> tuple[ArmSettings, Simulation]:
-    settings = ArmSettings(sensors=IDEAL, duration_s=4.0, driven=True, carried_kg=1.0)
-    return settings, simulate(settings, SEED)
-
-
 def test_sensors_of_a_driven_arm_read_inverse_dynamics_and_friction() -> None:
-    settings, simulation = driven()
+    settings = ArmSettings(sensors=IDEAL, duration_s=4.0, driven=True, carried_kg=1.0)
+    simulation = simulate(settings, SEED)
     motion = simulation.truth.motion
     error = simulation.log.channels()["tau_J"] - inverse_dynamics(settings, motion) - motion.friction_nm
     assert np.abs(error).max() < 3e-3

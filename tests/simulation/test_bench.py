@@ -92,14 +92,10 @@ def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven:
     [
         (lambda: JointParameters(inertia_kg_m2=0.0), "inertia_kg_m2 0: expected a number above zero"),
         (lambda: JointParameters(coulomb_nm=-0.1), "coulomb_nm -0.1: expected zero or more"),
-        (lambda: Operator(stiffness_nm_per_rad=0.0), "stiffness_nm_per_rad 0: expected a number above zero"),
         (lambda: Sensors(lost=0.9), "lost 0.9: expected a number from 0 to 0.5"),
-        (lambda: Sensors(slow_noise_share=1.5), "slow_noise_share 1.5: expected a number from 0 to 1"),
-        (lambda: Sensors(torque_noise_nm=1e6), "torque_noise_nm 1e\\+06: expected a number from 0 to 1000"),
         (lambda: Sensors(torque_step_nm=1e-12), "torque_step_nm 1e-12: expected 0, for none, or at least 1e-09"),
         (lambda: BenchSettings(duration_s=1e6), "duration_s 1e\\+06: expected a number from 0 to 7200"),
         (lambda: BenchSettings(duration_s=1e-4), "expected at least 2 sampling intervals"),
-        (lambda: BenchSettings(rate_hz=2000.0), "rate_hz 2000: expected a number from 0 to 1000"),
         (lambda: BenchSettings(gravity_nm=1.0), "cannot log the interaction torque; expected logs_sensor=true"),
         (lambda: BenchSettings(driven=True), "cannot log the interaction torque; expected logs_sensor=true"),
         (lambda: replace(HELPED, driven=True, logs_sensor=True), "compensator takes a hand that moves the joint"),
@@ -204,25 +200,10 @@ def test_roundings_are_those_of_the_sensors_whatever_is_hidden(effect: type[Hidd
             assert_array_equal(column, quantise(STEPS[name], column))
 
 
-TICKS = 20_000
-
-
-def rng(seed: int = 0) -> np.random.Generator:
-    return np.random.default_rng(seed)
-
-
-def test_ideal_sensors_have_no_noise_but_draw_it() -> None:
-    ideal, real, again = rng(1), rng(1), rng(1)
-    noise = draw_noise(TICKS, 1000.0, IDEAL_SENSORS, ideal)
-    draw_noise(TICKS, 1000.0, PANDA_SENSORS[0], real)
-    assert_array_equal(noise, np.zeros((3, TICKS + 1)))
-    assert ideal.random() == real.random() != again.random()
-
-
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
 def test_slow_part_keeps_the_variance_and_changes_the_colour(share: float) -> None:
     sensors = Sensors(torque_noise_nm=0.05, torque_correlation_s=0.002, slow_noise_share=share, slow_correlation_s=0.02)
-    noise = draw_noise(20 * TICKS, 1000.0, sensors, rng(2))[0]
+    noise = draw_noise(400_000, 1000.0, sensors, np.random.default_rng(2))[0]
     assert_allclose(noise.std(), 0.05, rtol=0.04)
     for lag in (2, 10, 20):
         expected = (1 - share) * np.exp(-lag / 2) + share * np.exp(-lag / 20)

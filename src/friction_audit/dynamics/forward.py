@@ -7,7 +7,7 @@ changes; a term with which it never settles cannot be simulated.
 A transmission between the torque sensor and the side on which friction acts does not change that side's motion under a
 measured torque, unless part of the inertia is before it; it changes what is measured. A delay of the torque is undone
 in the drive. Where part of the inertia is on the measured side of a spring or a gap, both sides are moved
-(``two_mass``). Where none is, a spring puts the measured side ahead by torque times compliance, a little late by its
+(``stick_slip``). Where none is, a spring puts the measured side ahead by torque times compliance, a little late by its
 damping. Within a gap the torque is then zero and does not determine the measured side: that is taken from the
 recording, and the other side follows it.
 """
@@ -22,10 +22,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.dynamics.motion import Forward, Model, Motion, Term
-from friction_audit.dynamics.stick_slip import run_pieces
+from friction_audit.dynamics.stick_slip import Link, can_follow, follow, link_of, move_two_sides, run_pieces
 from friction_audit.dynamics.torque_tables import Tables, certain, rms, steps_per_sample, tabulate
 from friction_audit.dynamics.transmission import HIGHEST_HZ, Transmission, flank_stiffness, straightened
-from friction_audit.dynamics.two_mass import Link, can_follow, follow, link_of, move_two_sides
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.even_grid import first_order
 

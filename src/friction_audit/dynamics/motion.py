@@ -1,8 +1,7 @@
 """Motion of one joint, and what else is known of it: the input of every torque of a joint model."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, Literal, Protocol
+from typing import Any, Literal, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,16 +106,6 @@ class Term(Protocol):
         """Return the torque. [N m], shape (n,)."""
 
 
-class Model(Protocol):
-    """A joint model: inertia and terms."""
-
-    @property
-    def inertia_kg_m2(self) -> float:
-        """Reflected inertia. [kg m^2]"""
-
-    @property
-    def terms(self) -> Sequence[Term]:
-        """All other terms."""
-
-    def rest(self, motion: Motion) -> Float:
-        """Return the torque of inertia, Coulomb and viscous friction. [N m], shape (n,)."""
+# An ``effects.joint_model.JointModel``: its ``inertia_kg_m2``, its ``terms``, and ``rest(motion)``, the torque of
+# inertia, Coulomb and viscous friction.
+Model: TypeAlias = Any

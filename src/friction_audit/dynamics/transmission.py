@@ -8,7 +8,7 @@ grow with the torque. With s = K e of the twist e,
 
 so that the stiffness is K from the torque 3/4 b on, which is the one that the model states.
 
-Here the measured side moves as recorded, and many far sides are followed at once; ``two_mass`` moves both sides.
+Here the measured side moves as recorded, and many far sides are followed at once; ``stick_slip`` moves both sides.
 """
 
 from collections.abc import Iterator, Sequence

@@ -58,7 +58,7 @@ FALL_SIGMAS = 4.0
 SLOWEST = 3.0
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Breakaways:
     """Moments at which a joint leaves a standstill, k of them, on the fine grid."""
 
@@ -100,15 +100,10 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
         sudden = certain - onset <= SLOWEST * (stop - certain) + APART
         if onset > begin + before and creep <= CREEP * dead_speed and sudden:
             found.append((onset - before, onset, certain))
-    table = np.asarray(found, np.int64).reshape(-1, 3)
+    first, onsets, certains = np.asarray(found, np.int64).reshape(-1, 3).T
     back = np.arange(-still, 1) - float(APART)  # from where a polynomial is read, behind the samples it is fitted to
-    return Breakaways(
-        samples=table[:, :1] + np.arange(still + 1),
-        onset=table[:, 1],
-        certain=table[:, 2],
-        direction=np.sign(dq[table[:, 2]]),
-        weights=np.linalg.pinv(np.vander(back / still, DEGREE + 1))[-1],
-    )
+    weights = np.linalg.pinv(np.vander(back / still, DEGREE + 1))[-1]
+    return Breakaways(first[:, None] + np.arange(still + 1), onsets, certains, np.sign(dq[certains]), weights)
 
 
 @lru_cache(maxsize=1)

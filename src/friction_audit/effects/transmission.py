@@ -6,6 +6,7 @@ Both have a far side, which carries friction and most of the inertia, and are fo
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import sqrt
+from typing import Any
 
 import numpy as np
 
@@ -36,6 +37,7 @@ LEAST_OF_SPRING, LEAST_OF_GAP, LARGEST_SHARE = 0.5, 0.4, 1.6
 # Of the inertia, on the far side: a rotor may move with the measured side.
 FAR_SHARES = (0.8, 0.6)
 
+RATIO: dict[str, Any] = {"lower": 0.0, "upper": 2.0, "optional": True}  # bounds of a damping ratio
 MEANING = "part of the inertia on the link side, the rest on the measured side"
 FAR_SHARE = Parameter("far_share", "1", MEANING, lower=0.0, upper=1.0, optional=True, default=1.0)
 
@@ -173,13 +175,7 @@ JOINT_ELASTICITY = JointElasticity(
             optional=True,
         ),
         Parameter(
-            "damping_ratio",
-            "1",
-            "damping ratio of the ringing, the measured side held",
-            lower=0.0,
-            upper=2.0,
-            optional=True,
-            default=DAMPING_RATIO,
+            "damping_ratio", "1", "damping ratio of the ringing, the measured side held", default=DAMPING_RATIO, **RATIO
         ),
         FAR_SHARE,
     ),
@@ -246,15 +242,7 @@ BACKLASH = Backlash(
     nonlinear=(
         Parameter("gap_rad", "rad", "full width of the gap", lower=1e-7, upper=1.0),
         Parameter("contact_hz", "Hz", "frequency in contact", lower=1.0, upper=1e3),
-        Parameter(
-            "flank_damping_ratio",
-            "1",
-            "damping ratio in contact",
-            lower=0.0,
-            upper=2.0,
-            optional=True,
-            default=CONTACT_DAMPING_RATIO,
-        ),
+        Parameter("flank_damping_ratio", "1", "damping ratio in contact", default=CONTACT_DAMPING_RATIO, **RATIO),
         FAR_SHARE,
     ),
     traits=Trait.NEEDS_NOMINAL,

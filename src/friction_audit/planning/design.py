@@ -8,7 +8,7 @@ Experiments, 1972). Sums of squares add up over candidates, for each starts and 
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +32,7 @@ SWEEPS = 4  # of exchanges; two usually suffice
 RIDGE = 1e-9
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Information:
+class Information(NamedTuple):
     """Sums of squares and products of whitened columns, by candidate; c candidates, h true effects, k competitors."""
 
     rows: Float  # of nominal model, nuisances and a competing effect with themselves, shape (c, k, r, r)
@@ -102,15 +101,9 @@ def information_of(
             rows[c, k], cross[c, k] = part @ part.T, part @ seen[:, at].T
     prior = np.zeros(shape[2])
     prior[len(problem.X) : len(problem.X) + len(nuisances)] = [1.0 / one.sd**2 for one in nuisances]
-    return Information(
-        rows=rows,
-        cross=cross,
-        own=np.stack([np.sum(seen[:, at] ** 2, axis=1) for at in slices]),
-        names=np.array([b.name for b in blocks]),
-        truths=tuple(truths),
-        prior=np.diag(prior) + RIDGE * np.eye(shape[2]),
-        seconds=np.array([c.duration_s for c in candidates]),
-    )
+    size = np.stack([np.sum(seen[:, at] ** 2, axis=1) for at in slices])
+    names, seconds = np.array([b.name for b in blocks]), np.array([c.duration_s for c in candidates])
+    return Information(rows, cross, size, names, tuple(truths), np.diag(prior) + RIDGE * np.eye(shape[2]), seconds)
 
 
 def value_of_separation(about: Information, counts: Float) -> float:

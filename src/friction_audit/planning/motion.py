@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import Float
 from friction_audit.planning.task import Joint
 from friction_audit.presets import PRESETS
 from friction_audit.robot.arm import read_urdf
@@ -134,20 +133,14 @@ def candidates_of(limits: Limits) -> list[Candidate]:
     if fast < 4.0 * slowest:
         found = f"the fastest motion over {high - low:.3g} rad has {fast:.2g} rad/s; expected at least {4 * slowest:g}"
         raise UsageError(f"limits: {found}; widen --range or raise --speed, --acceleration or --jerk")
-    return [
-        _candidate(words, np.clip(places, low, high), speeds, limits, rest_s, smooth=smooth)
-        for words, places, speeds, rest_s, smooth in _excursions(low, high, fast, limits)
-    ]
-
-
-def _candidate(
-    words: str, places: Float, speeds: ArrayLike, limits: Limits, rest_s: float, *, smooth: bool
-) -> Candidate:
-    ways = np.diff([0.0, *places])
-    pairs = zip(ways.tolist(), np.broadcast_to(np.asarray(speeds, float), ways.shape).tolist(), strict=True)
-    strokes = [_stroke(*one, limits, rest_s=rest_s, smooth=smooth) for one in pairs if abs(one[0]) > ROUNDING_RAD]
-    strokes[-1] = strokes[-1]._replace(rest_s=max(REST_S, rest_s))
-    return Candidate(words, tuple(strokes))
+    candidates = []
+    for words, places, speeds, rest_s, smooth in _excursions(low, high, fast, limits):
+        ways = np.diff([0.0, *np.clip(places, low, high)])
+        pairs = zip(ways.tolist(), np.broadcast_to(np.asarray(speeds, float), ways.shape).tolist(), strict=True)
+        strokes = [_stroke(*one, limits, rest_s=rest_s, smooth=smooth) for one in pairs if abs(one[0]) > ROUNDING_RAD]
+        strokes[-1] = strokes[-1]._replace(rest_s=max(REST_S, rest_s))
+        candidates.append(Candidate(words, tuple(strokes)))
+    return candidates
 
 
 def _excursions(low: float, high: float, fast: float, limits: Limits) -> Iterator[Excursion]:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -133,12 +133,8 @@ def plan_task(task: Task, limits: Limits, duration_s: float = DURATION_S, *, che
     names, values = about.separation(counts.astype(float) * (2.0 if at_both_ends else 1.0))
     expected = {name: dict(zip(names, row.tolist(), strict=True)) for name, row in zip(truths, values, strict=True)}
     pairs = [(one, other) for one in truths for other in truths if one != other and other in expected[one]]
-    plan = JointPlan(
-        task=task,
-        limits=limits,
-        runs=runs,
-        separated=tuple(Separated(one, other, expected[one][other]) for one, other in pairs),
-    )
+    separated = tuple(Separated(one, other, expected[one][other]) for one, other in pairs)
+    plan = JointPlan(task=task, limits=limits, runs=runs, separated=separated)
     if at_both_ends:
         plan = replace(plan, rest_s=duration_s - plan.duration_s - sum(one.duration_s for one in runs))
     there = {name: [one.get(name, next(iter(one.values()))) for one in sets] for name in truths}
@@ -164,10 +160,9 @@ def _designed(about: design.Information, duration_s: float) -> tuple[Index, bool
 def _filled(about: design.Information, criterion: design.Criterion, duration_s: float) -> Index:
     counts = design.exchange(about, criterion, duration_s - AROUND_S)
     if counts.sum() < FEWEST_RUNS:
-        raise AnalysisError(
-            f"{duration_s:g} s: room for {counts.sum()} candidate motions, the shortest of "
-            f"{about.seconds.min():.1f} s; expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
-        )
+        room = f"room for {counts.sum()} candidate motions, the shortest of {about.seconds.min():.1f} s"
+        todo = f"expected at least {FEWEST_RUNS}; give a longer --duration, or higher limits"
+        raise AnalysisError(f"{duration_s:g} s: {room}; {todo}")
     return counts
 
 
@@ -214,8 +209,8 @@ def _hidden(term: FittedTerm, joint: Joint, settings: BenchSettings) -> tuple[Hi
     """Return the simulator's effect and whether it equals a term; None for one that a joint alone does not show."""
     if EQUALS[term.name].needs_neighbours:
         return None
-    known: dict[str, Any] = {"joint": joint.parameters, "driven": not joint.hand, "duration_s": settings.duration_s}
+    outer = settings.operator.inertia_kg_m2
     try:
-        return equal_of(term, Setting(start_rad=0.0, outer_kg_m2=settings.operator.inertia_kg_m2, **known)), True
+        return equal_of(term, Setting(joint.parameters, 0.0, not joint.hand, settings.duration_s, outer)), True
     except (NoEqualError, UsageError):
         return near_of(term), False

@@ -132,10 +132,7 @@ def tasks_of(
 
 
 def task_of(
-    found: Mapping[str, Any],
-    hand: bool,
-    start_rad: float,
-    subject: tuple[Subject, JointDiagnosis] | None = None,
+    found: Mapping[str, Any], hand: bool, start_rad: float, subject: tuple[Subject, JointDiagnosis] | None = None
 ) -> Task:
     """Return what a joint of a document needs that a person or the robot moved; positions count from the start."""
     energy = found.get("from_energy", found)
@@ -183,11 +180,7 @@ def _joint(
             about["gravity"] = (float(hypot(sine, cosine)), float(atan2(cosine, sine)))
         if found.get("gap") is not None:
             about["corner_hz"] = RegressionProblem.build(data, None).samples.corner_hz
-    usual = JointParameters()
-    known: dict[str, Any] = {
-        key: numbers[key] if numbers.get(key, 0.0) > 0.0 else getattr(usual, key)  # NaN is not above zero
-        for key in COEFFICIENTS
-    }
+    known: dict[str, Any] = {key: numbers[key] for key in COEFFICIENTS if numbers.get(key, 0.0) > 0.0}  # else usual
     return Joint(number=int(found["joint"]), name=str(found["name"]), parameters=JointParameters(**known), **about)
 
 

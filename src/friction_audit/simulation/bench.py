@@ -1,7 +1,7 @@
 """One joint that moves, on a bench or in a Panda, by a hand or its own motor; the mechanism of every simulation."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from math import atan2, hypot, inf, pi
 
 import numpy as np
@@ -289,7 +289,7 @@ class HandGuidedPanda(Checked):
             duration_s=self.duration_s,
             rate_hz=self.rate_hz,
         )
-        own = replace(streams, events=(streams.events[moved],), drifts=(streams.drifts[moved],))
+        own = streams._replace(events=(streams.events[moved],), drifts=(streams.drifts[moved],))
         alone = moved_by(move(bench, own, progress, start_rad=self.pose_rad[moved]), path)
 
         def widened(column: Float, others: Float | None = None) -> Float:

@@ -57,41 +57,17 @@ _FIRM_HAND = Operator(
 _DAMPED_HAND = replace(_FIRM_HAND, damping_nms_per_rad=30.0)
 
 
-def _sinusoidal(
-    viscous_nms_per_rad: float,
-    duration_s: float,
-    compensator: EnergyCompensator | FixedCompensation | None = None,
-    *,
-    coulomb_nm: float = 0.0,
-    hidden: Hidden | None = None,
-    operator: Operator = _FIRM_HAND,
-) -> BenchSettings:
+def _sinusoidal(viscous: float, duration_s: float, coulomb_nm: float = 0.0) -> BenchSettings:
     """Return an ideal joint with a sinusoidal operator; every 2 s an energy cycle ends."""
-    return BenchSettings(
-        joints=(JointParameters(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad),),
-        hidden=(hidden or Hidden(),),
-        sensors=(IDEAL_SENSORS,),
-        operator=operator,
-        compensator=compensator,
-        duration_s=duration_s,
-    )
+    joint = JointParameters(coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous)
+    return BenchSettings(joints=(joint,), sensors=(IDEAL_SENSORS,), operator=_FIRM_HAND, duration_s=duration_s)
 
 
-def _over_compensated(*, passivity: bool) -> EnergyCompensator:
-    """Return a compensator that applies 30 Ns/mm from the second cycle on, until its passivity controller has acted.
-
-    The joint is rigid, and nothing rings: the deficit is paid within a tick, as (22) has it, and the damping only has
-    to stay below inertia over tick.
-    """
-    forced = Coefficients(viscous_nms_per_rad=_THIRTY)
-    return EnergyCompensator(
-        model="viscous",
-        zero_crossings=True,
-        forced=forced,
-        passivity=passivity,
-        payback_s=0.0,
-        max_damping_nms_per_rad=50.0,
-    )
+_VISCOUS_ONLY = EnergyCompensator(model="viscous", zero_crossings=True)
+# Applies 30 Ns/mm from the second cycle on, until its passivity controller has acted. The joint is rigid, and nothing
+# rings: the deficit is paid within a tick, as (22) has it, and the damping only has to stay below inertia over tick.
+_FORCED = Coefficients(viscous_nms_per_rad=_THIRTY)
+_OVER_COMPENSATION = replace(_VISCOUS_ONLY, forced=_FORCED, payback_s=0.0, max_damping_nms_per_rad=50.0)
 
 
 # Coulomb friction and sensors of a Panda's joint 1. Its published viscous friction (0.075 N m s/rad) cannot give the
@@ -127,17 +103,17 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     Scenario(
         "fig6",
         "viscous friction that doubles at 6 s, compensated by its estimate",
-        _sinusoidal(_TEN, 10.0, EnergyCompensator(model="viscous", zero_crossings=True), hidden=_DOUBLES_AT_6_S),
+        replace(_sinusoidal(_TEN, 10.0), compensator=_VISCOUS_ONLY, hidden=(_DOUBLES_AT_6_S,)),
     ),
     Scenario(
         "fig7-unprotected",
         "viscous friction compensated by half as much again, without passivity controller",
-        _sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=False)),
+        replace(_sinusoidal(_TWENTY, 10.0), compensator=replace(_OVER_COMPENSATION, passivity=False)),
     ),
     Scenario(
         "fig7",
         "viscous friction compensated by half as much again, until the passivity controller acts",
-        _sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=True)),
+        replace(_sinusoidal(_TWENTY, 10.0), compensator=_OVER_COMPENSATION),
     ),
     Scenario(
         "fig8", "a joint as in the paper's experiment, moved by a person, without compensation", _experiment(None)
@@ -145,12 +121,12 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     Scenario(
         "fig9-friction",
         "Coulomb and viscous friction, without compensation: plateaus over the velocity",
-        _sinusoidal(_TEN, 8.0, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
+        replace(_sinusoidal(_TEN, 8.0, _COULOMB_NM), operator=_DAMPED_HAND),
     ),
     Scenario(
         "fig9-compensated",
         "Coulomb and viscous friction compensated by their true values: an ellipse over the velocity",
-        _sinusoidal(_TEN, 8.0, _TRUE_VALUES, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
+        replace(_sinusoidal(_TEN, 8.0, _COULOMB_NM), compensator=_TRUE_VALUES, operator=_DAMPED_HAND),
     ),
     Scenario(
         "fig10", "the same, combined friction compensated from the last two cycles", _experiment(_COMBINED_OF_TWO)

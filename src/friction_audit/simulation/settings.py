@@ -76,8 +76,7 @@ def count_ticks(duration_s: float, rate_hz: float) -> int:
     return round(duration_s * CONTROL_RATE_HZ)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Streams:
+class Streams(NamedTuple):
     """The random streams of one simulation."""
 
     person: np.random.Generator  # draws the motion
@@ -92,8 +91,7 @@ def make_streams(seed: int, joints: int) -> Streams:
     *first, hidden = np.random.SeedSequence(seed).spawn(4)
     person, sensors, recorder = (np.random.default_rng(part) for part in first)
     parts = [np.random.default_rng(part) for part in hidden.spawn(2 * joints)]
-    events, drifts = tuple(parts[::2]), tuple(parts[1::2])
-    return Streams(person=person, sensors=sensors, recorder=recorder, events=events, drifts=drifts)
+    return Streams(person, sensors, recorder, events=tuple(parts[::2]), drifts=tuple(parts[1::2]))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -38,27 +38,19 @@ class NoEqualError(Exception):
     """Why the simulator has no equal of a term of a joint model."""
 
 
-def number(
-    usual: float,
-    meaning: str,
-    unit: str = "1",
-    *,
-    like: str = "",
-    lower: float = 0.0,
-    upper: float = inf,
-    **given: float,
-) -> Any:  # noqa: ANN401 - the field of a dataclass
+def number(usual: float, meaning: str, unit: str = "1", *, off: bool = False, **bounds: Any) -> Any:  # noqa: ANN401
     """Return a field of a hidden effect, and what is usual where it is named without a number.
 
-    Unit and bounds are those of the parameter ``like`` of the effect of the same name, where there is one.
+    It is at least zero, unless ``lower`` or ``upper`` say otherwise; unit and bounds are those of the parameter
+    ``like`` of the effect of the same name, where there is one.
     """
-    about = {"default": usual, "unit": unit, "meaning": meaning, "like": like, "lower": lower, "upper": upper}
-    return field(default=given.get("default", usual), metadata=about)
+    about = {"default": usual, "unit": unit, "meaning": meaning, "like": "", "lower": 0.0, "upper": inf} | bounds
+    return field(default=0.0 if off else usual, metadata=about)
 
 
-def strength(usual: float, meaning: str, unit: str = "1", **bounds: Any) -> Any:  # noqa: ANN401 - likewise
+def strength(usual: float, meaning: str, unit: str = "1", **bounds: Any) -> Any:  # noqa: ANN401 - a field
     """Return the first field of a hidden effect: at zero, where it is not named, it does nothing."""
-    return number(usual, meaning, unit, default=0.0, **bounds)
+    return number(usual, meaning, unit, off=True, **bounds)
 
 
 @dataclass(frozen=True, kw_only=True)

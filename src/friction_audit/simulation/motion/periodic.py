@@ -51,7 +51,7 @@ class Sinusoid(Checked):
         x, side = halves - half, np.where(half % 2 == 0, 1.0, -1.0)
         rate = pi * amplitude * np.sin(pi * x) - change * np.cos(pi * x)
         position = self.amplitude_rad - side * amplitude * np.cos(pi * x)
-        return Intention(position=position, velocity=side * rate * pace)
+        return Intention(position, side * rate * pace)
 
 
 STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take as many as they have joints
@@ -81,7 +81,7 @@ class Commanded(Checked):
     def intend(self, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
         """Return the multisine of one joint; it starts and ends at rest at 0."""
         joints = intend_joints(self, 1, ticks, dt, rng)
-        return Intention(position=joints.position[:, 0], velocity=joints.velocity[:, 0])
+        return Intention(joints.position[:, 0], joints.velocity[:, 0])
 
 
 def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
@@ -105,7 +105,7 @@ def intend_joints(settings: Commanded, joints: int, ticks: int, dt: float, rng: 
     speed = np.abs(velocity).max(axis=0) / settings.peak_speed_rad_s
     excess = np.maximum.reduce([position.max(axis=0) / high, position.min(axis=0) / low, speed])
     excess = np.where(excess > 0, excess, 1.0)
-    return Intention(position=position / excess, velocity=velocity / excess)
+    return Intention(position / excess, velocity / excess)
 
 
 def frequencies_hz(settings: Commanded, joints: int) -> Float:

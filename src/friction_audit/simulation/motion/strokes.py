@@ -21,8 +21,7 @@ REST_S = 0.5  # rest before the first stroke of a motion and after the last
 SHORTEST_S = 0.01  # no person starts a stroke and ends it in less
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Intention:
+class Intention(NamedTuple):
     """The intended motion at the controller's ticks from rest at 0, shape (n + 1,); (n + 1, joints) for several."""
 
     position: Float  # relative to the start [rad]
@@ -58,13 +57,13 @@ def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.
 def at_constant_speed(t: Float, start_s: Float, way: Float, speed: Float, ease_s: Float) -> Intention:
     """Return strokes of a constant speed, each with a smooth rise of the velocity and a fall; arrays one per stroke."""
     if not len(start_s):
-        return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
+        return Intention(np.zeros_like(t), np.zeros_like(t))
     stroke = latest(start_s, t)
     rise = (t - start_s[stroke]) / ease_s[stroke]
     fall = rise - (np.abs(way) / speed / ease_s)[stroke]
     signed, origin = np.copysign(speed, way)[stroke], (np.cumsum(way) - way)[stroke]
     position = origin + signed * ease_s[stroke] * (area(rise) - area(fall))
-    return Intention(position=position, velocity=signed * (rising(rise) - rising(fall)))
+    return Intention(position, signed * (rising(rise) - rising(fall)))
 
 
 STRATA = 10  # the speeds of so many strokes in a row are spread evenly over their distribution
@@ -107,7 +106,7 @@ class StopAndGo(Checked):
         strokes, t = np.array(rows), np.arange(ticks + 1, dtype=np.float64) * dt
         start, lasts, origin, length = strokes[latest(strokes[:, 0], t)].T
         x = np.clip((t - start) / lasts, 0.0, 1.0)
-        return Intention(position=origin + length * course(x), velocity=length / lasts * slope(x))
+        return Intention(origin + length * course(x), length / lasts * slope(x))
 
 
 def _draw_speeds(settings: StopAndGo, rng: np.random.Generator) -> list[float]:
@@ -271,8 +270,7 @@ class HandPath(Checked):
     pause_s: tuple[float, float] = within((0.2, 0.7))  # shortest and longest pause between two strokes [s]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class HandMotion:
+class HandMotion(NamedTuple):
     """The intended motion of the hand at the controller's ticks, shape (n + 1, 3) each, in the world's axes."""
 
     position: Float  # offset from the start [m]
@@ -304,7 +302,7 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
     second = np.where(angle > SMALL_RAD, (safe - np.sin(safe)) / safe**3, 1 / 6 - angle**2 / 120)
     across = np.cross(rotation, turning)
     angular = turning + first[:, np.newaxis] * across + second[:, np.newaxis] * np.cross(rotation, across)
-    return HandMotion(position=position, rotation=rotation, velocity=velocity, angular=angular)
+    return HandMotion(position, rotation, velocity, angular)
 
 
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
